@@ -1,28 +1,28 @@
-//! What is wrong with a drive and its crank in one tick.
+//! Disturbance of a drive and its crank in one tick.
 
-/// Input of a machine beside the loop's output.
+/// Disturbance of a drive and its crank: an input of the machine in addition to the loop's output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
-    /// The axis whose lines its drive detects.
+    /// Number of the axis whose command lines reach the drive.
     pub from: usize,
-    /// Its motor turns the other way round.
+    /// True if the motor turns in the reversed sense.
     pub reversed: bool,
-    /// It turns at this speed, whatever its command is, rev/s.
+    /// Speed at which the motor turns regardless of its command, rev/s.
     pub runaway_hz: Option<f64>,
-    /// Part of what it is commanded to do that it makes: less than 1 where its pulses underran.
+    /// Fraction of the commanded travel that the drive makes: below 1 after a step FIFO underrun.
     pub travel_share: f64,
-    /// Electrical cycles by which field and rotor fall back as the tick begins.
+    /// Electrical cycles by which field and rotor fall back at the beginning of the tick.
     pub lost_cycles: i64,
-    /// By how much the crank slips back on its motor's shaft in this tick, turns.
+    /// Slip of the crank on its motor's shaft in this tick, turns: positive backward.
     pub slip_turns: f64,
-    /// The crank, and its motor with it, stands.
+    /// True if the crank is stuck, and its motor with it.
     pub stuck: bool,
-    /// Torque more that the crank is loaded with, N·m.
+    /// Additional load on the crank, N·m.
     pub load_nm: f64,
 }
 
 impl Disturbance {
-    /// Nothing is, with axis `number`.
+    /// Returns no disturbance, for axis `number`.
     pub const fn nothing(number: usize) -> Self {
         Self {
             from: number,

@@ -1,4 +1,4 @@
-//! The layer itself: what is wrong now, tick by tick and reading by reading.
+//! The fault layer: the active faults, tick by tick and reading by reading.
 
 use cophase_core::signals::Feedback;
 
@@ -9,14 +9,15 @@ use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, Lines};
 use crate::units::nearest;
 
-/// All that goes wrong in a scene.
+/// Faults and noise of a scene.
 #[derive(Clone, Debug)]
 pub struct Faults {
     planned: Vec<Planned>,
-    /// Nothing is planned, and no reading has noise: ordinary runs, which are not to pay for this.
+    /// True if no fault is planned and no encoder has noise. Ordinary runs then skip the layer.
     is_idle: bool,
-    /// Which of them have begun, and in this order what has.
+    /// Planned faults that have begun.
     begun: Vec<bool>,
+    /// Faults that have begun since they were last read, in this order.
     new_faults: Vec<FaultAt>,
     tick_us: u64,
     tick_s: f64,
@@ -27,14 +28,14 @@ pub struct Faults {
     encoder: Axes<Option<Stream>>,
     /// Two axes whose sensors are swapped.
     swapped_sensors: Vec<(usize, usize)>,
-    /// Axes whose pulses underran since the last reading.
+    /// Axis with a step FIFO underrun since the last reading; the last one if there were several.
     underrun: Option<usize>,
-    /// Index pulses that are still to stay away, each axis; none: no such fault.
+    /// Number of further index pulses that each axis loses; none without such a fault.
     missing: Axes<Option<u32>>,
 }
 
 impl Faults {
-    /// Of a scene.
+    /// Creates the faults of a scene.
     pub fn new(checked: &Checked) -> Self {
         let scene = &checked.scene;
         let noise = &scene.noise;
@@ -61,7 +62,7 @@ impl Faults {
         }
     }
 
-    /// Lets faults be added, also those that touch drives: [`Self::add`].
+    /// Allows faults to be added, including those that touch drives: [`Self::add`].
     pub const fn open(&mut self) {
         self.touches_drives = true;
     }
@@ -75,12 +76,12 @@ impl Faults {
         self.is_idle = false;
     }
 
-    /// What has begun since this was last asked.
+    /// Returns the faults that have begun since the last call.
     pub fn new_faults(&mut self) -> impl Iterator<Item = FaultAt> {
         self.new_faults.drain(..)
     }
 
-    /// Marks what begins up to `at_us`, of the kinds that `which` picks; what of it is new.
+    /// Marks the faults that begin up to `at_us`, of the kinds that `which` selects. Returns the new ones.
     fn begin(&mut self, at_us: u64, which: fn(FaultName) -> bool) -> Vec<FaultAt> {
         let mut new = Vec::new();
         for (planned, begun) in self.planned.iter().zip(&mut self.begun) {
@@ -93,7 +94,7 @@ impl Faults {
         new
     }
 
-    /// What is wrong with each drive in the tick that begins at `start_us`; none in a scene where nothing ever is.
+    /// Returns the disturbance of each drive in the tick that begins at `start_us`; none in a scene that never has any.
     #[inline]
     pub fn disturbance(&mut self, start_us: u64) -> Option<&[Disturbance]> {
         if self.planned.is_empty() && !self.touches_drives {
@@ -158,7 +159,8 @@ impl Faults {
         Some(&self.disturbance)
     }
 
-    /// Extra index pulses that begin in the tick from `start_us`: on which axis, after which part of it, and how many.
+    /// Returns the extra index pulses that begin in the tick from `start_us`: for each axis, the fraction of the tick
+    /// after which they begin, and their number.
     #[inline]
     pub fn extra(&mut self, start_us: u64) -> Vec<(usize, Extra)> {
         let is_of_index = |planned: &Planned| is_of_index(planned.fault.kind);
@@ -191,7 +193,7 @@ impl Faults {
         extra
     }
 
-    /// Whether a flag that comes before the sensor of an axis is not to be detected; called once a flag.
+    /// Returns true if the sensor of an axis misses its present flag. To be called once per flag.
     pub fn misses(&mut self, axis: usize) -> bool {
         match &mut self.missing[axis] {
             Some(0) | None => false,
@@ -203,7 +205,8 @@ impl Faults {
         }
     }
 
-    /// Puts into what is read at `now_us` what is wrong with it. Safety inputs are as they were set before.
+    /// Applies the active faults to the feedback that is read at `now_us`. The safety inputs already have their
+    /// scheduled levels.
     pub fn read(&mut self, now_us: u64, feedback: &mut Feedback) {
         if self.is_idle {
             return;
@@ -235,7 +238,7 @@ impl Faults {
         feedback.fifo_underrun = self.underrun.take();
     }
 
-    /// Swaps what comes from sensors whose wires are.
+    /// Swaps the values of sensors whose wires are swapped.
     pub fn swap<T>(&self, of_each: &mut [T]) {
         for &(one, other) in &self.swapped_sensors {
             of_each.swap(one, other);
@@ -243,13 +246,13 @@ impl Faults {
     }
 }
 
-/// Two axes whose sensors a fault swaps.
+/// Returns the two axes whose sensors a fault swaps.
 fn swapped_sensors(fault: &FaultAt) -> Option<(usize, usize)> {
     (fault.kind == FaultName::SwappedWiring && fault.lines == Some(Lines::Sensors)).then_some(())?;
     fault.axis.zip(fault.with)
 }
 
-/// Kinds that begin with a tick that is played.
+/// True for kinds of faults that begin with a tick that is played.
 const fn is_of_a_tick(kind: FaultName) -> bool {
     use FaultName as Kind;
     matches!(
@@ -265,7 +268,7 @@ const fn is_of_a_tick(kind: FaultName) -> bool {
     )
 }
 
-/// Kinds that begin within one.
+/// True for kinds of faults that begin within a tick.
 const fn is_of_index(kind: FaultName) -> bool {
     matches!(kind, FaultName::IndexMissing | FaultName::IndexExtra)
 }

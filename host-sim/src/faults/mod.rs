@@ -1,10 +1,11 @@
-//! What goes wrong on purpose: a layer between the loop and any simulated machine.
+//! Injected faults: a layer between the loop and any simulated machine.
 //!
-//! A scene's `[[fault]]` and `[noise]` act here and nowhere else. Between loop and drives stands [`Disturbance`]: what is wrong with
-//! each drive and its crank in one tick, for the machine to play. Between sensors and loop, [`Faults`] changes what lines,
-//! encoders and inputs say, and [`Stream`] draws their noise. A machine without either is played as if this were not there.
+//! The `[[fault]]` and `[noise]` entries of a scene act here and nowhere else. Between loop and drives, a [`Disturbance`] changes
+//! the response of each drive and its crank in one tick, and the machine plays it. Between sensors and loop, [`Faults`] changes the
+//! values of lines, encoders and inputs, and [`Stream`] draws their noise. A machine without faults and noise is played as if this
+//! layer did not exist.
 //!
-//! A *fault* here is what is put in; what the controller makes of it is its own affair.
+//! A *fault* here is the one that is injected. The controller's diagnosis of it is separate.
 
 mod disturbance;
 mod layer;

@@ -1,22 +1,22 @@
-//! Noise that is the same on every run and host: a number of a normal distribution for each number that is given.
+//! Noise that is the same in every run and on every host: a normally distributed number for each draw number.
 //!
-//! Each sensor of each axis has a stream of its own, and within it each draw its own place. So one sensor that is read more
-//! often, or a fault that keeps it from being read, shifts the noise of no other. ChaCha is made for that: any place of any
-//! stream is had at once. The uniform numbers become normal ones by Box and Muller's formula with the `libm` crate, as the
-//! standard library's logarithm is the host's.
+//! Each sensor of each axis has its own stream, and each draw has its own position within the stream. So a sensor that is read more
+//! often, or a fault that prevents a reading, shifts the noise of no other sensor. ChaCha suits this, because it gives random access to
+//! any position of any stream. The formula of Box and Muller converts the uniform numbers to normal ones. It uses the `libm` crate,
+//! because the standard library's logarithm depends on the host.
 
 use std::cell::RefCell;
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 
-/// What noise is on; its number is part of the stream's.
+/// Source of noise. Its number is part of the stream's number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Sensor {
-    /// Place of the index flag's beginning.
+    /// Position of the start of the index flag.
     FlagStart = 0,
-    /// Place of its end.
+    /// Position of the end of the index flag.
     FlagEnd = 1,
     /// Time of an index line's edge.
     EdgeTime = 2,
@@ -26,18 +26,18 @@ pub enum Sensor {
     Load = 4,
 }
 
-/// More axes than a machine has: streams of one sensor lie side by side.
+/// Stream numbers per sensor: more than the largest number of axes.
 const AXES: u64 = 16;
 
-/// Words of the generator that a draw takes.
+/// Words of the generator per draw.
 const WORDS: u128 = 4;
 
-/// Draws that one filling of the generator's buffer gives: four blocks of sixteen words. Sensors are read in order, so that all but one
-/// in sixteen draws find their number there. Sixteen logarithms and cosines in a row take less time than one at a time, as no one waits
-/// for another.
+/// Draws per filling of the generator's buffer: four blocks of sixteen words. Sensors are read in order, so that fifteen of sixteen
+/// draws find their number in the buffer. Sixteen logarithms and cosines in a row take less time than one at a time, because they do
+/// not depend on each other.
 const DRAWS: usize = 16;
 
-/// The noise of one sensor on one axis.
+/// Noise of one sensor on one axis.
 #[derive(Clone, Debug)]
 pub struct Stream {
     seed: [u8; 32],
@@ -46,16 +46,16 @@ pub struct Stream {
     window: RefCell<Window>,
 }
 
-/// [`DRAWS`] draws in a row.
+/// Buffer of [`DRAWS`] consecutive draws.
 #[derive(Clone, Debug)]
 struct Window {
-    /// Number of the first draw, over [`DRAWS`].
+    /// Number of the first draw, divided by [`DRAWS`].
     place: Option<u64>,
     draws: [f64; DRAWS],
 }
 
 impl Stream {
-    /// Noise of that standard deviation; none if it is 0.
+    /// Creates noise with this standard deviation; none if it is 0.
     pub fn new(seed: u64, sensor: Sensor, axis: usize, deviation: f64) -> Option<Self> {
         if deviation == 0.0 {
             return None;
@@ -73,7 +73,7 @@ impl Stream {
         })
     }
 
-    /// The draw of that number.
+    /// Returns the draw with this number.
     pub fn draw(&self, number: i64) -> f64 {
         let number = number as u64;
         let place = number / DRAWS as u64;
@@ -95,7 +95,7 @@ impl Stream {
         *draws = words.map(|words| self.deviation * normal(words));
     }
 
-    /// What no draw goes beyond, either way: √(−2 ln 2⁻⁵³) is 8.57.
+    /// Upper bound of the magnitude of a draw: √(−2 ln 2⁻⁵³) is 8.57.
     pub fn reach(&self) -> f64 {
         8.6 * self.deviation
     }
@@ -103,9 +103,9 @@ impl Stream {
 
 const UNIT: f64 = 1.0 / (1u64 << 53) as f64;
 
-/// A number of a normal distribution, of two random numbers.
+/// Converts two random numbers to a normally distributed one.
 fn normal([radius, angle]: [u64; 2]) -> f64 {
-    // From 2⁻⁵³ to 1, so that its logarithm is finite; and from 0 to 1.
+    // The radius is from 2⁻⁵³ to 1, so that its logarithm is finite. The angle is from 0 to 1.
     let radius = ((radius >> 11) + 1) as f64 * UNIT;
     let angle = (angle >> 11) as f64 * UNIT;
     libm::sqrt(-2.0 * libm::log(radius)) * libm::cos(std::f64::consts::TAU * angle)
@@ -115,8 +115,8 @@ fn normal([radius, angle]: [u64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// If a draw depended on the draws before it, a sensor that is read more often would have other noise. The numbers are those of the
-    /// generator at the place of the draw.
+    /// If this fails, a draw depends on the draws before it, and a sensor that is read more often has other noise. The expected numbers
+    /// are those of the generator at the position of the draw.
     #[test]
     fn a_draw_is_the_same_in_any_order() {
         let alone = |number: i64| {
@@ -134,8 +134,8 @@ mod tests {
         }
     }
 
-    /// Were it wrong, noise would be of another size than the scene says, or off centre. Of 20,000 draws the mean is within
-    /// σ/√n, the deviation within σ/√2n: four of those each, which one seed in 10,000 does not keep.
+    /// If this fails, noise is larger or smaller than the scene sets, or not centred. The mean of 20,000 draws has the standard error
+    /// σ/√n, and their deviation σ/√2n. The limits are four times these, which one seed in 10,000 exceeds.
     #[test]
     fn draws_have_the_requested_deviation() {
         const DRAWS: i64 = 20_000;
@@ -155,7 +155,7 @@ mod tests {
         }
     }
 
-    /// Were it wrong, one sensor's noise would be another's, or depend on what was drawn before.
+    /// If this fails, one sensor has the noise of another, or noise that depends on earlier draws.
     #[test]
     fn streams_are_apart_and_draws_are_by_number() {
         let stream = |sensor, axis| Stream::new(7, sensor, axis, 1.0).unwrap();

@@ -1,25 +1,25 @@
-//! When each fault begins and ends, and which of them touch what.
+//! Beginning and end of each fault, and which faults touch drives and cranks.
 
 use crate::scene::file::{FaultAt, FaultName, Lines, Scene};
 use crate::virtual_time::TICKS_PER_S;
 
-/// A fault with its times, µs since power-up.
+/// Fault with its times, µs since power-up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planned {
-    /// What it is.
+    /// Fault of the scene.
     pub fault: FaultAt,
-    /// From when.
+    /// Time at which it begins.
     pub from_us: u64,
-    /// Until when; for good if that never comes.
+    /// Time at which it ends; `u64::MAX` if it is permanent.
     pub until_us: u64,
 }
 
 impl Planned {
-    /// Of a fault of a checked scene.
+    /// Plans a fault of a checked scene.
     pub fn new(fault: &FaultAt) -> Self {
         let clock = |seconds: f64| (seconds * TICKS_PER_S as f64).round() as u64;
         let from_us = match fault.kind {
-            // Wires do not swap while they are looked at.
+            // Wrong wiring is present from power-up on.
             FaultName::SwappedWiring | FaultName::Reversed => 0,
             _ => clock(fault.at_s),
         };
@@ -30,14 +30,14 @@ impl Planned {
         }
     }
 
-    /// Whether it is on at a time.
+    /// True if the fault is active at a time.
     pub const fn is_on(&self, at_us: u64) -> bool {
         self.from_us <= at_us && at_us < self.until_us
     }
 }
 
 impl FaultAt {
-    /// Whether it makes a crank be elsewhere than commanded.
+    /// True if the fault moves a crank away from its command.
     pub fn moves_crank(&self) -> bool {
         match self.kind {
             FaultName::LostSteps
@@ -51,19 +51,19 @@ impl FaultAt {
         }
     }
 
-    /// Whether it acts between the loop and the drives, or on the cranks.
+    /// True if the fault acts between the loop and the drives, or on the cranks.
     pub fn touches_drives(&self) -> bool {
         self.moves_crank() || self.kind == FaultName::LoadStep
     }
 }
 
 impl Scene {
-    /// The first of its faults that makes a crank be elsewhere than commanded.
+    /// Index of the first fault that moves a crank away from its command.
     pub fn moving_fault(&self) -> Option<usize> {
         self.fault.iter().position(FaultAt::moves_crank)
     }
 
-    /// Whether the commands of the drives, or the loads of the cranks, differ from those that the loop and the machine give.
+    /// True if faults or noise change the commands of the drives or the loads of the cranks.
     pub fn touches_drives(&self) -> bool {
         self.noise.load_nm != 0.0 || self.fault.iter().any(FaultAt::touches_drives)
     }

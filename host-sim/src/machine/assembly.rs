@@ -1,21 +1,23 @@
-//! Fit of a platform on its cranks: more than three over-constrain it, and stand apart only as far as rods bend.
+//! Fit of a platform on its cranks. More than three cranks over-constrain it, and their heights may differ from
+//! its plane only as far as the rods bend.
 
 use std::f64::consts::TAU;
 
 use crate::dynamics::{Corners, Driven, MOST};
 use crate::scene::{Checked, SceneError};
 
-/// Rods that are to bend by more than this, m, belong to another machine, whatever the motors have.
+/// Largest deflection of the rods, m. A scene that bends them further is refused, whatever torque the motors
+/// have.
 const MOST_BENT_M: f64 = 1e-3;
 
-/// Turns of the master that are looked at, and places in each: ratios are those of small whole numbers.
+/// Turns of the master that are checked, and positions in each. The ratios are those of small whole numbers.
 const TURNS: u32 = 8;
 const PLACES: u32 = 64;
 
-/// Refuses cranks that are commanded so far apart that no motor turns them against the rods.
+/// Refuses cranks that are commanded so far apart that no motor can turn them against the rods.
 ///
 /// # Errors
-/// The key that has them apart, by how much rods would bend, and the torque that it takes.
+/// Names the key that sets them apart, the deflection of the rods, and the torque that it takes.
 pub(super) fn check(checked: &Checked, driven: &Driven) -> Result<(), SceneError> {
     let body = driven.body();
     let settings = &checked.settings;

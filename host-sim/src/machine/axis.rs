@@ -1,13 +1,12 @@
-//! One motor with its crank: what it makes of pulses or setpoints, and when its index passes.
+//! One motor with its crank: its response to pulses or setpoints, and the passages of its index flag.
 //!
-//! A stepper counts rising edges, as its drive does, so that its phase is a whole number of steps. Past
-//! its pull-out torque it loses the field: for as long as the load is too large it makes none of the
-//! commanded travel, and catches the field again whole electrical cycles (four full steps) behind;
-//! or ahead, where the load drives it. That is the slowest way to lose steps there is in reality, and
-//! the smallest number of lost steps.
+//! A stepper counts rising edges, as its drive does, so that its phase is a whole number of steps. Above its pull-out torque it loses the
+//! field. While the load is too large, it makes none of the commanded travel. It then locks to the field again, whole electrical cycles
+//! (four full steps) behind, or ahead if the load drives it. This is the slowest way in which a real stepper loses steps, with the
+//! smallest number of lost steps.
 //!
-//! A servo is where its setpoint is, moving evenly between setpoints. One that takes pulses counts them as a stepper's drive
-//! does, and slips never.
+//! A servo is at its setpoint, and moves evenly between setpoints. A servo that takes pulses counts them as a stepper's drive does, and
+//! never slips.
 
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
@@ -37,46 +36,47 @@ pub struct SimulatedAxis {
     origin_turns: f64,
     flag: Option<Flag>,
     pulses: PulseCounter,
-    /// Where a servo was commanded to be last.
+    /// Last commanded position of a servo.
     commanded: Option<Phase>,
-    /// What the motor has slipped, in steps.
+    /// Completed slip of the motor, in steps.
     slipped: i64,
-    /// What it is slipping right now, in steps, since it lost the field.
+    /// Slip since the motor lost the field, in steps, until the field holds it again.
     slipping: i64,
     overload: Overload,
-    /// Largest part of the pull-out torque that was required, and at which speed.
+    /// Largest fraction of the pull-out torque that was required, and the speed at which it was, rev/s.
     torque_used: Option<(f64, f64)>,
-    /// How far the drive was commanded to go, turns; where torque moves the cranks.
+    /// Commanded travel of the drive, turns; only if torque moves the cranks.
     commanded_turns: f64,
-    /// What of that the drive gave up while it was off, turns.
+    /// Part of this travel that the drive gave up while it was off, turns.
     cleared_turns: f64,
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
     travelled_turns: f64,
 }
 
-/// How a crank turns within a tick.
+/// Motion of a crank within a tick.
 #[derive(Clone, Copy)]
 enum Turning<'a> {
-    /// Evenly, in so many cycles.
+    /// Evenly, over this number of cycles.
     Evenly(u32),
-    /// As the runs of the tick have it: by their edges, or evenly where it is a servo's.
+    /// According to the runs of the tick: edge by edge, or evenly for a servo.
     By(&'a Runs),
 }
 
-/// What the load makes of a motor.
+/// Effect of the load on a motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overload {
-    /// It keeps step.
+    /// The motor keeps step.
     None,
-    /// The motor would have to give more than it can.
+    /// The load requires more torque than the motor can give.
     Driving,
-    /// The load drives the motor with more than it can hold.
+    /// The load drives the motor with more torque than it can hold.
     Driven,
 }
 
 impl SimulatedAxis {
-    /// At power-up. The loop believes the crank at `home_turns`, and it is `start_turns` further. It makes `ratio` turns per master turn.
+    /// Creates an axis at power-up. The loop assumes the crank at `home_turns`, and it is `start_turns` further. The crank makes `ratio`
+    /// turns per master turn.
     pub fn new(
         settings: &AxisSettings,
         home_turns: f64,
@@ -109,7 +109,7 @@ impl SimulatedAxis {
         }
     }
 
-    /// Where the crank is, turns since power-up, in its own sense.
+    /// Position of the crank, turns since power-up, in its own sense.
     pub fn turns(&self) -> f64 {
         self.origin_turns + self.travelled_turns
     }
@@ -119,25 +119,25 @@ impl SimulatedAxis {
         self.ratio
     }
 
-    /// Steps that its drive has counted since power-up, in its own sense; none if it takes no pulses.
+    /// Steps that the drive has counted since power-up, in its own sense; none if it takes no pulses.
     pub fn counted_steps(&self) -> Option<i64> {
         let takes_pulses = self.drive.takes_pulses();
         takes_pulses.then(|| self.pulses.counted())
     }
 
-    /// Electrical cycles slipped since power-up: negative behind, positive ahead of the field.
+    /// Electrical cycles slipped since power-up: negative behind the field, positive ahead of it.
     pub fn slipped_cycles(&self) -> i64 {
         self.lost_cycles
     }
 
-    /// The largest part of its pull-out torque that was required of the motor, and at which speed, rev/s.
+    /// Largest fraction of the pull-out torque that was required of the motor, and the speed at which it was, rev/s.
     pub fn torque_used(&self) -> Option<(f64, f64)> {
         self.torque_used
     }
 
-    /// Torque that a motion requires of the motor, N·m: its share of the load's, its friction, and what turns its rotor.
+    /// Torque that a motion requires of the motor, N·m: its share of the load, its friction, and the inertia of its rotor.
     pub fn required_nm(&self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) -> f64 {
-        // A machine that stands does not work against friction.
+        // A machine at rest does not work against friction.
         let friction_nm = if speed_hz == 0.0 {
             0.0
         } else {
@@ -146,7 +146,7 @@ impl SimulatedAxis {
         share_nm + friction_nm + self.rotor_inertia_kgm2 * acceleration_rad_s2 * self.ratio
     }
 
-    /// Compares what this tick's motion needs with what the motor has; what it needs, N·m.
+    /// Compares the torque that the motion of this tick needs with the torque that the motor has. Returns the needed torque, N·m.
     pub fn load(&mut self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) -> f64 {
         let needed = self.required_nm(share_nm, acceleration_rad_s2, speed_hz);
         let AxisDrive::Stepper { pull_out, .. } = &self.drive else {
@@ -167,11 +167,11 @@ impl SimulatedAxis {
         needed
     }
 
-    /// Takes the command of the drive in a tick: for machines whose cranks move by torque, and not as commanded.
+    /// Takes the command of the drive in a tick, for machines whose cranks are moved by torque.
     ///
-    /// Pulses have the command where their count is, and in between where the phase is that they are made of,
-    /// `command_turns`: seen at ticks alone, steps would beat with these, and shake the rotor at frequencies that
-    /// edges, which have their own times, do not have.
+    /// The count of pulses bounds the command to one step either way. Within that it follows `command_turns`, the phase from which the
+    /// pulses are made. Sampled once per tick, whole steps would beat with the ticks and excite the rotor at frequencies that the true
+    /// edge times do not contain.
     pub fn command(
         &mut self,
         plan: &mut Plan<'_>,
@@ -195,13 +195,13 @@ impl SimulatedAxis {
         }
     }
 
-    /// How far the field went from where it was at power-up, turns: as commanded, less what a drive that was off gave up.
+    /// Travel of the field since power-up, turns: the commanded travel less the part that the drive gave up while it was off.
     fn field_turns(&self) -> f64 {
         self.commanded_turns - self.cleared_turns
     }
 
-    /// Takes over where the crank has come to in a tick of `cycles`; the cycle at which the index flag came, if it
-    /// did, as if it had turned evenly.
+    /// Takes over the position that the crank has reached in a tick of `cycles`. Returns what passed its index sensor, as if the crank
+    /// had turned evenly.
     pub fn moved(&mut self, turns: f64, cycles: u32, energised: bool) -> Option<Passed> {
         let passed = self.moved_under(turns, self.field_turns(), cycles, energised);
         if self.drive.follows_rotor(energised) {
@@ -210,7 +210,7 @@ impl SimulatedAxis {
         passed
     }
 
-    /// The same, where the field went `field_turns` from where it was at power-up, whatever the drive's command was.
+    /// Does the same as [`Self::moved`] for a field that has travelled `field_turns` since power-up, whatever the drive's command was.
     pub fn moved_under(
         &mut self,
         turns: f64,
@@ -230,62 +230,62 @@ impl SimulatedAxis {
         self.pass(before, Turning::Evenly(cycles))
     }
 
-    /// Puts the crank elsewhere at once: it falls back without its sensor seeing it.
+    /// Moves the crank back at once, without its sensor detecting the motion.
     pub fn fall_back(&mut self, turns: f64) {
         self.travelled_turns -= turns;
     }
 
-    /// Has index pulses come that no flag makes.
+    /// Adds index pulses that no flag causes.
     pub fn add_pulses(&mut self, extra: Extra) {
         if let Some(flag) = &mut self.flag {
             flag.add(extra);
         }
     }
 
-    /// What its index sensor sees, if it has one.
+    /// Flag of the index sensor, if the axis has one.
     pub fn flag(&self) -> Option<&Flag> {
         self.flag.as_ref()
     }
 
-    /// How far the crank has gone since power-up, turns.
+    /// Travel of the crank since power-up, turns.
     pub fn travelled_turns(&self) -> f64 {
         self.travelled_turns
     }
 
-    /// Steps, or counts, to a turn of the crank.
+    /// Steps, or encoder counts, per turn of the crank.
     pub fn steps_per_turn(&self) -> f64 {
         self.steps_per_turn
     }
 
-    /// Whether the motor is mounted the other way round.
+    /// True if the motor is mounted in the reversed sense.
     pub fn is_reversed(&self) -> bool {
         self.reversed
     }
 
-    /// The drive.
+    /// Drive of the axis.
     pub fn drive(&self) -> &AxisDrive {
         &self.drive
     }
 
-    /// An electrical cycle of its stepper, turns; a servo has none.
+    /// Length of an electrical cycle of the stepper, turns; none for a servo.
     pub fn cycle_turns(&self) -> Option<f64> {
         let cycle_steps = self.drive.cycle_steps()?;
         Some(cycle_steps as f64 / self.steps_per_turn)
     }
 
-    /// What the load makes of the motor, by what was last compared.
+    /// Effect of the load on the motor, from the last comparison of torques.
     pub fn overload(&self) -> Overload {
         self.overload
     }
 
-    /// How far a servo's setpoint has moved, turns; the first says where the loop believes the crank to be.
+    /// Travel of a servo's setpoint, turns. The first setpoint gives the position at which the loop assumes the crank.
     fn follow(&mut self, setpoint: &Setpoint) -> f64 {
         let position = self.own(setpoint).position;
         let commanded = self.commanded.replace(position).unwrap_or(position);
         turns(position.since(commanded))
     }
 
-    /// A setpoint in the axis's own sense.
+    /// Converts a setpoint to the axis's own sense.
     fn own(&self, setpoint: &Setpoint) -> Setpoint {
         if self.reversed {
             setpoint.reversed()
@@ -294,8 +294,8 @@ impl SimulatedAxis {
         }
     }
 
-    /// Plays one tick; what came before the index sensor in it, if anything did.
-    #[inline(always)] // One axis is independent of the next, and its division takes long.
+    /// Plays one tick. Returns what passed the index sensor in it, if anything did.
+    #[inline(always)] // Inlined as axes are independent of each other, and the division takes long.
     pub fn play(
         &mut self,
         plan: &mut Plan<'_>,
@@ -306,7 +306,7 @@ impl SimulatedAxis {
         if self.drive.takes_pulses() {
             let counted = self.pulses.count(plan.runs, &mut plan.tally);
             if !drives_enabled {
-                self.slipped -= counted; // the field is off: the crank stays where it is
+                self.slipped -= counted; // the field is off: the crank keeps its position
             } else if self.overload != Overload::None || self.slipping != 0 {
                 self.slip(counted);
             }
@@ -321,8 +321,8 @@ impl SimulatedAxis {
         self.pass(before, Turning::By(plan.runs))
     }
 
-    /// What the sensor sees of the way from `before`, if anything: as if the crank had turned evenly, or, where edges took it
-    /// there, at the very edge that brought the flag.
+    /// Returns what the sensor detects on the travel from `before`, if anything. A rise is at the edge that brought the flag, if pulses
+    /// moved the crank forward. All other times are those of a crank that turns evenly.
     #[inline]
     fn pass(&mut self, before: f64, turning: Turning<'_>) -> Option<Passed> {
         let after = self.turns();
@@ -354,7 +354,7 @@ impl SimulatedAxis {
         }
     }
 
-    /// What the motor makes of `counted` steps of its field.
+    /// Applies a slip to `counted` steps of the field.
     #[cold]
     fn slip(&mut self, counted: i64) {
         let Some(cycle_steps) = self.drive.cycle_steps() else {
@@ -364,7 +364,7 @@ impl SimulatedAxis {
             Overload::Driving => self.slipping -= counted,
             Overload::Driven => self.slipping += counted,
             Overload::None => {
-                // The nearest place where the field holds the rotor again.
+                // The nearest position at which the field holds the rotor again.
                 let rest = self.slipping.rem_euclid(cycle_steps);
                 let nearest = if 2 * rest >= cycle_steps {
                     cycle_steps - rest
@@ -378,15 +378,14 @@ impl SimulatedAxis {
                 return;
             }
         }
-        // While slipping the rotor stands (or runs at twice the speed) against the field; only whole
-        // cycles are booked, once they are complete.
+        // While it slips, the rotor stands against the field, or runs at twice the speed. Only complete cycles are counted.
         let whole = self.slipping / cycle_steps * cycle_steps;
         self.lost_cycles += whole / cycle_steps;
         self.slipped += whole;
         self.slipping -= whole;
     }
 
-    /// Cycle of the rising edge that took the crank to `place`, or beyond it.
+    /// Returns the cycle of the rising edge that took the crank to `place`, or beyond it.
     fn when(&self, runs: &Runs, place: f64) -> u32 {
         let beyond = ((self.turns() - place) * self.steps_per_turn + 1e-6).floor() as i64;
         self.pulses.cycle_before(runs, beyond)

@@ -1,10 +1,10 @@
-//! Cam shafts, each with a follower of its own, instead of cranks under a platform.
+//! Cam shafts, each with its own follower, instead of cranks under a platform.
 //!
-//! With *screws* there is no cam: axes follow cam tables ([`screw`]).
+//! A scene with *screws* has no cam: its axes follow cam tables ([`screw`]).
 //!
-//! On the *kinematic* model level a pusher is where its law has it. On the *elastic* one three masses hang between cam and pusher
-//! ([`Chain`]), and are integrated. On both the cam stands where its drive has turned it, and turns evenly within a tick:
-//! what the follower pushes back with does not turn the shaft.
+//! On the *kinematic* model level a pusher is at the position that its law gives. On the *elastic* level a chain of three masses
+//! connects cam and pusher ([`Chain`]), and is integrated. On both levels the cam is where its drive has turned it, and turns
+//! evenly within a tick. The force of the follower does not turn the shaft.
 
 mod drawing;
 mod elastic;
@@ -23,9 +23,9 @@ use crate::scene::{Checked, SceneError};
 use elastic::Elastic;
 use screw::Screws;
 
-/// Looks a tick where nothing is integrated.
+/// Samples per tick where nothing is integrated.
 const SAMPLES: u32 = 16;
-/// The followers of all axes.
+/// Followers of all axes.
 #[derive(Clone, Debug)]
 pub struct Followers {
     cam: Cam,
@@ -33,17 +33,17 @@ pub struct Followers {
     screws: Option<Screws>,
     pushers: [Pusher; MAX_AXES],
     peaks: [Peaks; MAX_AXES],
-    /// Mean acceleration of the pushers at each instant looked at within the tick, m/s².
+    /// Mean acceleration of the pushers at each sample within the tick, m/s².
     within_mps2: Vec<f64>,
     axes: usize,
     tick_s: f64,
 }
 
 impl Followers {
-    /// The followers of a scene, at rest where its cams stand, `turns` from phase 0; none if it has cranks.
+    /// Creates the followers of a scene, at rest on cams that stand `turns` from phase 0; none if the scene has cranks.
     ///
     /// # Errors
-    /// The method that the scene asks for is unstable at its step, or does not suit.
+    /// Fails if the method that the scene sets is unstable at its step, or does not suit the followers.
     pub fn new(checked: &Checked, turns: &[f64]) -> Result<Option<Self>, SceneError> {
         let Some(follower) = &checked.cam else {
             return Ok(None);
@@ -95,33 +95,33 @@ impl Followers {
         }))
     }
 
-    /// The method, and how many steps a tick it makes; none if nothing is integrated.
+    /// Integration method and its steps per tick; none if nothing is integrated.
     pub fn method(&self) -> Option<(Scheme, u32)> {
         let elastic = self.elastic.as_ref()?;
         Some((elastic.scheme, elastic.steps))
     }
 
-    /// Why they went no further, if they did not.
+    /// Reason why the followers could not be advanced further, if there is one.
     pub fn broken(&self) -> Option<StepError> {
         self.elastic.as_ref()?.broken
     }
 
-    /// How each moves at the end of the tick.
+    /// Motion of each follower at the end of the tick.
     pub fn pushers(&self) -> &[Pusher] {
         &self.pushers[..self.axes]
     }
 
-    /// The greatest of what each did in the tick.
+    /// Peak values of each follower in the tick.
     pub fn peaks(&self) -> &[Peaks] {
         &self.peaks[..self.axes]
     }
 
-    /// Acceleration on the whole at each instant looked at within the last tick, its end among them, m/s².
+    /// Mean acceleration of the pushers at each sample within the last tick, m/s², the end of the tick included.
     pub fn within_mps2(&self) -> &[f64] {
         &self.within_mps2
     }
 
-    /// How they move on the whole: the means.
+    /// Mean motion of the pushers.
     pub fn mean(&self) -> Pusher {
         let mean =
             |of: fn(&Pusher) -> f64| self.pushers().iter().map(of).sum::<f64>() / self.axes as f64;
@@ -131,7 +131,7 @@ impl Followers {
         }
     }
 
-    /// Plays a tick in which the master makes `master_turns`; at its end the axes are commanded to `command_turns`.
+    /// Plays a tick in which the master travels `master_turns`. `command_turns` are the commanded positions of the axes at its end.
     pub fn play(&mut self, turned: &[Turned], master_turns: f64, command_turns: &[f64]) {
         if let Some(screws) = &mut self.screws {
             let mut turns = [0.0; MAX_AXES];
@@ -178,7 +178,7 @@ impl Followers {
     }
 }
 
-/// A tick of a pusher that its law moves; `observe` is given it at each sample.
+/// Plays a tick of a pusher that its law moves. `observe` receives it at each sample.
 fn by_law(
     cam: &Cam,
     turned: &Turned,
@@ -212,8 +212,8 @@ mod tests {
     use super::*;
     use cophase_methods::problems::{Law, Shaft};
 
-    /// Were a machine that runs away not stopped, a scene would end in numbers without meaning. What is unstable is refused before;
-    /// here RK4 is given a step of 100 us behind its back, beyond its limit of 81.
+    /// If this fails, a scene whose equations diverge ends in meaningless numbers. The simulator refuses an unstable step
+    /// beforehand, so the test sets the step directly: 100 us for RK4, whose limit here is 81 us.
     #[test]
     fn what_diverges_stops_and_says_so() {
         let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToCam);

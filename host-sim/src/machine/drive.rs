@@ -1,40 +1,40 @@
-//! The drive of a simulated axis: what commands it, and what it watches by itself.
+//! The drive of a simulated axis: its kind of command, and the following error that it monitors.
 //!
-//! A drive is commanded by pulses or by setpoints. A stepper's turns its field and does not know where the rotor is. A servo's
-//! closes a position loop, and raises its alarm where the rotor is beyond the *following-error window* from its command. It goes on
-//! following then. Switched off, it clears its alarm; one that counts pulses clears its following error as well, and counts on
-//! from where its rotor stands.
+//! A drive is commanded by pulses or by setpoints. A stepper's drive turns the field and does not know where the rotor is. A
+//! servo's drive closes a position loop. It raises its alarm when the rotor leaves the *following-error window* around the command,
+//! and continues to follow. It clears its alarm when it is switched off. A drive that counts pulses then also clears its following
+//! error, and continues to count from the position of its rotor.
 
 use super::PullOut;
 
-/// How a simulated axis is driven.
+/// Drive of a simulated axis.
 #[derive(Clone, Debug)]
 pub enum AxisDrive {
-    /// By pulses, as long as the torque is below pull-out.
+    /// Stepper that follows pulses as long as the torque is below pull-out.
     Stepper {
-        /// What the motor can give.
+        /// Torque that the motor can give at each speed.
         pull_out: PullOut,
-        /// Steps of one electrical cycle.
+        /// Steps per electrical cycle.
         cycle_steps: i64,
     },
-    /// By setpoints.
+    /// Servo that follows setpoints.
     Servo(FollowingError),
-    /// By pulses, each of which moves the command of a position loop by one count.
+    /// Servo that follows pulses. Each pulse moves the command of its position loop by one count.
     PulseServo(FollowingError),
 }
 
 impl AxisDrive {
-    /// Whether it counts the edges of STEP.
+    /// True if the drive counts the edges of STEP.
     pub const fn takes_pulses(&self) -> bool {
         matches!(self, Self::Stepper { .. } | Self::PulseServo(_))
     }
 
-    /// Whether it gives up its command, as it is off, and follows its rotor.
+    /// True if the drive is off, drops its command, and tracks its rotor instead.
     pub const fn follows_rotor(&self, energised: bool) -> bool {
         !energised && matches!(self, Self::PulseServo(_))
     }
 
-    /// Steps of an electrical cycle; a servo has none.
+    /// Steps per electrical cycle; none for a servo.
     pub const fn cycle_steps(&self) -> Option<i64> {
         match self {
             Self::Stepper { cycle_steps, .. } => Some(*cycle_steps),
@@ -42,7 +42,7 @@ impl AxisDrive {
         }
     }
 
-    /// The following error that it watches; a stepper knows of none.
+    /// Following error that the drive monitors; none for a stepper.
     pub const fn following_error(&mut self) -> Option<&mut FollowingError> {
         match self {
             Self::Stepper { .. } => None,
@@ -50,7 +50,7 @@ impl AxisDrive {
         }
     }
 
-    /// Whether its alarm is on.
+    /// True if the alarm of the drive is on.
     pub const fn alarm(&self) -> bool {
         match self {
             Self::Stepper { .. } => false,
@@ -59,7 +59,7 @@ impl AxisDrive {
     }
 }
 
-/// Following error of a position loop: command less rotor, against its window.
+/// Following error of a position loop, command minus rotor, with its window.
 #[derive(Clone, Copy, Debug)]
 pub struct FollowingError {
     window_turns: f64,
@@ -67,7 +67,7 @@ pub struct FollowingError {
 }
 
 impl FollowingError {
-    /// Window of so many turns of the crank either way; `None` is no window.
+    /// Creates the monitor of a window of ± `window_turns` of the crank; `None` is no window.
     pub fn new(window_turns: Option<f64>) -> Self {
         Self {
             window_turns: window_turns.unwrap_or(f64::INFINITY),
@@ -75,7 +75,7 @@ impl FollowingError {
         }
     }
 
-    /// Takes the error at a tick's end, turns. The alarm stays on until the drive is off.
+    /// Takes in the error at the end of a tick, turns. The alarm stays on until the drive is off.
     pub fn update(&mut self, error_turns: f64, energised: bool) {
         self.alarm = energised && (self.alarm || error_turns.abs() > self.window_turns);
     }

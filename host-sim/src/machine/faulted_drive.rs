@@ -1,10 +1,10 @@
-//! Drives and cranks that do not do as commanded: what a machine makes of a [`Disturbance`].
+//! Drives and cranks that do not follow their commands: the effect of a [`Disturbance`] on a machine.
 //!
-//! Every drive is given a travel in each tick; its disturbance makes another travel of that. From these follows
-//! where its *field* is: where the motor would have its rotor. The crank is behind its motor by what it has slipped on the
-//! shaft. Where torque moves cranks the field leads them; elsewhere the crank is where the field has it, and turns evenly
-//! within the tick. A crank that stands, or whose motor has lost its field to the load, drops its way; a stepper is caught
-//! again whole electrical cycles off, and a servo goes on from where it stands.
+//! The loop commands a travel of every drive in each tick, and its disturbance changes that travel. The result moves the
+//! *field*: the position at which the motor would hold its rotor. The crank is behind its motor by the slip on the shaft.
+//! If torque moves the cranks, the field leads them. Otherwise the crank is at the position of the field, and turns evenly
+//! within the tick. A crank that is stuck, or whose motor has lost its field to the load, does not make its travel. A
+//! stepper then locks again whole electrical cycles off, and a servo continues from the position at which it stands.
 
 use super::axis::Overload;
 use super::index::Passages;
@@ -12,23 +12,24 @@ use super::{DriveCommand, Rotors, SimulatedAxis};
 use crate::axes::{Axes, per_axis};
 use crate::faults::Disturbance;
 
-/// What has become of the fields and cranks of a machine.
+/// State of the fields and cranks of a machine under disturbances.
 #[derive(Clone, Debug)]
 pub struct FaultedDrives {
     tick_s: f64,
     cycles: u32,
-    /// Last command on each drive's lines, turns.
+    /// Last command on the lines of each drive, turns.
     commanded: Axes<f64>,
-    /// Where each field is, turns since power-up, and what of its way the rotor has dropped.
+    /// Position of each field, turns since power-up.
     field: Axes<f64>,
+    /// Travel of the field that the rotor has not made, turns; negative if the load drove the rotor further.
     dropped: Axes<f64>,
-    /// What each crank has slipped on its motor's shaft, turns: positive behind.
+    /// Slip of each crank on its motor's shaft, turns: positive behind.
     slipped: Axes<f64>,
     stuck: Axes<bool>,
 }
 
 impl FaultedDrives {
-    /// Of axes at power-up, in ticks of so many seconds and cycles.
+    /// Creates the state of axes at power-up, for ticks of `tick_s` seconds and `cycles` cycles.
     pub fn new(axes: &[SimulatedAxis], tick_s: f64, cycles: u32) -> Self {
         let turns: Axes<f64> = axes.iter().map(SimulatedAxis::turns).collect();
         let count = axes.len();
@@ -43,12 +44,12 @@ impl FaultedDrives {
         }
     }
 
-    /// What crank `i` has slipped on its motor's shaft, turns: positive behind.
+    /// Slip of crank `i` on its motor's shaft, turns: positive behind.
     pub fn slipped_turns(&self, i: usize) -> f64 {
         self.slipped[i]
     }
 
-    /// Plays a tick in which lines give `commanded`, on cranks that torque moves.
+    /// Plays a tick in which the lines carry `commanded`, on cranks that torque moves.
     pub fn turn(
         &mut self,
         axes: &mut [SimulatedAxis],
@@ -90,7 +91,7 @@ impl FaultedDrives {
         }
     }
 
-    /// Plays a tick in which lines give `commanded`, on cranks that are where their motors have them.
+    /// Plays a tick in which the lines carry `commanded`, on cranks that are at the positions of their motors.
     pub fn place(
         &mut self,
         axes: &mut [SimulatedAxis],
@@ -105,7 +106,7 @@ impl FaultedDrives {
             if lost > 0.0 {
                 axis.fall_back(lost);
             }
-            // A drive that is off has no field to lead with: its crank stands, and its command is forgotten.
+            // A drive that is off has no field: its crank stands, and its command is discarded.
             let moved = if energised {
                 drive_commands[i].turns
             } else {
@@ -129,7 +130,7 @@ impl FaultedDrives {
         }
     }
 
-    /// Travel of each motor, and the torque that it is commanded to add.
+    /// Returns the travel of each motor, and the torque that it is commanded to add.
     fn drive_commands(
         &mut self,
         axes: &[SimulatedAxis],
@@ -150,7 +151,8 @@ impl FaultedDrives {
                 };
             }
             let (own, lines) = (&axes[i], &axes[disturbance.from]);
-            // Pulses are counted by the drive that receives them, and reversed by one that is mounted the other way round.
+            // A drive converts pulses to travel by its own resolution, whichever axis they are for. A drive that is
+            // mounted in the other sense reverses them.
             let scale = if own.drive().takes_pulses() && disturbance.from != i {
                 lines.steps_per_turn() / own.steps_per_turn()
             } else {
@@ -165,7 +167,8 @@ impl FaultedDrives {
         })
     }
 
-    /// By how much field and rotor fall back as the tick begins, turns; a drive that is off has no field to lose.
+    /// Makes the field fall back by the lost cycles. Returns the same travel for the rotor, turns. A drive that is off has
+    /// no field to lose.
     fn lose(
         &mut self,
         axis: &SimulatedAxis,
@@ -179,14 +182,14 @@ impl FaultedDrives {
         lost
     }
 
-    /// The field takes hold of a rotor that has dropped some of its way.
+    /// Locks the field again to a rotor that has not made all of its travel.
     fn catch(&mut self, axis: &SimulatedAxis, i: usize) {
         let dropped = self.dropped[i];
         if dropped == 0.0 {
             return;
         }
         match axis.cycle_turns() {
-            // Of a stepper it is the next field of its kind: those are cycles apart.
+            // A stepper locks to the nearest equivalent position of its field: these are whole cycles apart.
             Some(cycle) => self.dropped[i] = (dropped / cycle).round() * cycle,
             None => {
                 self.field[i] -= dropped;

@@ -1,29 +1,29 @@
-//! The flag on a crank that its index sensor sees: where it begins and ends, and when a moving crank brings it there.
+//! The flag on a crank that its index sensor detects: its edges, and when a moving crank brings them to the sensor.
 //!
-//! A flag without a length is as good as a point, met going forward alone. One with a length is met at its beginning going
-//! forward, and at its end going backward. Noise has each edge elsewhere on each turn, but at one place on that turn,
-//! however often the crank goes to and fro there.
+//! A flag without a length is a point, which the sensor detects in forward motion only. A flag with a length is detected at its start
+//! in forward motion, and at its end in backward motion. Noise moves each edge from turn to turn. Within one turn an edge has one
+//! position, however often the crank reverses there.
 
 use crate::faults::{Sensor, Stream};
 use crate::scene::Checked;
 
-/// Pulses of a sensor where no flag is.
+/// Pulses of a sensor without a flag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extra {
-    /// The first comes after this part of the tick.
+    /// Fraction of the tick after which the first pulse comes.
     pub part: f64,
-    /// How many there are, each a turn of the crank after the other.
+    /// Number of pulses, one turn of the crank apart.
     pub count: u32,
 }
 
-/// What a sensor meets in a tick, as places in turns since power-up.
+/// Events at a sensor in a tick. Positions are in turns since power-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Met {
-    /// Where the flag comes before the sensor.
+    /// Position at which the flag arrives at the sensor.
     pub rise: Option<f64>,
-    /// Where it leaves it.
+    /// Position at which the flag leaves the sensor.
     pub fall: Option<f64>,
-    /// After which part of the tick a pulse comes without it.
+    /// Fraction of the tick after which a pulse without a flag comes.
     pub extra: Option<f64>,
 }
 
@@ -32,22 +32,22 @@ pub(super) struct Met {
 pub struct Flag {
     start: Edge,
     end: Edge,
-    /// Pulses to come without it: the first in this tick, and others at a place.
+    /// Pulses without a flag that begin in this tick.
     begins: Option<Extra>,
+    /// Position of the next pulse without a flag, turns, and the number of pulses left.
     again: Option<(f64, u32)>,
-    /// The crank meets nothing as long as it stays between these places: most ticks need no rounding to whole turns, which is
-    /// slow.
+    /// Interval in which the crank meets no edge. It avoids rounding to whole turns in most ticks, which is slow.
     clear: (f64, f64),
 }
 
-/// No place lies between these.
+/// Empty interval.
 const NOWHERE: (f64, f64) = (0.0, 0.0);
 
-/// Rounding of places, turns, after a month of them at 200 rev/s.
+/// Rounding error of positions, turns, after a month at 200 rev/s.
 const ROUNDING: f64 = 1e-6;
 
 impl Flag {
-    /// Of axis `number` of a scene; none if it has no sensor.
+    /// Creates the flag of axis `number` of a scene; none if it has no sensor.
     pub fn new(checked: &Checked, number: usize) -> Option<Self> {
         let axis = &checked.settings.axes[number];
         let noise = &checked.scene.noise;
@@ -63,12 +63,13 @@ impl Flag {
         })
     }
 
-    /// Whether it has a length, and so an end that the sensor sees.
+    /// True if the flag has a length, and so an end that the sensor detects.
     pub fn has_length(&self) -> bool {
         self.end.nominal > self.start.nominal
     }
 
-    /// Whether it is before the sensor of a crank at rest there: by the very edges that the crank meets when it moves on.
+    /// True if the flag is in front of the sensor of a crank at rest at `turns`. The edges have the same noise as when the crank moves
+    /// on.
     pub fn is_over(&self, turns: f64) -> bool {
         let turn = (turns - self.start.nominal).floor();
         [turn - 1.0, turn, turn + 1.0]
@@ -76,13 +77,13 @@ impl Flag {
             .any(|turn| self.start.place(turn) <= turns && turns < self.end.place(turn))
     }
 
-    /// Has pulses come that no flag makes, from the next tick that is played on.
+    /// Adds pulses that no flag causes, from the next played tick on.
     pub fn add(&mut self, extra: Extra) {
         self.begins = Some(extra);
         self.clear = NOWHERE;
     }
 
-    /// What a crank meets that goes from `before` to `after`, if anything.
+    /// Returns the events of a crank that moves from `before` to `after`, if there are any.
     #[inline]
     pub(super) fn meet(&mut self, before: f64, after: f64) -> Option<Met> {
         let (from, to) = self.clear;
@@ -104,7 +105,7 @@ impl Flag {
         (met != Met::default()).then_some(met)
     }
 
-    /// Places around this one between which no edge lies, whatever its noise.
+    /// Returns an interval around `turns` that contains no edge, whatever its noise.
     fn clear_around(&self, turns: f64) -> (f64, f64) {
         let (from, to) = self.start.clear_around(turns);
         if !self.has_length() {
@@ -152,13 +153,13 @@ impl Flag {
     }
 }
 
-/// An edge of a flag, which a crank meets once a turn.
+/// Edge of a flag, which a crank meets once a turn.
 #[derive(Clone, Debug)]
 struct Edge {
-    /// Where it is without noise, turns.
+    /// Position without noise, turns.
     nominal: f64,
     noise: Option<Stream>,
-    /// Distance from there that noise never exceeds, turns.
+    /// Largest deviation that the noise causes, turns.
     reach: f64,
 }
 
@@ -171,7 +172,7 @@ impl Edge {
         }
     }
 
-    /// Where it is in a whole turn.
+    /// Returns the position of the edge in a turn, turns since power-up.
     fn place(&self, turn: f64) -> f64 {
         turn + self.nominal
             + self
@@ -180,7 +181,7 @@ impl Edge {
                 .map_or(0.0, |noise| noise.draw(turn as i64))
     }
 
-    /// Places around this one between which it does not lie, whatever its noise.
+    /// Returns an interval around `turns` that does not contain the edge, whatever its noise.
     fn clear_around(&self, turns: f64) -> (f64, f64) {
         let turn = (turns - self.nominal).floor();
         let beyond = self.reach + ROUNDING;
@@ -190,7 +191,7 @@ impl Edge {
         )
     }
 
-    /// The place at which it lies between two of a crank.
+    /// Returns the position of the edge between two positions of the crank, if it lies there.
     fn between(&self, before: f64, after: f64) -> Option<f64> {
         let (low, high) = (before.min(after), before.max(after));
         let (mut turn, last) = (
@@ -212,8 +213,8 @@ impl Edge {
 mod tests {
     use super::*;
 
-    /// Were it wrong, a crank that stands within the noise of an edge at power-up would have its sensor on the wrong side of that edge:
-    /// the flag that it then meets would not rise, and a sound sensor be taken for a dead one.
+    /// If this fails, a sensor at power-up may be on the wrong side of an edge that the crank stands close to, within the noise. The
+    /// next flag then does not rise, and a working sensor is reported as faulty.
     #[test]
     fn what_is_over_the_sensor_at_rest_is_what_the_edges_make_of_it() {
         for seed in 0..50 {
@@ -227,7 +228,7 @@ mod tests {
             };
             let mut is_over = flag.is_over(0.28);
             assert!(!is_over);
-            // To and fro over both edges, in steps of a fifth of the noise.
+            // Back and forth over both edges, in steps of a fifth of the noise.
             let there = (0..2000).map(|step| 0.28 + f64::from(step) * 3e-5);
             let places: Vec<f64> = there.clone().chain(there.rev()).collect();
             for pair in places.windows(2) {

@@ -1,5 +1,5 @@
-//! An index sensor between the crank and the loop: the line rises as its flag comes and falls as it goes, later by the
-//! sensor's delay, and the loop detects what the core's filter makes of that.
+//! An index sensor between the crank and the loop. Its line rises when the flag arrives and falls when it leaves, later by the
+//! sensor's delay. The loop detects the pulses that pass the core's filter.
 
 use std::collections::VecDeque;
 
@@ -8,22 +8,23 @@ use cophase_core::units::PerAxis;
 
 use crate::faults::Stream;
 
-/// How much of a tick a line may be ahead of its flag, by noise: one in four is as far back as the filter reports a pulse.
+/// Divisor of a tick that limits how far noise may put a line ahead of its flag: one quarter. The filter reports a pulse no
+/// further back than that.
 const MOST_OF_TICK: u32 = 4;
 
-/// What comes before a sensor in a tick, and when: cycles from its beginning.
+/// Events at a sensor in a tick, with their times in cycles from the beginning of the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Passed {
-    /// The flag comes.
+    /// Time at which the flag arrives.
     pub rise: Option<u32>,
-    /// It goes. Of a flag without a length that is not said: the line falls by itself.
+    /// Time at which the flag leaves. A flag without a length has none: its line falls after a fixed time.
     pub fall: Option<u32>,
-    /// A pulse comes without it.
+    /// Time of a pulse without a flag.
     pub extra: Option<u32>,
 }
 
 impl Passed {
-    /// The flag comes, or does not.
+    /// Returns a passage that has only this rise, or none.
     pub const fn rising(rise: Option<u32>) -> Self {
         Self {
             rise,
@@ -33,16 +34,16 @@ impl Passed {
     }
 }
 
-/// What comes before the sensors of all axes in a tick; most ticks bring nothing.
+/// Events at the sensors of all axes in a tick; most ticks have none.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Passages {
-    /// Axes of which [`Self::passed`] holds something, a bit each.
+    /// Axes for which [`Self::passed`] holds an entry, one bit each.
     brought: u8,
     passed: PerAxis<Passed>,
 }
 
 impl Passages {
-    /// Puts down what came before the sensor of an axis.
+    /// Records the events at the sensor of an axis.
     #[inline]
     pub fn put(&mut self, axis: usize, passed: Option<Passed>) {
         match passed {
@@ -54,24 +55,24 @@ impl Passages {
         }
     }
 
-    /// Axes before whose sensors something came, a bit each.
+    /// Axes whose sensors have events, one bit each.
     pub const fn brought(&self) -> u8 {
         self.brought
     }
 
-    /// What came before the sensor of an axis, if anything did.
+    /// Events at the sensor of an axis, if there are any.
     #[inline]
     pub fn get(&self, axis: usize) -> Option<Passed> {
         (self.brought >> axis & 1 == 1).then(|| self.passed[axis])
     }
 }
 
-/// What an index line did in a tick.
+/// Changes of an index line in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Line {
-    /// The cycle at which it rose, if it did.
+    /// Cycle at which the line rose, if it did.
     pub rose: Option<u32>,
-    /// What the loop detects.
+    /// Pulse that the loop detects, if any.
     pub pulse: Option<IndexPulse>,
 }
 
@@ -83,16 +84,16 @@ pub struct IndexSensor {
     has_length: bool,
     delay_cycles: i64,
     time: Option<Stream>,
-    /// Edges of the flag so far: the numbers of their noise.
+    /// Edges of the flag so far. Each edge takes its noise by this number.
     edges: i64,
-    /// Changes to come, in order: cycles from the present tick's beginning.
+    /// Pending changes of the line, in order: cycles from the beginning of the present tick, and the level.
     changes: VecDeque<(i64, bool)>,
-    /// The flag that is before it is not seen.
+    /// True if the sensor misses the flag that is in front of it.
     blind: bool,
 }
 
 impl IndexSensor {
-    /// Of a flag that passes in `high_cycles`, through a filter of `width` cycles.
+    /// Creates the sensor of a flag that passes in `high_cycles`, with a filter of `width` cycles.
     pub fn new(width: u32, high_cycles: u32) -> Self {
         Self {
             filter: IndexFilter::new(width, false),
@@ -106,7 +107,7 @@ impl IndexSensor {
         }
     }
 
-    /// The same, of a flag with a length, which is before it now or is not.
+    /// Converts the sensor to one of a flag with a length. `is_over` is true if the flag is now in front of it.
     #[must_use]
     pub fn of_length(mut self, width: u32, is_over: bool) -> Self {
         self.filter = IndexFilter::new(width, is_over);
@@ -114,7 +115,7 @@ impl IndexSensor {
         self
     }
 
-    /// The same, whose line changes so many cycles late, and with noise on that, in cycles.
+    /// Delays the changes of the line by `cycles`, with noise on the delay, in cycles.
     #[must_use]
     pub fn delayed(mut self, cycles: u32, noise: Option<Stream>) -> Self {
         self.delay_cycles = i64::from(cycles);
@@ -122,9 +123,9 @@ impl IndexSensor {
         self
     }
 
-    /// One tick of `cycles`. `missed` is asked once for each flag that comes: it may not be seen.
+    /// Plays one tick of `cycles`. `missed` is called once for each flag that arrives, and returns true if the sensor misses it.
     pub fn tick(&mut self, passed: Passed, cycles: u32, mut missed: impl FnMut() -> bool) -> Line {
-        // Of a short flag, or one on which the crank turns back, the end may come first.
+        // With a short flag, or a crank that reverses on it, the end may come first.
         if passed.fall < passed.rise {
             self.fall(passed.fall, cycles);
         }
@@ -149,7 +150,7 @@ impl IndexSensor {
                 .push_back((at + i64::from(self.high_cycles), false));
         }
         let mut rose = None;
-        // A rise at the very end is of this tick, a fall there of the next.
+        // A rise exactly at the end belongs to this tick, and a fall there to the next.
         while let Some((at, level)) = self.changes.pop_front_if(|(at, level)| {
             *at < i64::from(cycles) || (*level && *at == i64::from(cycles))
         }) {
@@ -167,7 +168,7 @@ impl IndexSensor {
         }
     }
 
-    /// Whether a tick of `cycles` in which nothing comes before it changes nothing, and need not be played.
+    /// True if a tick of `cycles` without events changes nothing, and need not be played.
     pub fn is_quiet(&self, cycles: u32) -> bool {
         self.changes.is_empty() && self.filter.is_quiet(cycles)
     }
@@ -181,7 +182,7 @@ impl IndexSensor {
         self.push(at, false);
     }
 
-    /// A rise while the line is high has it stay so.
+    /// Adds a rise. A line that is already high stays high.
     fn rise_at(&mut self, at: i64) {
         while self
             .changes
@@ -196,7 +197,8 @@ impl IndexSensor {
         self.changes.push_back((at.max(last), level));
     }
 
-    /// When the line follows. No line of a sensor is ahead of its flag by more than what can still be reported of the tick before.
+    /// Returns the time at which the line follows its flag. No line is ahead of its flag by more than the filter can still report
+    /// for the tick before.
     fn late(&mut self, cycle: u32, cycles: u32) -> i64 {
         let noise = self.time.as_ref().map_or(0.0, |time| time.draw(self.edges));
         self.edges += 1;
@@ -217,7 +219,7 @@ mod tests {
         Some(IndexPulse { cycle })
     }
 
-    /// Were a passage reported twice, or not at its edge, the phase error would be wrong where a tick ends.
+    /// If this fails, passages near the end of a tick are reported twice or at the wrong time, and the phase error is wrong.
     #[test]
     fn a_passage_is_reported_once_wherever_the_tick_ends() {
         for rise in 0..=1000 {
@@ -229,12 +231,13 @@ mod tests {
                 [None, edge(rise as i32 - 1000)]
             };
             assert_eq!(commanded, expected, "a rise at {rise}");
-            // And the next passage is detected.
+            // The next passage is detected as well.
             assert_eq!(tick(&mut sensor, Passed::rising(Some(500))), edge(500));
         }
     }
 
-    /// Were it wrong, a late line would be reported at its flag's time, or not at all where that is a tick later.
+    /// If this fails, the pulse of a late line is reported at the time of its flag, or not at all if the line changes a tick
+    /// later.
     #[test]
     fn a_late_line_is_late_across_ticks() {
         for delay in [0, 300, 1700] {
@@ -248,8 +251,8 @@ mod tests {
         }
     }
 
-    /// Were it wrong, a flag that is before its sensor at power-up would be a passage, or one that is not seen would come as
-    /// it goes.
+    /// If this fails, a flag in front of its sensor at power-up counts as a passage, or a flag that the sensor misses causes a
+    /// pulse when it leaves.
     #[test]
     fn a_flag_with_a_length_is_detected_at_its_rising_edge() {
         let mut sensor = IndexSensor::new(50, 120).of_length(50, true);

@@ -1,12 +1,12 @@
-//! A machine that torque moves, at a time within a control tick.
+//! A machine that torque moves, at an instant within a control tick.
 
 use crate::dynamics::{Driven, FrameMotion, PlaneMotion};
 
-/// The machine before one of a tick's steps. At a tick's beginning the commands are already those of that tick.
+/// The machine before one step of a tick. Its commands are those of that tick, even at the beginning.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant<'a> {
     pub(super) driven: &'a Driven,
-    /// Time since the tick's beginning, s.
+    /// Time since the beginning of the tick, s.
     pub t_s: f64,
     pub(super) state: &'a [f64],
 }
@@ -14,11 +14,11 @@ pub struct Instant<'a> {
 /// Torque and acceleration at an [`Instant`].
 #[derive(Clone, Debug)]
 pub struct Forces {
-    /// Greatest torque of a motor, N·m.
+    /// Largest torque of any motor, N·m, without sign.
     pub torque_nm: f64,
-    /// Motion of the platform; none where it follows the shaft.
+    /// Motion of the platform; none if it follows the shaft.
     pub platform: Option<PlaneMotion>,
-    /// Speed and acceleration of the cranks, their means, rad/s and rad/s².
+    /// Mean speed and acceleration of the cranks, rad/s and rad/s².
     pub cranks: (f64, f64),
 }
 
@@ -28,7 +28,7 @@ impl Instant<'_> {
         self.driven.alpha_rad(self.state, i) / std::f64::consts::TAU
     }
 
-    /// Torques, and the accelerations that they cause.
+    /// Returns the torques, and the accelerations that they cause.
     pub fn forces(&self) -> Forces {
         let torques_nm = self.driven.torques_nm(self.t_s, self.state);
         let mut rates = vec![0.0; self.state.len()];

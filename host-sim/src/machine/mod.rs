@@ -1,13 +1,12 @@
-//! Simulated machines: what the drives, the cranks and the platform make of the loop's output.
+//! Simulated machines: motion of the drives, the cranks and the platform that the loop's output causes.
 //!
-//! On the ladder's *kinematic* model level every crank is where commanded. On the *quasi-static* model level the torque
-//! that the motion needs is compared with the torque that each motor has, and a stepper slips if more is required of it.
-//! On the *rigid*, *phased* and *elastic* model levels ([`Rotors`]) torque moves the cranks. The platform follows from the
-//! cranks' phases by geometry, but on the last two: there it is what its equations make of it. Where a scene has
-//! cams instead, [`Followers`] hang on them, one an axis.
+//! On the *kinematic* model level every crank is where commanded. The *quasi-static* model level compares the torque that the motion
+//! needs with the torque that each motor has. A stepper slips if more is required of it. On the *rigid*, *phased* and *elastic* model
+//! levels ([`Rotors`]) torque moves the cranks. The position of the platform follows from the phases of the cranks by geometry, except
+//! on the last two levels, where the equations of motion determine it. A scene with cams has [`Followers`] instead, one per axis.
 //!
-//! What the lower two leave out: inertia's effect on the motion (the cranks never lag by less than a slip), and how the
-//! others' torque changes once one axis has slipped.
+//! The two lowest levels neglect the effect of inertia on the motion: a crank lags by whole slips or not at all. They also neglect how
+//! the torque of the other axes changes after one axis has slipped.
 
 mod assembly;
 mod axis;
@@ -52,42 +51,42 @@ use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
 use faulted_drive::FaultedDrives;
 
-/// How long an index line stays high, s: as wide as a sensor's flag is likely to be. Whoever has a filter
-/// for longer levels has wider flags.
+/// Time for which an index line stays high, s: a typical flag width. A machine whose index filter needs longer levels gets wider
+/// flags.
 const FLAG_S: f64 = 20e-6;
 
-/// A machine.
+/// Simulated machine of a scene.
 #[derive(Clone, Debug)]
 pub struct Machine {
-    /// The motors and their cranks.
+    /// Motors and their cranks.
     pub axes: Axes<SimulatedAxis>,
-    /// What they carry; for cams, what the crank which the core is given would carry.
+    /// Platform that the cranks carry. For cams, the platform that the crank which the core is given would carry.
     pub platform: Platform,
-    /// How long an index line stays high, cycles.
+    /// Time for which an index line stays high, cycles.
     pub index_cycles: u32,
     tick_s: f64,
     tick_cycles: u32,
     torques: bool,
     omega_before: f64,
-    /// Required torque of each motor, N·m, where torques are compared.
+    /// Required torque of each motor, N·m, on the model level that compares torques.
     required_nm: Option<Axes<f64>>,
-    /// Where torque moves the cranks.
+    /// Equations of motion, if torque moves the cranks.
     rotors: Option<Rotors>,
-    /// Where axes are cam shafts.
+    /// Followers, if the axes are cam shafts.
     followers: Option<Followers>,
-    /// Where shafts move something else than a platform.
+    /// Recorder of the figures, if the shafts move something other than a platform.
     recorder: Option<Recorder>,
-    /// Which motors have encoders that are read, a bit each.
+    /// Motors whose encoders are read, one bit each.
     has_encoder: u8,
-    /// What has become of drives that do not do as commanded; none where all do.
+    /// State of drives and cranks under disturbances; none if the scene has no disturbance.
     faulted_drives: Option<FaultedDrives>,
 }
 
 impl Machine {
-    /// The machine of a scene, at power-up.
+    /// Creates the machine of a scene, at power-up.
     ///
     /// # Errors
-    /// Numbers that the machine cannot be made of.
+    /// Fails if no machine can be made of the numbers in the scene.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
         let settings = &checked.settings;
         let in_common = &checked.scene.axes;
@@ -159,35 +158,35 @@ impl Machine {
         })
     }
 
-    /// Lets drives and cranks be disturbed later, in a scene that plans nothing of the kind. To be called at power-up.
+    /// Allows later disturbances of drives and cranks in a scene that plans none. To be called at power-up.
     pub fn open_to_faults(&mut self) {
         let (tick_s, tick_cycles) = (self.tick_s, self.tick_cycles);
         self.faulted_drives
             .get_or_insert_with(|| FaultedDrives::new(&self.axes, tick_s, tick_cycles));
     }
 
-    /// Cycles of the step clock in a control tick.
+    /// Cycles of the step clock per control tick.
     pub const fn tick_cycles(&self) -> u32 {
         self.tick_cycles
     }
 
-    /// Speed and acceleration of the cranks, their means, rad/s and rad/s², where torque moves them.
+    /// Mean speed and acceleration of the cranks, rad/s and rad/s², if torque moves them.
     pub fn motion(&self) -> Option<(f64, f64)> {
         self.rotors.as_ref().map(Rotors::motion)
     }
 
-    /// Torque that motor `i` gives, or that is required of it, N·m; none on model levels without torque.
+    /// Torque that motor `i` gives, or that is required of it, N·m; none on a model level without torque.
     pub fn motor_torque_nm(&self, i: usize) -> Option<f64> {
         let required = self.required_nm.as_ref().map(|required| required[i]);
         required.or_else(|| self.torques_nm().map(|torques| torques[i]))
     }
 
-    /// Torque of each motor at the tick's end, N·m, where torque moves the cranks.
+    /// Torque of each motor at the end of the tick, N·m, if torque moves the cranks.
     pub fn torques_nm(&self) -> Option<&[f64]> {
         self.rotors.as_ref().map(Rotors::torques_nm)
     }
 
-    /// True if motor `i` is a servo that gives all the torque that its limit allows.
+    /// True if motor `i` is a servo whose torque is at its limit.
     pub fn is_at_limit(&self, i: usize) -> bool {
         let Some(rotors) = &self.rotors else {
             return false;
@@ -196,24 +195,24 @@ impl Machine {
         limit_nm.is_some_and(|limit_nm| rotors.torques_nm()[i].abs() >= limit_nm)
     }
 
-    /// What the frame does, where it moves.
+    /// Motion of the frame, if it moves.
     pub fn frame(&self) -> Option<FrameMotion> {
         self.rotors.as_ref().and_then(Rotors::frame)
     }
 
-    /// How far the frame has sagged under all that it carries, µm; 0 where it stands fast.
+    /// Static sag of the frame under its own weight and the load, µm; 0 if it does not move.
     pub fn sag_um(&self) -> f64 {
         self.rotors.as_ref().map_or(0.0, Rotors::sag_m) * 1e6
     }
 
-    /// Largest way of a point on the mount circle that this motion is from rest, µm.
+    /// Largest displacement of a point on the mount circle from rest in this motion, µm.
     pub fn frame_um(&self, frame: &FrameMotion) -> f64 {
         let [heave, x, y] = frame.place;
         (heave.abs() + self.platform.mount_radius_m() * x.hypot(y)) * 1e6
     }
 
-    /// Where the platform is: by its equations if it has any, else by geometry, from where the cranks are and, where torque
-    /// does not move them, from the speed and acceleration that are commanded. Of pushers, their means, which do not tilt.
+    /// Pose of the platform: from its equations of motion if it has any, else by geometry from the cranks. If torque does not move the
+    /// cranks, the geometry uses the commanded speed and acceleration. For pushers, their mean, which does not tilt.
     pub fn pose(&self, turns: &[f64], command_turns: &[f64], commanded: (f64, f64)) -> Pose {
         if let Some(followers) = &self.followers {
             let mean = followers.mean();
@@ -232,7 +231,7 @@ impl Machine {
         self.posed(turns, command_turns, plane, motion)
     }
 
-    /// The same at an instant within the tick, with what acts there.
+    /// Pose of the platform at an instant within the tick, under the forces at that instant.
     pub fn pose_within(&self, turns: &[f64], command_turns: &[f64], forces: &Forces) -> Pose {
         self.posed(turns, command_turns, forces.platform, forces.cranks)
     }
@@ -257,7 +256,7 @@ impl Machine {
             .pose(turns, command_turns, omega_rad_s, acceleration_rad_s2)
     }
 
-    /// Tilt of the platform, mrad, both ways together; only platforms have any.
+    /// Tilt of the platform, mrad: the magnitude over both directions. It is 0 on a machine without a platform.
     pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
         if self.followers.is_some() || self.recorder.is_some() {
             return 0.0;
@@ -268,7 +267,7 @@ impl Machine {
         }
     }
 
-    /// False if [`Self::tilt_mrad`] is not above `mrad` for sure, which takes less time to find out than the tilt.
+    /// Returns false if [`Self::tilt_mrad`] is certainly not above `mrad`. This check is faster than the tilt itself.
     pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
         match &self.rotors {
             None => self.platform.may_tilt_beyond(mrad, turns),
@@ -278,38 +277,38 @@ impl Machine {
         }
     }
 
-    /// What moves the cranks, where torque does.
+    /// Equations of motion of the cranks, if torque moves them.
     pub fn rotors(&self) -> Option<&Rotors> {
         self.rotors.as_ref()
     }
 
-    /// Figures of a machine of its own kind, if it is one.
+    /// Figures of a machine with its own plant model, if it is one.
     pub fn record(&self) -> Option<&dyn Record> {
         self.recorder.as_ref().map(|recorder| &*recorder.record)
     }
 
-    /// What hangs on cam shafts, where axes are such.
+    /// Followers of the cam shafts, if the axes are cam shafts.
     pub fn followers(&self) -> Option<&Followers> {
         self.followers.as_ref()
     }
 
-    /// The method and how many steps a tick it makes, where anything is integrated.
+    /// Integration method and its steps per tick, if anything is integrated.
     pub fn method(&self) -> Option<(Scheme, u32)> {
         let rotors = self.rotors.as_ref().map(Rotors::method);
         rotors.or_else(|| self.followers.as_ref()?.method())
     }
 
-    /// Why the equations went no further, if they did not.
+    /// Reason why the equations could not be advanced further, if there is one.
     pub fn broken(&self) -> Option<Broken> {
         let rotors = self.rotors.as_ref().and_then(Rotors::broken);
         rotors.or_else(|| Some(self.followers.as_ref()?.broken()?.into()))
     }
 
-    /// Plays one tick; `passages` then has what came before the index sensors in it. `master_turns` is what the master makes,
-    /// `command_turns` where the axes are commanded to be at its end; `disturbance` is what is wrong with each drive, in a scene where
-    /// any ever is.
+    /// Plays one tick, and sets `passages` to what passed the index sensors in it. `master_turns` is the travel of the master in the
+    /// tick. `command_turns` are the commanded positions at its end. `disturbance` holds the disturbance of each drive, in a scene
+    /// that has any.
     ///
-    /// Drives that are off do not follow: their cranks stand, or run on where torque moves them.
+    /// Drives that are off do not follow: their cranks stand, or coast if torque moves them.
     pub fn play(
         &mut self,
         played: &Played,
@@ -332,7 +331,7 @@ impl Machine {
         }
     }
 
-    /// Takes the tick that was played into the figures of a machine of its own kind.
+    /// Records the tick that was played in the figures of a machine with its own plant model.
     fn record_tick(&mut self, drives_enabled: bool, master_turns: f64, command_turns: &[f64]) {
         let Some(mut recorder) = self.recorder.take() else {
             return;
@@ -397,7 +396,7 @@ impl Machine {
             return;
         }
         let (mut omega, mut acceleration) = (0.0, 0.0);
-        // Nothing else depends on them, and divisions take long.
+        // Nothing else depends on these two, and divisions are slow.
         if self.torques || self.followers.is_some() {
             omega = master_turns * std::f64::consts::TAU / self.tick_s;
             acceleration = (omega - self.omega_before) / self.tick_s;
@@ -425,7 +424,7 @@ impl Machine {
             }
             return;
         };
-        // Cams whose drives are off stand.
+        // Cams stand while their drives are off.
         let on = f64::from(u8::from(drives_enabled));
         let turned = per_axis(self.axes.len(), |i| {
             let axis = &mut self.axes[i];
@@ -443,7 +442,7 @@ impl Machine {
     }
 }
 
-/// Commands of the drives in a tick.
+/// Returns the commands of the drives in a tick.
 fn command(
     axes: &mut [SimulatedAxis],
     played: &Played,

@@ -1,46 +1,45 @@
-//! The platform on its N cranks: height, tilt and acceleration, by geometry.
+//! The platform on its N cranks: height, tilt and acceleration, computed by geometry.
 //!
-//! Crank i stands at angle 2π i/N on a circle of radius ρ and lifts its corner by x(αᵢ). The platform is
-//! the plane closest to the corners ([`Corners`]; for two and three it goes through them). A small difference of
-//! phases shows as tilt; what no plane can follow is warp, given in degrees of crank angle as that is
-//! what bends rods and platform.
+//! Crank i stands at angle 2π i/N on a circle of radius ρ and lifts its corner by x(αᵢ). The platform is the plane closest to the corners
+//! ([`Corners`]); with two or three it passes through them. A small difference of phases causes tilt. The part that no plane can follow is
+//! warp. It is given in degrees of crank angle, because this difference is what bends rods and platform.
 
 use crate::axes::{Axes, per_axis};
 use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
 use crate::scene::Checked;
 
-/// A platform, its mechanism and its load.
+/// Platform with its mechanism and its load.
 #[derive(Clone, Debug)]
 pub struct Platform {
     mechanism: AnyMechanism,
     load: Load,
     corners: Corners,
     mount_radius_m: f64,
-    /// Greatest |dx/dα|, m.
+    /// Largest |dx/dα|, m.
     most_lever_m: f64,
 }
 
-/// More than rounding adds to a tilt, mrad.
+/// Upper bound of the rounding error of a tilt, mrad.
 const ROUNDING_MRAD: f64 = 1e-6;
 
-/// Where the platform is, and how fast that changes.
+/// Position and acceleration of the platform.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
-    /// Height over the crank axis, upwards, m.
+    /// Height above the crank axis, upwards, m.
     pub z_m: f64,
     /// Acceleration, upwards, m/s².
     pub accel_mps2: f64,
-    /// Tilt that lifts axis 0's side, mrad.
+    /// Tilt that lifts the side of axis 0, mrad.
     pub tilt_x_mrad: f64,
     /// Tilt that lifts the side a quarter turn further, mrad.
     pub tilt_y_mrad: f64,
-    /// Largest deviation of a crank from the plane of all, degrees of crank angle.
+    /// Largest deviation of a crank from the plane of all cranks, degrees of crank angle.
     pub warp_deg: f64,
 }
 
 impl Platform {
-    /// The platform of a scene; for cams, the one that the crank which the core is given would carry.
+    /// Creates the platform of a scene. For cams, the platform that the crank which the core is given would carry.
     pub fn new(checked: &Checked) -> Self {
         let machine = &checked.settings.machine;
         let mechanism = checked.mechanism;
@@ -57,7 +56,7 @@ impl Platform {
         }
     }
 
-    /// The mechanism.
+    /// Mechanism that lifts the platform.
     pub fn mechanism(&self) -> &AnyMechanism {
         &self.mechanism
     }
@@ -73,12 +72,12 @@ impl Platform {
             .torque_nm(&self.load, alpha_rad, omega_rad_s, acceleration_rad_s2)
     }
 
-    /// +1 where a crank at phase 0 holds the platform up, −1 where it lets it down.
+    /// Returns +1 if a crank at phase 0 holds the platform up, −1 if it lowers it.
     fn upwards(&self) -> f64 {
         -self.load.platform.gravity_sign()
     }
 
-    /// Where the platform is when the cranks have gone `turns`, at the master's speed and acceleration.
+    /// Returns the pose of the platform with the cranks at `turns`, at the speed and acceleration of the master.
     pub fn pose(
         &self,
         turns: &[f64],
@@ -88,7 +87,7 @@ impl Platform {
     ) -> Pose {
         let (mut heights, mut accelerations) = ([0.0; MOST], [0.0; MOST]);
         for (i, &crank) in turns.iter().enumerate() {
-            // On one shaft all cranks are at one angle.
+            // Cranks on one shaft all have the same angle.
             (heights[i], accelerations[i]) = if i > 0 && crank == turns[i - 1] {
                 (heights[i - 1], accelerations[i - 1])
             } else {
@@ -110,7 +109,7 @@ impl Platform {
         }
     }
 
-    /// Tilt of the plane closest to the corners, mrad, both ways together.
+    /// Tilt of the plane closest to the corners, mrad: the magnitude over both directions.
     pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
         let heights: Axes<f64> = turns
             .iter()
@@ -120,13 +119,13 @@ impl Platform {
         x.hypot(y) * 1e3
     }
 
-    /// False if [`Self::tilt_mrad`] is not above `mrad` for sure, which takes less time to find out than the tilt.
+    /// Returns false if [`Self::tilt_mrad`] is certainly not above `mrad`. This check is faster than the tilt itself.
     pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
         self.most_tilt_mrad(turns) > mrad && self.most_tilt_here_mrad(turns) > mrad
     }
 
-    /// Bound on [`Self::tilt_mrad`] that takes the slope at one crank's angle. A corner is lifted against that of this crank by the slope
-    /// times how far its crank is ahead, e, and by no more than ½ R max|h| e² beside that.
+    /// Upper bound of [`Self::tilt_mrad`] from the slope dx/dα at the angle of one crank. Relative to this crank, a corner rises by the
+    /// slope times the lead e of its own crank, with a remainder of at most ½ R max|h| e².
     fn most_tilt_here_mrad(&self, turns: &[f64]) -> f64 {
         let first = turns[0];
         let ahead = per_axis(turns.len(), |i| (turns[i] - first) * std::f64::consts::TAU);
@@ -135,15 +134,15 @@ impl Platform {
         let farthest = ahead
             .iter()
             .fold(0.0, |most: f64, ahead| most.max(ahead.abs()));
-        // Such parts are apart by twice the largest of them.
+        // Two remainders differ by at most twice the largest one.
         let bent_m =
             self.mechanism.crank_radius_m() * self.mechanism.greatest_h() * farthest * farthest;
         let slope = lever_m.abs() * (x * x + y * y).sqrt() + bent_m / self.mount_radius_m;
         slope * 1e3 + ROUNDING_MRAD
     }
 
-    /// Bound on [`Self::tilt_mrad`] that takes no sine: the plane closest to the corners rises by no more than the corners are apart in height,
-    /// over the mount radius. That is so because the shares of all corners in a slope come to 0.
+    /// Upper bound of [`Self::tilt_mrad`] without a sine. The slope of the plane closest to the corners is at most the difference of the
+    /// corners' heights over the mount radius, because the weights of all corners in a slope sum to 0.
     pub fn most_tilt_mrad(&self, turns: &[f64]) -> f64 {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for &turns in turns {
@@ -172,8 +171,8 @@ mod tests {
     use super::*;
     use crate::scene::library;
 
-    /// Were a bound below the tilt, the largest tilt of a run could be passed over. Were the one at a crank's angle no closer to it, sines would
-    /// be computed for nothing: cranks apart by a thousandth of a turn are within 10 % of what a steady slope makes of them, at a steep angle.
+    /// If this fails, a run may report a largest tilt that is too small, or compute sines needlessly. The bound at a crank's angle is
+    /// close: for cranks a thousandth of a turn apart, at a steep angle, it is within 10 % of the tilt.
     #[test]
     fn no_platform_tilts_beyond_its_bounds() {
         for name in ["default", "lost-steps", "patent-4"] {

@@ -1,4 +1,5 @@
-//! Output of the loop as the machine plays it: each plan of pulses once, for all axes that share it.
+//! Output of the loop as the machine plays it. Each plan of pulses is stored once, for all axes that
+//! share it.
 
 use cophase_core::pulse::{Runs, Sharing};
 use cophase_core::servo::Setpoint;
@@ -7,10 +8,10 @@ use cophase_core::signals::Output;
 use super::pulse_counter::Tally;
 use crate::axes::{Axes, per_axis};
 
-/// Pulses and setpoints of one tick, of all axes.
+/// Pulses and setpoints of all axes in one tick.
 #[derive(Clone, Debug)]
 pub struct Played {
-    /// Plans of pulses, each at the number of the first axis that plays it.
+    /// Plans of pulses, each at the index of the first axis that plays it.
     plans: Axes<Runs>,
     sharing: Sharing,
     /// Setpoints, for servo axes.
@@ -18,7 +19,7 @@ pub struct Played {
 }
 
 impl Played {
-    /// No pulse and no setpoint, with room for the pulses of `count` axes.
+    /// Creates an output without pulses and setpoints, with room for the pulses of `count` axes.
     pub fn nothing(count: usize) -> Self {
         Self {
             plans: per_axis(count, |_| Runs::new()),
@@ -27,12 +28,12 @@ impl Played {
         }
     }
 
-    /// Pulses of an axis, if it takes them.
+    /// Returns the pulses of an axis, if it takes pulses.
     pub fn runs(&self, axis: usize) -> &Runs {
         &self.plans[self.sharing.first(axis)]
     }
 
-    /// Plans of all axes, for the drives that play them.
+    /// Returns the plans of all axes, for the drives that play them.
     pub(super) fn plans(&self) -> Plans<'_> {
         Plans {
             played: self,
@@ -41,7 +42,7 @@ impl Played {
         }
     }
 
-    /// Takes over an output, reusing the room there is.
+    /// Takes over an output, and reuses the memory of the one before.
     pub fn copy_from(&mut self, output: &Output) {
         self.sharing = output.sharing();
         for (axis, plan) in self.plans.iter_mut().enumerate() {
@@ -54,16 +55,17 @@ impl Played {
     }
 }
 
-/// Plans of the axes of a tick, one after the other.
+/// Plans of the axes in a tick, one after the other.
 pub(super) struct Plans<'a> {
     played: &'a Played,
-    /// Number and plan of the axis that was looked at last: the next mostly plays the same.
+    /// First axis that plays the plan returned last, which is in `last`. The next axis mostly plays
+    /// the same plan.
     first: usize,
     last: Plan<'a>,
 }
 
 impl<'a> Plans<'a> {
-    /// Plan of an axis.
+    /// Returns the plan of an axis.
     #[inline]
     pub fn of(&mut self, axis: usize) -> &mut Plan<'a> {
         let first = self.played.sharing.first(axis);
@@ -75,17 +77,17 @@ impl<'a> Plans<'a> {
     }
 }
 
-/// Plan of pulses of one tick, and what a drive that plays it has counted.
+/// Plan of pulses of one tick, and the count of a drive that has played it.
 #[derive(Debug)]
 pub struct Plan<'a> {
-    /// The pulses.
+    /// Pulses of the plan.
     pub runs: &'a Runs,
-    /// Result of counting them, once a drive has.
+    /// Result of counting the pulses, once a drive has counted them.
     pub tally: Option<Tally>,
 }
 
 impl<'a> Plan<'a> {
-    /// Plan that no drive has played.
+    /// Creates a plan that no drive has played.
     pub const fn new(runs: &'a Runs) -> Self {
         Self { runs, tally: None }
     }

@@ -1,20 +1,22 @@
-//! Pull-out torque: the most that a stepper turning at a speed can give before it falls out of step.
+//! Pull-out torque: the largest torque that a stepper can give at a speed before it loses step.
 
 use cophase_core::settings::Problem;
 
 use crate::scene::{SceneError, range};
 
-/// Torque against speed, straight lines between points; level before the first, zero past the last.
+/// Torque against speed, linear between points. It is constant below the first point, and zero above
+/// the last.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PullOut {
     points: Vec<(f64, f64)>,
 }
 
 impl PullOut {
-    /// From `[speed_hz, torque_nm]` points. No points: a motor that never falls out of step.
+    /// Creates a curve from `[speed_hz, torque_nm]` points. Without points, the motor never loses
+    /// step.
     ///
     /// # Errors
-    /// Points that are not finite, negative, or not in order of speed.
+    /// Fails if points are not finite, negative, out of range, or not in order of speed.
     pub fn new(points: &[(f64, f64)]) -> Result<Self, SceneError> {
         for (i, &(speed_hz, torque_nm)) in points.iter().enumerate() {
             let wrong =
@@ -39,7 +41,7 @@ impl PullOut {
         })
     }
 
-    /// The curve of a motor stronger by `factor`.
+    /// Returns the curve of a motor that is stronger by `factor`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -51,7 +53,7 @@ impl PullOut {
         }
     }
 
-    /// The greatest of it at any speed, N·m.
+    /// Largest torque at any speed, N·m.
     pub fn greatest_nm(&self) -> f64 {
         let most = self.points.iter().map(|&(_, nm)| nm).reduce(f64::max);
         most.unwrap_or(f64::INFINITY)

@@ -1,4 +1,4 @@
-//! The input of a drive that takes pulses: it counts rising edges of STEP, up or down as DIR has it.
+//! The input of a drive that takes pulses. It counts rising edges of STEP, up or down depending on DIR.
 
 use cophase_core::pulse::Runs;
 
@@ -17,7 +17,8 @@ struct Levels {
     forward: bool,
 }
 
-/// Result of counting the edges of one plan, for the next axes: drives whose lines had the same levels count the same of it.
+/// Result of counting the edges of one plan, which other axes can reuse: drives whose lines had the same levels count the
+/// same.
 #[derive(Clone, Copy, Debug)]
 pub struct Tally {
     from: Levels,
@@ -26,7 +27,7 @@ pub struct Tally {
 }
 
 impl PulseCounter {
-    /// At power-up: STEP low, DIR forward, nothing counted.
+    /// Creates a counter at power-up: STEP low, DIR forward, count 0.
     pub const fn new() -> Self {
         Self {
             levels: Levels {
@@ -42,9 +43,9 @@ impl PulseCounter {
         self.counted
     }
 
-    /// Counts the rising edges of a tick, with the sign of DIR, which only pauses change. Returns the steps of the tick.
+    /// Counts the rising edges of a tick, with the sign of DIR, which changes only in pauses. Returns the steps of the tick.
     ///
-    /// `tally` is the result for another axis that plays the same plan, or none.
+    /// `tally` is the result of another axis that plays the same plan, or none.
     #[inline]
     pub fn count(&mut self, runs: &Runs, tally: &mut Option<Tally>) -> i64 {
         let tally = match tally {
@@ -56,7 +57,7 @@ impl PulseCounter {
         tally.steps
     }
 
-    /// Cycle of the rising edge in the tick counted last after which `beyond` more came.
+    /// Returns the cycle of the rising edge that was followed by `beyond` more in the tick counted last.
     pub fn cycle_before(&self, runs: &Runs, beyond: i64) -> u32 {
         let mut high = self.levels.step_high;
         let mut end: u32 = runs.iter().map(|run| run.cycles()).sum();
@@ -76,7 +77,7 @@ impl PulseCounter {
                 end -= run.period();
             }
         }
-        // A slip, not an edge, took the crank past its index: it passed at some time in the tick.
+        // A slip, not an edge, moved the crank over its index. The time within the tick is then arbitrary.
         end
     }
 }

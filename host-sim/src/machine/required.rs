@@ -1,10 +1,10 @@
-//! Required torque of each motor, on the quasi-static model level and for pictures of it.
+//! Required torque of each motor, on the quasi-static model level and for diagrams of it.
 
 use super::Machine;
 
 impl Machine {
-    /// Share of the load's torque that a crank has, N·m, with the cranks at these angles, rad. Each would have to give its own torque
-    /// were all where it is; the share is the mean of that.
+    /// Share of the load torque that each crank carries, N·m, with the cranks at these angles, rad. The torque at each angle is that
+    /// of all cranks together; the share is the mean over the angles, divided by the number of cranks.
     fn share_nm(
         &self,
         alphas: impl Iterator<Item = f64>,
@@ -19,8 +19,8 @@ impl Machine {
         torques.sum::<f64>() / (count * count) as f64
     }
 
-    /// Torque that a motion of the master requires of motor `i` with the cranks at these angles, N·m, as the quasi-static model
-    /// level has it.
+    /// Torque that a motion of the master requires of motor `i`, N·m, with the cranks at these angles, rad, on the quasi-static model
+    /// level.
     pub fn required_nm(
         &self,
         i: usize,
@@ -33,7 +33,7 @@ impl Machine {
         self.axes[i].required_nm(share_nm, acceleration_rad_s2, hz)
     }
 
-    /// Compares what this tick's motion needs with what each motor has.
+    /// Compares the torque that the motion of this tick needs with the torque of each motor.
     pub(super) fn compare_torques(&mut self, omega: f64, acceleration: f64) {
         let alphas = self.axes.iter();
         let alphas = alphas.map(|axis| axis.turns() * std::f64::consts::TAU);

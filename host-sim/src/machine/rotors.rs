@@ -1,8 +1,7 @@
-//! Cranks that are not simply where commanded: the machine's equations of motion, advanced a control tick
-//! at a time.
+//! Cranks that are not simply where commanded: the equations of motion of the machine, advanced a control tick at a time.
 //!
-//! Drives that have not been on yet hold their cranks, as whoever set them up left them. Once they have been, cranks
-//! whose drives are off run on under load and friction.
+//! Until the drives are on for the first time, the cranks stay where they were set up. After that, cranks whose drives are off
+//! coast under load and friction.
 
 use std::cell::{OnceCell, RefCell};
 
@@ -15,63 +14,65 @@ use super::step::{Chosen, in_steps_per_tick, steps_for};
 use crate::dynamics::{Driven, Field, FrameMotion, PlaneMotion, STICTION_RAD_S};
 use crate::plant::State;
 
-/// Where drives would have their rotors at the end of a tick.
+/// Command of a drive at the end of a tick: the position at which it would hold its rotor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveCommand {
-    /// Crank turns since power-up.
+    /// Position of the crank, turns since power-up.
     pub turns: f64,
     /// Torque that a servo is commanded to add, N·m.
     pub torque_nm: f64,
 }
 
-/// All cranks of a machine, in motion.
+/// Cranks of a machine, in motion.
 #[derive(Clone, Debug)]
 pub struct Rotors {
     driven: Driven,
     scheme: Scheme,
     method: Box<dyn Method>,
     steps: u32,
-    /// The method near standstill, where dry friction changes faster than the chosen method's step follows; none if it does not.
+    /// Method near standstill, if dry friction changes too fast there for the step of the chosen method; none otherwise.
     near_rest: Option<Box<dyn Method>>,
     state: Vec<f64>,
-    /// States of the last tick, one before each step.
+    /// States within the last tick, one before each step.
     within: Vec<f64>,
-    /// What acts at the last tick's end, worked out where somebody asks.
+    /// Rates and torques at the end of the last tick, computed when first needed.
     end: OnceCell<End>,
-    /// Room for the rates of the next.
+    /// Memory for the rates of the next tick.
     room: RefCell<Vec<f64>>,
     commanded: Vec<DriveCommand>,
     tick_s: f64,
     were_on: bool,
-    /// Ticks played, and the speed beyond which no crank turns, rad/s.
+    /// Ticks played.
     ticks: u64,
+    /// Largest speed of a crank, rad/s: a faster one has run away.
     most_rad_s: f64,
-    /// Why it went no further.
+    /// Reason why the equations could not be advanced further, if there is one.
     broken: Option<Broken>,
 }
 
-/// What acts at a tick's end.
+/// Rates and torques at the end of a tick.
 #[derive(Clone, Debug)]
 struct End {
-    /// Rates of the state.
+    /// Rates of change of the state.
     rates: Vec<f64>,
     /// Torques of the motors, N·m.
     torques_nm: [f64; MAX_AXES],
 }
 
-/// Speed beyond which dry friction is constant, rad/s: five times that over which it turns round, where tanh is 1 to 1e-4.
+/// Speed above which dry friction is constant, rad/s: five times the width of its sign change, where tanh is 1 to within 1e-4.
 const NEAR_REST_RAD_S: f64 = 5.0 * STICTION_RAD_S;
 
-/// A tick is replayed with so many times the steps, to find out why a crank ran away; speeds within this part of each other are
-/// the same.
+/// Factor on the steps of a tick that is replayed to find out why a crank ran away.
 const REPLAY_STEPS: u32 = 16;
+/// Relative difference below which two speeds of a replay count as equal.
 const REPLAY_PART: f64 = 0.02;
 
 impl Rotors {
-    /// At rest where `commanded` has them, to be advanced by ticks of `tick_s`, as chosen.
+    /// Creates cranks at rest at the positions of `commanded`, for ticks of `tick_s`, with the chosen method and step.
     ///
     /// # Errors
-    /// The method is unstable at that step, or none that a tick can be cut into is short enough; in a sentence.
+    /// Fails, with a sentence, if the method is unstable at that step, or if no step into which a tick can be divided is short
+    /// enough.
     pub fn new(
         driven: Driven,
         commanded: Vec<DriveCommand>,
@@ -127,36 +128,36 @@ impl Rotors {
         })
     }
 
-    /// The same, ended when a crank turns faster than that.
+    /// Stops the simulation when a crank turns faster than `most_rad_s`.
     #[must_use]
     pub fn watched(mut self, most_rad_s: f64) -> Self {
         self.most_rad_s = most_rad_s;
         self
     }
 
-    /// The method, and how many steps a tick it makes.
+    /// Integration method and its steps per tick.
     pub fn method(&self) -> (Scheme, u32) {
         (self.scheme, self.steps)
     }
 
-    /// Why it went no further, if it did not.
+    /// Reason why the equations could not be advanced further, if there is one.
     pub fn broken(&self) -> Option<Broken> {
         self.broken
     }
 
-    /// Has field and rotor of crank `i` fall back together, at once.
+    /// Moves field and rotor of crank `i` back together, at once.
     pub fn fall_back(&mut self, i: usize, turns: f64) {
         self.commanded[i].turns -= turns;
         let angle = self.driven.angle(i);
         self.state[angle] -= turns * std::f64::consts::TAU;
     }
 
-    /// Has the command of crank `i` be where the crank is, at once.
+    /// Sets the command of crank `i` to its present position, at once.
     pub fn clear(&mut self, i: usize) {
         self.commanded[i].turns = self.turns(i);
     }
 
-    /// Has crank `i` stand whatever pushes it, or lets it go.
+    /// Holds crank `i` at rest whatever torque acts on it, or releases it.
     pub fn hold(&mut self, i: usize, held: bool) {
         self.driven.hold(i, held);
         if held {
@@ -165,12 +166,12 @@ impl Rotors {
         }
     }
 
-    /// Loads crank `i` with so much more, against its turning forward, N·m.
+    /// Sets the additional load on crank `i`, N·m. It opposes forward rotation.
     pub fn load(&mut self, i: usize, load_nm: f64) {
         self.driven.loads_nm[i] = load_nm;
     }
 
-    /// Plays a tick in which drives lead their rotors evenly from where commanded last to `commanded`.
+    /// Plays a tick in which the fields of the drives move evenly from the last commands to `commanded`.
     pub fn play(&mut self, commanded: &[DriveCommand], energised: bool) {
         self.were_on |= energised;
         self.ticks += 1;
@@ -216,13 +217,13 @@ impl Rotors {
             }
         }
         self.broken = self.broken.or_else(|| self.ran_away());
-        // What comes next changes the fields, and may change the state.
+        // The next tick changes the fields, and may change the state.
         if self.near_rest.is_some() || self.broken.is_some() {
             self.end();
         }
     }
 
-    /// What acts at the last tick's end.
+    /// Returns the rates and torques at the end of the last tick.
     fn end(&self) -> &End {
         self.end.get_or_init(|| {
             let mut rates = self.room.take();
@@ -234,7 +235,7 @@ impl Rotors {
         })
     }
 
-    /// True if a crank is as slow as friction turns round, or may become so within a tick.
+    /// True if a crank is as slow as friction changes its sign, or may become so within a tick.
     fn is_near_rest(&self) -> bool {
         let from = self.driven.positions();
         let cranks = from..from + self.driven.angles();
@@ -246,7 +247,7 @@ impl Rotors {
             .any(|(omega, rate)| omega.abs() < NEAR_REST_RAD_S + rate.abs() * self.tick_s)
     }
 
-    /// A crank that turns as no machine does.
+    /// Returns the crank that exceeds the speed limit, if there is one.
     fn ran_away(&self) -> Option<Broken> {
         let from = self.driven.positions();
         let speeds = &self.state[from..from + self.driven.angles()];
@@ -261,7 +262,7 @@ impl Rotors {
         })
     }
 
-    /// Why this component of the state went where it is: the last tick is replayed with shorter steps.
+    /// Returns why this component of the state ran away. To find out, the last tick is replayed with shorter steps.
     fn cause(&self, component: usize) -> Cause {
         let steps = REPLAY_STEPS * self.steps;
         let step_s = self.tick_s / f64::from(steps);
@@ -278,12 +279,12 @@ impl Rotors {
         }
     }
 
-    /// Speed and acceleration of the cranks, their means, rad/s and rad/s².
+    /// Mean speed and acceleration of the cranks, rad/s and rad/s².
     pub fn motion(&self) -> (f64, f64) {
         self.driven.mean_motion(&self.state, &self.end().rates)
     }
 
-    /// States of the machine within the last tick, one before each of its steps; none if it stood still.
+    /// States of the machine within the last tick, one before each of its steps; none if it was at rest.
     pub fn within(&self) -> impl ExactSizeIterator<Item = Instant<'_>> {
         let states = self.within.chunks_exact(self.state.len());
         let step_s = self.method.step_s();
@@ -294,7 +295,7 @@ impl Rotors {
         })
     }
 
-    /// State of the equations at the last tick's end.
+    /// State of the equations at the end of the last tick.
     pub fn state(&self) -> State<'_> {
         let positions = self.driven.positions();
         State {
@@ -305,39 +306,39 @@ impl Rotors {
         }
     }
 
-    /// Where crank `i` is, turns.
+    /// Position of crank `i`, turns since power-up.
     pub fn turns(&self, i: usize) -> f64 {
         self.driven.alpha_rad(&self.state, i) / std::f64::consts::TAU
     }
 
-    /// Torque of each motor at the last tick's end, N·m.
+    /// Torque of each motor at the end of the last tick, N·m.
     pub fn torques_nm(&self) -> &[f64] {
         &self.end().torques_nm[..self.commanded.len()]
     }
 
-    /// Where the platform is and how it moves; none where it follows the shaft.
+    /// Position and motion of the platform; none if it follows the shaft.
     pub fn platform(&self) -> Option<PlaneMotion> {
         self.driven.platform(&self.state, &self.end().rates)
     }
 
-    /// What the frame does, if it moves.
+    /// Motion of the frame, if it moves.
     pub fn frame(&self) -> Option<FrameMotion> {
         self.driven.frame_motion(&self.state)
     }
 
-    /// How far the frame has sagged under all that it carries, m; 0 where it stands fast.
+    /// Static sag of the frame under its own weight and the load, m; 0 if it does not move.
     pub fn sag_m(&self) -> f64 {
         let load = self.driven.body().load;
         let frame = self.driven.frame();
         frame.map_or(0.0, |frame| frame.sag_m(load.mass_kg, load.gravity_mps2))
     }
 
-    /// True if the platform has no equations of its own: where it is follows from the cranks.
+    /// True if the platform has no equations of its own: its position follows from the cranks.
     pub fn is_geometric(&self) -> bool {
         self.driven.is_geometric()
     }
 
-    /// The machine and its motors.
+    /// Machine and its motors.
     pub fn driven(&self) -> &Driven {
         &self.driven
     }

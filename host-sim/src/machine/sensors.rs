@@ -1,4 +1,4 @@
-//! What a machine's sensors are, and what its encoders count.
+//! Sensors of a machine: its index sensors, and the counts of its encoders.
 
 use cophase_core::units::PerAxis;
 
@@ -9,7 +9,7 @@ use crate::scene::Checked;
 use crate::units::floor;
 
 impl Machine {
-    /// The index sensors of its cranks, as they stand now.
+    /// Creates the index sensors of the cranks, at their present positions.
     pub fn sensors(&self, checked: &Checked) -> Axes<IndexSensor> {
         let settings = &checked.settings;
         let noise = &checked.scene.noise;
@@ -27,10 +27,10 @@ impl Machine {
         })
     }
 
-    /// Counts of motor `i`'s encoder since power-up, in the motor's own sense, wrapping. What a crank has slipped on its
-    /// shaft, the motor has not.
+    /// Counts of motor `i`'s encoder since power-up, in the motor's own sense, wrapping. Slip of the crank on its shaft
+    /// does not move the motor.
     pub fn encoder(&self, i: usize) -> i32 {
-        /// A crank that is on a count to a digit or two is on it.
+        /// Rounding error of a count, in counts: a crank within it counts as on the next count.
         const ROUNDING: f64 = 1e-6;
         let axis = &self.axes[i];
         let slipped = self
@@ -42,7 +42,7 @@ impl Machine {
         floor(counts + ROUNDING) as i32
     }
 
-    /// Counts of all encoders; 0 of those that are not read.
+    /// Counts of all encoders; 0 for those that are not read.
     pub fn encoders(&self) -> PerAxis<i32> {
         let mut counts = PerAxis::default();
         if self.has_encoder != 0 {

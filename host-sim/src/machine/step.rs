@@ -1,29 +1,30 @@
-//! The method of a machine that is integrated, and how many steps it makes in a tick.
+//! The integration method of a machine, and its steps per tick.
 
 use cophase_methods::{Scheme, Unstable};
 
 use crate::dynamics::Mode;
 
-/// By how much what swings may be off, of itself, where nothing says how well it is to be known. RK4 at a damping ratio of 0.05
-/// then makes four steps a radian.
+/// Largest relative error of an oscillation if the scene sets none. At a damping ratio of 0.05, RK4 then makes four steps per
+/// radian.
 pub const RESOLUTION: f64 = 3e-4;
 
-/// Less damping than this is not counted on: what swings longer than a hundred radians is seen by its phase no more.
+/// Smallest damping ratio that the choice of the step relies on. With less damping an oscillation rings for more than 1/2ζ =
+/// 100 radians, after which its phase no longer has a visible effect.
 const LEAST_ZETA: f64 = 0.005;
 
-/// Steps a tick beyond which a scene would take longer than anyone waits.
+/// Largest number of steps per tick: above it, a scene takes longer to run than is practical.
 pub const MOST_STEPS: u32 = 1000;
 
-/// Method and step that a scene sets; those that it leaves open are chosen here.
+/// Method and step of a scene. Those that the scene leaves open are chosen here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chosen {
-    /// Which one.
+    /// Method, if the scene sets one.
     pub scheme: Option<Scheme>,
-    /// How many steps it makes in a tick.
+    /// Steps per tick, if the scene sets them.
     pub steps_per_tick: Option<u32>,
-    /// By how much what swings may be off, of itself.
+    /// Largest relative error of an oscillation.
     pub resolution: f64,
-    /// How often all of that is halved: steps that were found to be too long, or of which that is to be found out.
+    /// Number of times that the step is halved: because it was too long, or to find out if it is.
     pub halvings: u32,
 }
 
@@ -38,8 +39,8 @@ impl Default for Chosen {
     }
 }
 
-/// How far a mode may turn in a step, rad, for its swing to be off by no more than `resolution` of itself, and half of what is
-/// stable not to be passed. An error made in a radian is forgotten within 1/2ζ of them.
+/// Returns the largest phase advance of a mode per step, rad. The relative error of the oscillation stays below `resolution`,
+/// and the step below half of the stability limit. Damping makes the error of one radian decay within 1/2ζ radians.
 fn step_rad(scheme: Scheme, zeta: f64, resolution: f64) -> f64 {
     let stable = scheme
         .stability_limit(zeta)
@@ -50,12 +51,12 @@ fn step_rad(scheme: Scheme, zeta: f64, resolution: f64) -> f64 {
 }
 
 impl Chosen {
-    /// True if the scene leaves both to be chosen.
+    /// True if the scene sets neither method nor steps.
     pub fn is_open(&self) -> bool {
         self.scheme.is_none() && self.steps_per_tick.is_none()
     }
 
-    /// Steps a tick: those that the scene asks for, or else those that `needed` gives, halved as often as is wanted.
+    /// Returns the steps per tick: those of the scene, or else those that `needed` returns, multiplied by 2 for each halving.
     pub(super) fn steps(
         &self,
         needed: impl FnOnce() -> Result<u32, String>,
@@ -65,7 +66,7 @@ impl Chosen {
     }
 }
 
-/// Steps a tick by which the fastest mode is followed.
+/// Returns the steps per tick that resolve the fastest mode.
 pub(super) fn steps_for(
     scheme: Scheme,
     mode: Mode,
@@ -87,7 +88,7 @@ pub(super) fn steps_for(
     ))
 }
 
-/// A number of steps that is too large. With very much damping no step is short enough, and it has no end.
+/// Formats a number of steps that is too large. With very large damping no step is short enough, and the number is infinite.
 pub(super) fn in_words(steps: f64) -> String {
     if steps < 1e6 {
         format!("{steps:.0}")
@@ -96,7 +97,7 @@ pub(super) fn in_words(steps: f64) -> String {
     }
 }
 
-/// The error's text, with the value that would be stable in the scene's own key.
+/// Returns the error's text, with the stable value as a setting of the scene.
 pub(super) fn in_steps_per_tick(unstable: &Unstable, tick_s: f64) -> String {
     match *unstable {
         Unstable::Step { limit_s, .. } if limit_s > 0.0 => {
@@ -111,7 +112,7 @@ pub(super) fn in_steps_per_tick(unstable: &Unstable, tick_s: f64) -> String {
 mod tests {
     use super::*;
 
-    /// Were it wrong, a refusal would ask for fewer than infinitely many steps.
+    /// If this fails, the message that refuses a scene states a meaningless number of steps.
     #[test]
     fn steps_without_end_are_said_in_words() {
         let mode = Mode {

@@ -1,4 +1,4 @@
-//! From a scene to cranks that are moved by torque.
+//! Conversion of a scene to cranks that torque moves.
 
 use cophase_methods::{Needs, Scheme};
 
@@ -14,18 +14,18 @@ use crate::mechanism::Load;
 use crate::scene::file::{self, Drive, Fidelity, Rods};
 use crate::scene::{Checked, SceneError};
 
-/// A crank that turns at so many times the greatest speed of its machine, and at so many rev/s more that a load may drive it to,
-/// is a method's doing.
+/// Speed limit of a crank: this multiple of the largest speed of its machine, plus `COASTING_HZ`, rev/s, which a load may
+/// drive it to. A faster crank has run away (`Broken`).
 const BEYOND: f64 = 10.0;
 const COASTING_HZ: f64 = 50.0;
 
-/// Full steps to an electrical cycle.
+/// Full steps per electrical cycle.
 const FULL_STEPS: f64 = 4.0;
 
-/// The cranks of a scene whose model level has them moved by torque; none on the others.
+/// Creates the cranks of a scene if torque moves them on its model level; none on the other levels.
 ///
 /// # Errors
-/// What the model level needs and the scene does not say.
+/// Fails if the scene does not set what the model level needs.
 pub fn rotors(
     checked: &Checked,
     pull_out: &PullOut,
@@ -35,7 +35,7 @@ pub fn rotors(
         return Ok(None);
     }
     if checked.cam.is_some() {
-        return Ok(None); // cams have no such model level
+        return Ok(None); // cams have no model level with torque
     }
     let settings = &checked.settings;
     let motors = (0..axes.len())
@@ -70,7 +70,7 @@ pub fn rotors(
         .map_err(|problem| SceneError::at("method", problem))
 }
 
-/// How much freedom the model level gives the machine.
+/// Returns the degrees of freedom that the model level gives the machine.
 fn freedom(checked: &Checked) -> Result<Freedom, SceneError> {
     let body = body(checked)?;
     if let Some(plant) = &checked.plant {
@@ -150,7 +150,7 @@ fn frame(given: &file::Frame, body: &Body) -> Frame {
     }
 }
 
-/// Inertia of an even disc about a diameter, kg·m².
+/// Inertia of a uniform disc about a diameter, kg·m².
 fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
     mass_kg * radius_m * radius_m / 4.0
 }
@@ -195,7 +195,7 @@ fn body(checked: &Checked) -> Result<Body, SceneError> {
     })
 }
 
-/// Motor of axis `i`, if the scene says what torque it has.
+/// Returns the motor of axis `i`, if the scene sets its torque.
 pub fn motor_of(checked: &Checked, i: usize) -> Option<Motor> {
     let pull_out = PullOut::new(&checked.scene.axes.pull_out).ok()?;
     motor(checked, &pull_out, i).ok()

@@ -1,32 +1,32 @@
-//! What cranks do that no drive holds any more: how far they tilt the platform, and when they stand.
+//! Cranks that no drive holds any more: the tilt of the platform that they cause, and the time until they stand.
 //!
-//! Drives that are off hold nothing. Where torque moves the cranks, what they had of speed, and the weight of the platform, turn
-//! them on; on the other model levels a crank without its drive stands.
+//! Drives that are off hold nothing. If torque moves the cranks, their speed and the weight of the platform keep them turning.
+//! On the other model levels a crank without its drive stands.
 
 use super::Moment;
 use super::places::Places;
 use crate::scene::Checked;
 
-/// Time after which a crank stands that stays at one place ([`Places`]), s.
+/// Time after which a crank that stays at one position ([`Places`]) counts as standing, s.
 pub(super) const STANDS_S: f64 = 0.05;
 
-/// Cranks that are let go, watched.
+/// Monitor of cranks whose drives are switched off.
 #[derive(Clone, Debug, Default)]
 pub struct Coast {
-    /// Largest tilt of the platform with the drives off, after they had been on, mrad; none where they stayed on.
+    /// Largest tilt of the platform with the drives off, after they had been on, mrad; none if they stayed on.
     pub worst_tilt_mrad: Option<f64>,
-    /// For how long cranks that were let go turned on, s: the longest time.
+    /// Longest time for which cranks coasted after their drives were switched off, s.
     pub turned_s: f64,
     tick_s: f64,
     were_on: bool,
     places: Places,
     off_ticks: u64,
-    /// The last of these in which a crank moved.
+    /// Last of these ticks in which a crank moved.
     moved: Option<u64>,
 }
 
 impl Coast {
-    /// Of a machine at power-up.
+    /// Creates the monitor of a machine at power-up.
     pub fn new(checked: &Checked) -> Self {
         Self {
             tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
@@ -34,7 +34,7 @@ impl Coast {
         }
     }
 
-    /// Looks at one tick.
+    /// Takes in one tick.
     pub fn tick(&mut self, moment: &Moment<'_>) {
         if moment.drives_enabled {
             self.were_on = true;
@@ -64,7 +64,7 @@ impl Coast {
         }
     }
 
-    /// Whether cranks turn on that were let go.
+    /// True if cranks still coast after their drives were switched off.
     pub fn is_on(&self) -> bool {
         let since = self.moved.map(|moved| self.off_ticks - moved);
         self.off_ticks > 0 && since.is_some_and(|ticks| ticks as f64 * self.tick_s < STANDS_S)

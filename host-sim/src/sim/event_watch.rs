@@ -1,25 +1,25 @@
-//! Events of a loop: which of its state is new in a tick.
+//! Events of a loop: the changes of its state in a tick.
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::Fault;
 
-/// What is new in a tick.
+/// New events of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NewEvents {
-    /// Fault that was reported, whatever is done about it.
+    /// Fault that was reported, whatever the reaction to it.
     pub reported: Option<Fault>,
-    /// The fault that latched, or the better name that it has got.
+    /// Fault that latched, or the better name of a latched fault.
     pub latched: Option<Fault>,
 }
 
-/// Looks for news, tick by tick.
+/// Detects new events, tick by tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EventWatch {
     latched: Option<Fault>,
 }
 
 impl EventWatch {
-    /// What a tick brings; most bring nothing, and are passed over quickly.
+    /// Returns the new events of a tick. Most ticks have none, and are handled quickly.
     #[inline]
     pub fn tick(&mut self, telemetry: &Telemetry) -> Option<NewEvents> {
         let is_well = telemetry.fault.is_none() && self.latched.is_none();

@@ -1,100 +1,99 @@
-//! What can happen in a run.
+//! Events of a run.
 
 use cophase_core::supervisor::{Command, Fault, State};
 
 use crate::scene::file::{FaultAt, InputLine};
 
-/// Something that happened at a time.
+/// Event at a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// When, s since power-up.
+    /// Time, s since power-up.
     pub t_s: f64,
-    /// What.
+    /// Kind of the event.
     pub what: EventKind,
 }
 
-/// What can happen.
+/// Kind of an event.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EventKind {
-    /// The supervisor changed its state; to running, see [`EventKind::Running`], and to fault, [`EventKind::Stopped`].
+    /// The supervisor changed its state. [`EventKind::Running`] and [`EventKind::Stopped`] report the states run and fault.
     State(State),
     /// The machine stands in the fault state.
     Stopped {
-        /// Whether the drives hold the cranks.
+        /// True if the drives hold the cranks.
         holds: bool,
     },
-    /// Drives that held in the fault state were switched off.
+    /// The drives, which held in the fault state, were switched off.
     LetGo,
-    /// The program began, or went on.
+    /// The program began, or continued.
     Running {
-        /// From which of its seconds.
+        /// Program time at which it continues, s.
         from_s: f64,
     },
     /// A command was given.
     Commanded(Command),
     /// A safety input changed.
     Input {
-        /// Which.
+        /// Input that changed.
         line: InputLine,
-        /// To what.
+        /// New level of the input.
         active: bool,
     },
-    /// The shaft went into a forbidden band, and came out of it after that many seconds.
+    /// The speed of the shaft entered a forbidden band, and left it at the other edge.
     BandCrossed {
-        /// Time inside, s.
+        /// Time inside the band, s.
         in_s: f64,
-        /// Whether it went in at the lower edge and came out at the upper one.
+        /// True if it entered at the lower edge and left at the upper one.
         upwards: bool,
     },
-    /// The shaft went into a forbidden band, and came out after that many seconds at the edge where it went in: a stop turned
-    /// it back.
+    /// The speed of the shaft entered a forbidden band, and left it at the same edge, because of a stop.
     TurnedBackInBand {
-        /// Time inside, s.
+        /// Time inside the band, s.
         in_s: f64,
-        /// Whether it went in at the lower edge.
+        /// True if it entered at the lower edge.
         entered_upwards: bool,
     },
-    /// The program requested a speed in a forbidden band, for that many seconds, and an edge of the band was commanded.
+    /// The program requested a speed in a forbidden band, and an edge of the band was commanded instead.
     HeldAtBand {
-        /// For how long, s.
+        /// Duration, s.
         for_s: f64,
     },
-    /// The shaft could not follow the program, for that many seconds.
+    /// The shaft could not follow the program.
     Lagged {
-        /// For how long, s.
+        /// Duration, s.
         for_s: f64,
-        /// By at most how much, in amax, m/s².
+        /// Largest deviation of amax, m/s².
         worst_mps2: f64,
     },
     /// An axis slipped by whole electrical cycles.
     Slipped {
-        /// Which.
+        /// Number of the axis.
         axis: usize,
-        /// How many it is off now; negative: behind.
+        /// Cycles by which it is off now; negative is behind.
         cycles: i64,
     },
-    /// Deadlines were missed altogether.
+    /// The loop missed deadlines completely.
     Missed {
-        /// How many.
+        /// Number of deadlines.
         deadlines: u32,
     },
-    /// The scene puts in a fault.
+    /// The scene injected a fault.
     Injected(FaultAt),
-    /// The loop reports something, whatever it does about it.
+    /// The loop reported a fault, whatever its reaction.
     Reported(Fault),
     /// A fault latched.
     Fault {
-        /// What was seen.
+        /// Fault that latched.
         fault: Fault,
-        /// Side of the platform that led then, degrees around it from axis 0 towards axis 1, if one did.
+        /// Side of the platform that led at that time, degrees around it from axis 0 towards axis 1; none if no side led.
         leading_deg: Option<f32>,
     },
 }
 
-/// What made a machine stop.
+/// Cause of a stop of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoppedBy {
-    /// The program was over.
+    /// The program ended.
     ProgramEnd,
     /// A command, or the stop input.
     Request,

@@ -1,11 +1,11 @@
-//! What motors gave, and what came of it: figures that need the forces at each tick's end.
+//! Torques of the motors and their effects: the figures that need the forces at the end of each tick.
 
 use cophase_core::supervisor::State;
 
 use super::statistics::{FramePeaks, raise};
 use super::{Moment, Observer};
 
-/// Largest forces and accelerations of a run. A run without this observer has none of them, and need not work them out.
+/// Largest forces and accelerations of a run. A run without this observer does not compute them.
 #[derive(Clone, Debug, Default)]
 pub struct PeakForces {
     /// See [`super::Statistics::worst_torque_nm`].

@@ -5,14 +5,15 @@ use cophase_core::supervisor::State;
 use super::Moment;
 use super::places::Places;
 
-/// Platform held in the fault state, watched.
+/// Monitor of a platform that the drives hold in the fault state.
 #[derive(Clone, Debug, Default)]
 pub struct FaultHold {
-    /// Tilt as the stop ended and the hold began, mrad; none where the drives never held. The last stop counts.
+    /// Tilt when the stop ended and the hold began, mrad; none if the drives never held. If there were several
+    /// stops, that of the last one.
     pub at_stop_mrad: Option<f64>,
-    /// Largest tilt after that, mrad.
+    /// Largest tilt during the hold, mrad.
     pub worst_mrad: f64,
-    /// The drives hold now.
+    /// True if the drives hold now.
     is_on: bool,
     places: Places,
     /// Ticks since a crank moved.
@@ -20,7 +21,7 @@ pub struct FaultHold {
 }
 
 impl FaultHold {
-    /// Looks at one tick. Returns true if drives that held after a fault have just been switched off.
+    /// Takes in one tick. Returns true if drives that held after a fault have just been switched off.
     pub fn tick(&mut self, moment: &Moment<'_>) -> bool {
         let is_fault = moment.telemetry.state == State::Fault;
         let was_on = std::mem::replace(&mut self.is_on, is_fault && moment.drives_enabled);
@@ -46,7 +47,7 @@ impl FaultHold {
         }
     }
 
-    /// True if a crank that the drives should hold has moved within so many ticks.
+    /// True if a crank that the drives should hold has moved in the last `within_ticks` ticks.
     pub const fn moves(&self, within_ticks: u64) -> bool {
         self.is_on && self.still_ticks < within_ticks
     }

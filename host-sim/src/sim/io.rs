@@ -1,7 +1,7 @@
-//! Between the loop and a simulated machine: what the board's pins and PIO are on the controller.
+//! Interface between the loop and a simulated machine. It takes the place of the board's pins and PIO on the controller.
 //!
-//! What the loop writes at one deadline is played from the next on, so that outputs wait here for
-//! their time. The machine is brought up to the present whenever the loop reads.
+//! An output that the loop writes at one deadline is played from the next on, so that outputs wait here for their time. The machine is
+//! advanced to the present whenever the loop reads.
 
 use std::cell::OnceCell;
 use std::collections::VecDeque;
@@ -27,7 +27,7 @@ use crate::scene::{Checked, SceneError};
 use crate::units::turns;
 use crate::virtual_time::{self, TICKS_PER_S};
 
-/// An output that waits for its time, or plays.
+/// Output that waits for its time, or is played.
 #[derive(Clone, Debug)]
 struct Waiting {
     start_us: u64,
@@ -36,16 +36,16 @@ struct Waiting {
     sync: bool,
 }
 
-/// The loop's world, simulated, to be read with an [`Observer`]: see [`Observed`].
+/// Simulated environment of the loop. It is read with an [`Observer`]: see [`Observed`].
 #[derive(Clone)]
 pub struct SimulatedIo<P> {
     tick_us: u64,
     tick_hz: u32,
     machine: Machine,
     sensors: Axes<IndexSensor>,
-    /// Sensors whose lines or filters may still change, a bit each; the others need not be looked at before something comes.
+    /// Sensors whose lines or filters may still change, one bit each. The others are skipped until an event reaches them.
     awake: u8,
-    /// Up to when the sensors have been read: the end of a tick.
+    /// Time up to which the sensors have been read, µs: the end of a tick.
     sensed_us: u64,
     schedule: Schedule,
     faults: Faults,
@@ -53,47 +53,49 @@ pub struct SimulatedIo<P> {
     progress: P,
     /// Boxed, as an output has kilobytes of room for runs, and is passed on every tick.
     waiting: VecDeque<Box<Waiting>>,
-    /// Room of outputs that have been played, to be used again.
+    /// Played outputs, kept to reuse their memory.
     #[expect(
         clippy::vec_box,
         reason = "boxes move between here and the queue; what is in them is kilobytes"
     )]
     spare: Vec<Box<Waiting>>,
-    /// The output that was played last.
+    /// Output that was played last.
     last: Option<Box<Waiting>>,
     drives_enabled: bool,
     master: Unwrapped,
     axes: Axes<Unwrapped>,
-    /// Of the tick that is played; kept for their room.
+    /// Values of the tick that is played, kept to reuse their memory.
     now: Now,
-    /// Outputs written, and of these the ones played.
+    /// Outputs written.
     ticks: u64,
+    /// Outputs played.
     played: u64,
     state: State,
     fault: Option<Fault>,
-    /// Ticks since nothing has happened any more, and after how many of them a run ends.
+    /// Consecutive ticks in a settled state with nothing more due.
     quiet: u64,
+    /// Number of such ticks after which the run ends.
     tail_ticks: u64,
-    /// Start of the output that was written last: the deadline at which the loop reads next, µs.
+    /// Start of the output that was written last, µs: the deadline at which the loop reads next.
     next_us: u64,
-    /// The loop pauses before the first deadline that is not before this, µs.
+    /// The loop pauses before the first deadline that is not before this time, µs.
     pause_us: u64,
     is_over: bool,
 }
 
-/// So long a run goes on for after the end, so that traces show the machine at rest, s; and so long at most, where cranks turn
-/// on that nothing drives any more.
+/// Time for which a run continues after its end, s, so that traces show the machine at rest.
 pub const TAIL_S: f64 = STANDS_S;
+/// Longest such time, s, if cranks still move.
 const MOST_TAIL_S: f64 = 5.0;
 
-/// How many ticks go by between two reports of progress.
+/// Ticks between two reports of progress.
 const PROGRESS_TICKS: u64 = 8192;
 
 impl<P: FnMut(u64, u64)> SimulatedIo<P> {
-    /// Makes the machine of a scene, at power-up.
+    /// Creates the machine of a scene, at power-up.
     ///
     /// # Errors
-    /// The machine of the scene cannot be made.
+    /// Fails if the machine of the scene cannot be created.
     pub fn new(checked: &Checked, schedule: Schedule, progress: P) -> Result<Self, SceneError> {
         let machine = Machine::new(checked)?;
         let tick_hz = checked.settings.tick_hz;
@@ -127,14 +129,14 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         })
     }
 
-    /// Has the loop pause before the first deadline that is not before a time, µs. Returns the next deadline if the loop has to run to come
-    /// there, µs.
+    /// Makes the loop pause before the first deadline that is not before `pause_us`, µs. Returns the next deadline, µs, if the loop has to
+    /// run to reach that time.
     pub fn pause_at(&mut self, pause_us: u64) -> Option<u64> {
         self.pause_us = pause_us;
         (!self.is_over && self.next_us < pause_us).then_some(self.next_us)
     }
 
-    /// Goes on with a schedule and with faults that are all still to come.
+    /// Continues with a schedule and with faults that are all still to come.
     pub fn go_on_with(&mut self, schedule: Schedule, faults: Faults) {
         self.schedule = schedule.after(&self.schedule);
         self.faults = faults;
@@ -142,20 +144,21 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         self.is_over = self.machine.broken().is_some();
     }
 
-    /// Lets faults be injected while the machine runs: [`Self::inject`]. To be called at power-up.
+    /// Allows faults to be injected while the machine runs: [`Self::inject`]. To be called at power-up.
     pub fn open_to_faults(&mut self) {
         self.faults.open();
         self.machine.open_to_faults();
     }
 
-    /// Adds a fault, which was checked against the scene and begins at its time.
+    /// Adds a fault, which was checked against the scene. It begins at its time.
     pub fn inject(&mut self, fault: &FaultAt) {
         self.faults.add(fault);
     }
 
-    /// How the run ended.
+    /// Ends the run, and returns its outcome.
     pub fn finish(self) -> Outcome {
-        // What spins up cranks that nothing holds any more is no end of their equations: it ends the run.
+        // Cranks that no drive holds may accelerate beyond the speed limit of the machine. That ends the run, but is not a divergence of
+        // the equations.
         let let_go = self.quiet > self.tail_ticks && self.statistics.coast.is_on();
         let broken = self.machine.broken().filter(|_| !let_go);
         let mut statistics = self.statistics;
@@ -172,7 +175,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         }
     }
 
-    /// Reads the sensors over ticks in which nothing was played, up to the time `until_us`.
+    /// Reads the sensors over ticks without an output, up to the time `until_us`.
     fn stand(&mut self, until_us: u64, detected: &mut PerAxis<Option<IndexPulse>>) {
         while self.sensed_us < until_us {
             self.now.passages = Passages::default();
@@ -180,8 +183,8 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         }
     }
 
-    /// Reads the sensors over one tick, and when their lines rose. Of what is read at one deadline the latest counts: the
-    /// loop needs no more than one tick, unless it was late.
+    /// Reads the sensors and the rises of their lines over one tick. If several pulses are read at one deadline, the latest counts. One
+    /// tick is all that the loop reads, unless it is late.
     fn detect(&mut self, detected: &mut PerAxis<Option<IndexPulse>>) {
         self.now.index.fill(None);
         let active = self.now.passages.brought() | self.awake;
@@ -207,7 +210,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         }
     }
 
-    /// Plays one output, reads the sensors, and passes it to the observers.
+    /// Plays one output, reads the sensors, and passes the tick to the observers.
     fn play(
         &mut self,
         waiting: &Waiting,
@@ -275,20 +278,20 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             tilt_mrad: OnceCell::new(),
         };
         self.played += 1;
-        // Of ticks that are played: a run may end before the next, and then nothing else shows what latched in it.
+        // Only played ticks count. The run may end before the next tick, and then nothing else shows what latched in this one.
         self.fault = self.fault.or(telemetry.fault);
         self.statistics.tick(&moment);
         observer.tick(&moment);
     }
 
-    /// Whether nothing has happened for long enough, and nothing moves any more.
+    /// True if nothing has happened for long enough, and nothing moves any more.
     fn is_at_rest(&self) -> bool {
         let statistics = &self.statistics;
         let moves = statistics.coast.is_on() || statistics.fault_hold.moves(self.tail_ticks);
         self.quiet > self.tail_ticks && (!moves || self.quiet > ticks_in(MOST_TAIL_S, self.tick_hz))
     }
 
-    /// Records faults that have begun up to a time.
+    /// Records the faults that have begun up to a time.
     fn take_note(&mut self, at_us: u64) {
         for fault in self.faults.new_faults() {
             let t_s = at_us as f64 / TICKS_PER_S as f64;
@@ -296,7 +299,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         }
     }
 
-    /// Plays what is due, which the observer is shown, and reads the feedback: see [`Io::read`].
+    /// Plays the outputs that are due, shows them to the observer, and returns the feedback: see [`Io::read`].
     pub fn read(&mut self, observer: &mut impl Observer) -> Feedback {
         let now = Instant::now().as_micros();
         let mut index = PerAxis::default();
@@ -320,7 +323,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             self.statistics.input(now_s, input.line, input.active);
         }
         let command = self.schedule.command(now);
-        // That a scene begins with a start is not news.
+        // A start at the beginning of the scene is not an event.
         if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
             self.statistics.commanded(now_s, command);
         }
@@ -366,7 +369,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             (self.progress)(self.ticks, self.schedule.expected_us() / self.tick_us);
         }
         let settled = matches!(self.state, State::Idle | State::Parked | State::Fault);
-        // Cranks that are let go late in a hold have yet to turn on, and to be reported.
+        // If the drives are switched off late in a hold, the cranks still have to coast before the run ends, so that it is reported.
         self.quiet = if settled && self.schedule.is_over() && !is_switched {
             self.quiet + 1
         } else {
@@ -382,11 +385,11 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
     }
 }
 
-/// A simulated world and who looks on while the loop runs.
+/// Simulated environment and its observer while the loop runs.
 pub struct Observed<'a, O, P> {
-    /// The world.
+    /// Environment of the loop.
     pub io: &'a mut SimulatedIo<P>,
-    /// The observer.
+    /// Observer of each tick.
     pub observer: &'a mut O,
 }
 
@@ -408,7 +411,7 @@ fn ticks_in(seconds: f64, tick_hz: u32) -> u64 {
     (seconds * f64::from(tick_hz)) as u64
 }
 
-/// What is so in the tick that is played: see [`Moment`].
+/// Values of the tick that is played: see [`Moment`].
 #[derive(Clone, Debug)]
 struct Now {
     passages: Passages,

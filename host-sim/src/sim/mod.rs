@@ -1,7 +1,7 @@
-//! Running a scene: the control loop in virtual time, against the scene's machine.
+//! Simulation of a scene: the control loop in virtual time, with the machine of the scene.
 //!
-//! [`simulate`] sets up the two sides, a simulated `Io` stands between them, and an [`Observer`] looks on. What
-//! an observer does, or whether there is one, never changes what happens.
+//! [`simulate`] sets up the loop and the machine. A simulated `Io` connects them, and an [`Observer`] receives each
+//! tick. An observer never changes the run.
 
 pub mod coast;
 pub mod event_watch;
@@ -32,10 +32,10 @@ pub(crate) use unwrapped::Unwrapped;
 
 /// Runs a scene to its end.
 ///
-/// `progress` is called now and then with the ticks done and about how many there will be.
+/// `progress` is called from time to time with the number of ticks done and the approximate total.
 ///
 /// # Errors
-/// A scene whose machine cannot be made; [`Checked`] has refused those that the core refuses.
+/// Fails if the machine of the scene cannot be created. [`Checked`] has refused the scenes that the core refuses.
 ///
 /// ```
 /// use host_sim::scene::{Checked, library};
@@ -53,10 +53,10 @@ pub fn simulate(
     simulate_first(u64::MAX, checked, observer, progress)
 }
 
-/// The same for so many ticks at most: how a run begins, and how long a tick takes.
+/// Runs a scene for at most `ticks` ticks: to see its beginning, or to measure the time that a tick takes.
 ///
 /// # Errors
-/// As of [`simulate`].
+/// Fails like [`simulate`].
 pub fn simulate_first(
     ticks: u64,
     checked: &Checked,
@@ -71,10 +71,10 @@ pub fn simulate_first(
     Ok(outcome)
 }
 
-/// Control ticks that a run of a scene is expected to take: its program, homing, parking, and what happens from outside.
+/// Control ticks that a run of a scene is expected to take: its program, homing, parking, and external events.
 ///
 /// # Errors
-/// As of [`simulate`].
+/// Fails like [`simulate`].
 pub fn expected_ticks(checked: &Checked) -> Result<u64, SceneError> {
     let program_ticks = checked.controller()?.program().0.duration();
     Ok(Schedule::new(checked, program_ticks).expected_us() / tick_us(checked))

@@ -1,4 +1,4 @@
-//! One tick of a run, as whoever looks on sees it.
+//! One tick of a run, as an observer receives it.
 
 use std::cell::OnceCell;
 
@@ -7,25 +7,25 @@ use cophase_core::signals::Telemetry;
 use crate::machine::{Machine, Played, Pose};
 use crate::units::turns;
 
-/// Looks on while a scene runs.
+/// Receives each tick of a run.
 pub trait Observer {
-    /// One tick was played.
+    /// Receives a tick that was played.
     fn tick(&mut self, moment: &Moment<'_>);
 }
 
-/// Nobody looks.
+/// Observer that ignores every tick.
 impl Observer for () {
     fn tick(&mut self, _: &Moment<'_>) {}
 }
 
-/// One that is lent looks.
+/// Observer that is borrowed.
 impl<A: Observer> Observer for &mut A {
     fn tick(&mut self, moment: &Moment<'_>) {
         (**self).tick(moment);
     }
 }
 
-/// Both look.
+/// Pair of observers that both receive each tick.
 impl<A: Observer, B: Observer> Observer for (A, B) {
     fn tick(&mut self, moment: &Moment<'_>) {
         self.0.tick(moment);
@@ -33,7 +33,7 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
     }
 }
 
-/// None looks, or one.
+/// Observer that may be absent.
 impl<A: Observer> Observer for Option<A> {
     fn tick(&mut self, moment: &Moment<'_>) {
         if let Some(observer) = self {
@@ -42,52 +42,54 @@ impl<A: Observer> Observer for Option<A> {
     }
 }
 
-/// One tick that was just played: what was commanded, and what became of it.
+/// One tick that was just played: its commands, and the response of the machine.
 #[derive(Debug)]
 pub struct Moment<'a> {
-    /// When the tick began, ns since power-up.
+    /// Beginning of the tick, ns since power-up.
     pub start_ns: u64,
-    /// When it ended.
+    /// End of the tick, ns since power-up.
     pub end_ns: u64,
-    /// What the loop knew when it planned this tick.
+    /// State of the loop when it planned this tick.
     pub telemetry: &'a Telemetry,
-    /// What was played.
+    /// Pulses and setpoints that were played.
     pub played: &'a Played,
-    /// Whether the drives were on.
+    /// True if the drives were on.
     pub drives_enabled: bool,
     /// Level of the sync line.
     pub sync: bool,
-    /// When index lines rose: cycles from this tick's beginning.
+    /// Rises of the index lines: cycles from the beginning of this tick.
     pub index: &'a [Option<u32>],
-    /// Commanded phase of the master at the tick's end, turns since power-up.
+    /// Commanded phase of the master at the end of the tick, turns since power-up.
     pub master_turns: f64,
     /// Commanded phases, turns since power-up.
     pub command_turns: &'a [f64],
-    /// Phases at which cranks are to be: as commanded, but for what only corrects that they are elsewhere.
+    /// Target phases of the cranks, turns since power-up: the commanded phases without the corrections,
+    /// which only compensate phase errors.
     pub aim_turns: &'a [f64],
-    /// True phases of the cranks, turns since power-up.
+    /// Actual phases of the cranks, turns since power-up.
     pub actual_turns: &'a [f64],
-    /// The machine at the tick's end.
+    /// Machine at the end of the tick.
     pub machine: &'a Machine,
-    /// Worked out where somebody asks, and once for all that do.
+    /// Tilt of the platform, computed once, when first needed.
     pub(super) tilt_mrad: OnceCell<f64>,
 }
 
 impl Moment<'_> {
-    /// How many axes the machine has. Entries of the telemetry beyond it mean nothing.
+    /// Number of axes of the machine. Telemetry entries beyond it have no meaning.
     pub fn axis_count(&self) -> usize {
         self.actual_turns.len()
     }
 
-    /// By how much each crank is ahead of where it is to be, turns: the truth, which no controller sees.
+    /// Lead of each crank over its target, turns. These are the true errors, which a controller cannot
+    /// measure.
     pub fn errors(&self) -> impl ExactSizeIterator<Item = f64> {
         let cranks = self.actual_turns.iter().zip(self.aim_turns);
         cranks.map(|(actual, aim)| actual - aim)
     }
 
-    /// Tilt of the platform at the tick's end, mrad.
+    /// Tilt of the platform at the end of the tick, mrad.
     pub fn tilt_mrad(&self) -> f64 {
-        // Tilt is a difference of cranks: where they are all alike, there is none.
+        // Tilt is caused by differences between cranks: if all are alike, there is none.
         let first = self.actual_turns[0];
         if self.actual_turns.iter().all(|&turns| turns == first) {
             return 0.0;
@@ -96,7 +98,7 @@ impl Moment<'_> {
         *self.tilt_mrad.get_or_init(tilt)
     }
 
-    /// Raises `most_mrad` to the tilt of the platform at the tick's end, if that is larger.
+    /// Raises `most_mrad` to the tilt of the platform at the end of the tick, if that is larger.
     pub fn raise_tilt(&self, most_mrad: &mut f64) {
         if self.machine.may_tilt_beyond(*most_mrad, self.actual_turns) {
             let tilt_mrad = self.tilt_mrad();
@@ -106,7 +108,7 @@ impl Moment<'_> {
         }
     }
 
-    /// Where the platform is at the tick's end.
+    /// Pose of the platform at the end of the tick.
     pub fn pose(&self) -> Pose {
         let ticks_per_s = 1e9 / (self.end_ns - self.start_ns) as f64;
         let motion = &self.telemetry.motion;

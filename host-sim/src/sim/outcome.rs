@@ -1,31 +1,31 @@
-//! How a run ended.
+//! Outcome of a run.
 
 use cophase_core::supervisor::{Fault, State};
 use cophase_methods::Scheme;
 
 use super::statistics::Statistics;
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// The last state. Neither parked nor fault: the run was cut off, as nothing more was to happen.
+    /// Last state. If it is neither parked nor fault, the run was cut off, as nothing more was due.
     pub state: State,
-    /// The fault that latched, if one did at any time.
+    /// Fault that latched, if one did at any time.
     pub fault: Option<Fault>,
     /// Control ticks simulated.
     pub ticks: u64,
-    /// Control ticks a second.
+    /// Control ticks per second.
     pub tick_hz: u32,
-    /// What was seen on the way.
+    /// Statistics of the run.
     pub statistics: Statistics,
-    /// How the machine was advanced, and in how many steps a tick; none if nothing was integrated.
+    /// Integration method of the machine and its steps per tick; none if nothing was integrated.
     pub method: Option<(Scheme, u32)>,
-    /// Why the simulated machine went no further, in a sentence: its equations, not the loop, came to an end.
+    /// Reason, in a sentence, why the simulated machine could not be advanced further. Its equations failed, not the loop.
     pub diverged: Option<String>,
 }
 
 impl Outcome {
-    /// Whether a motor slipped and nothing was reported of it: the controller believes the cranks in phase, and they are not.
+    /// True if a motor slipped and nothing was reported. The controller then assumes the cranks in phase, and they are not.
     pub fn slipped_undetected(&self) -> bool {
         self.fault.is_none()
             && self.statistics.reported == 0

@@ -1,20 +1,21 @@
-//! Places of cranks, by which one that moves differs from one that stands.
+//! Reference positions of cranks, which distinguish a crank that moves from one that stands.
 
-/// A crank stands that stays within this of one place, degrees, for [`super::coast::STANDS_S`]: 7.2° a second, twice what friction in
-/// this model lets a crank turn at that it holds. So a rod that rings does not count, and a crank that swings does.
+/// Largest distance from one position, degrees, within which a crank stands, for [`super::coast::STANDS_S`]. That is 7.2° per second,
+/// twice the speed at which a crank that friction holds still turns in this model. So an oscillating rod does not count as motion,
+/// and a swinging crank does.
 const STANDS_DEG: f64 = 0.36;
 
-/// Place of each crank when it moved last, turns.
+/// Position of each crank when it last moved, turns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Places(Vec<f64>);
 
 impl Places {
-    /// Places of cranks as they are now.
+    /// Records the present positions of the cranks.
     pub fn at(turns: &[f64]) -> Self {
         Self(turns.to_vec())
     }
 
-    /// Takes in where the cranks are now. Returns true if one of them has moved.
+    /// Takes in the positions of the cranks. Returns true if one of them has moved.
     pub fn take(&mut self, turns: &[f64]) -> bool {
         let mut has_moved = false;
         for (place, &turns) in self.0.iter_mut().zip(turns) {

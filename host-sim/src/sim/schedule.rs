@@ -1,4 +1,4 @@
-//! What happens to a scene from outside, and when.
+//! External events of a scene, and their times.
 
 use cophase_core::supervisor::{Command, SafetyInputs};
 
@@ -6,28 +6,30 @@ use crate::scene::Checked;
 use crate::scene::file::{CommandName, FaultName, InputAt, InputLine};
 use crate::virtual_time::TICKS_PER_S;
 
-/// Commands and input changes in order of time.
+/// Commands and input changes, in order of time.
 #[derive(Clone, Debug)]
 pub struct Schedule {
     commands: Vec<(u64, Command)>,
     inputs: Vec<(u64, InputAt)>,
     late: Vec<(u64, u64)>,
-    /// When the last fault begins, and up to when commands and inputs have been requested, µs.
+    /// Time at which the last fault begins, µs.
     last_fault_us: u64,
+    /// Time up to which commands and inputs have been requested, µs.
     requested_us: u64,
     next_command: usize,
     next_input: usize,
     lines: SafetyInputs,
     expected_us: u64,
-    /// The run ends here at the latest.
+    /// Latest end of the run, µs.
     end_us: u64,
 }
 
-/// After the last thing that is to happen, a machine that still runs is given this long, µs.
+/// Time that a machine which still runs is given after the last event that is due, µs.
 const PATIENCE_US: u64 = 120 * TICKS_PER_S;
 
 impl Schedule {
-    /// Of a scene whose program lasts `program_ticks`. A scene without a start is started at once.
+    /// Creates the schedule of a scene whose program lasts `program_ticks`. A scene without a start command
+    /// is started at once.
     pub fn new(checked: &Checked, program_ticks: u64) -> Self {
         let scene = &checked.scene;
         let mut commands: Vec<_> = scene
@@ -60,7 +62,7 @@ impl Schedule {
             .late
             .iter()
             .map(|late| (clock(late.at_s), late.by_us as u64));
-        // A deadline is missed by as much as takes it to the next.
+        // An overrun makes the loop late by one tick for each deadline that it misses.
         let tick_us = TICKS_PER_S / u64::from(scene.control.tick_hz);
         let overruns = scene
             .fault
@@ -74,7 +76,7 @@ impl Schedule {
             });
         let late = late.chain(overruns).collect();
         let program_s = program_ticks as f64 / f64::from(scene.control.tick_hz);
-        // Switching on, a turn of homing, a turn to park.
+        // Time to switch on, and two and a half turns at homing speed, to home and to park.
         let around_s = scene.control.settle_s + 2.5 / scene.limits.homing_speed_hz;
         let expected_us = clock(program_s + around_s) + last.unwrap_or(0);
         Self {
@@ -94,7 +96,7 @@ impl Schedule {
         }
     }
 
-    /// The command that is due, if one is; each is given once.
+    /// Returns the command that is due, if there is one. Each is returned once.
     pub fn command(&mut self, now: u64) -> Option<Command> {
         self.requested_us = now;
         let &(at, command) = self.commands.get(self.next_command)?;
@@ -105,7 +107,7 @@ impl Schedule {
         Some(command)
     }
 
-    /// The next change of a safety input that is due; each is given once.
+    /// Returns the next change of a safety input that is due. Each is returned once.
     pub fn input(&mut self, now: u64) -> Option<InputAt> {
         let &(at, input) = self.inputs.get(self.next_input)?;
         if at > now {
@@ -119,43 +121,43 @@ impl Schedule {
         Some(input)
     }
 
-    /// The safety inputs, with all changes so far.
+    /// Safety inputs, with all changes so far.
     pub const fn lines(&self) -> SafetyInputs {
         self.lines
     }
 
-    /// Whether nothing more is to happen.
+    /// True if no event is left.
     pub fn is_over(&self) -> bool {
         self.next_command == self.commands.len()
             && self.next_input == self.inputs.len()
             && self.last_fault_us <= self.requested_us
     }
 
-    /// About how long the run will take, µs.
+    /// Approximate duration of the run, µs.
     pub const fn expected_us(&self) -> u64 {
         self.expected_us
     }
 
-    /// When to stop looking, µs.
+    /// Latest end of the run, µs.
     pub const fn end_us(&self) -> u64 {
         self.end_us
     }
 
-    /// The same, and the run ends after so many µs at the latest.
+    /// Limits the end of the run to `end_us`, µs.
     #[must_use]
     pub fn ending_by(mut self, end_us: u64) -> Self {
         self.end_us = self.end_us.min(end_us);
         self
     }
 
-    /// The same without commands: a host gives them.
+    /// Removes the commands, for a host that gives them.
     #[must_use]
     pub(crate) fn without_commands(mut self) -> Self {
         self.commands.clear();
         self
     }
 
-    /// The same, of which so much is done as is of an earlier schedule with the same commands and inputs.
+    /// Marks as done what an earlier schedule with the same commands and inputs has done.
     #[must_use]
     pub const fn after(mut self, earlier: &Self) -> Self {
         self.requested_us = earlier.requested_us;
@@ -165,7 +167,7 @@ impl Schedule {
         self
     }
 
-    /// What makes the loop late.
+    /// Returns the requested lateness of the loop.
     pub fn lateness(&self) -> Lateness {
         let mut late = self.late.clone();
         late.sort_unstable();
@@ -173,7 +175,7 @@ impl Schedule {
     }
 }
 
-/// Lateness that was requested, each served once, at the first alarm from its time on.
+/// Requested lateness. Each entry is applied once, at the first alarm from its time on.
 #[derive(Clone, Debug)]
 pub struct Lateness {
     late: Vec<(u64, u64)>,
@@ -181,7 +183,7 @@ pub struct Lateness {
 }
 
 impl Lateness {
-    /// By how many µs the alarm at `at` is to be overshot.
+    /// Returns the time by which the alarm at `at` is overshot, µs.
     pub fn overshoot(&mut self, at: u64) -> u64 {
         match self.late.get(self.next) {
             Some(&(from, by)) if from <= at => {
@@ -192,14 +194,15 @@ impl Lateness {
         }
     }
 
-    /// The same, of which so much is served as of an earlier one that differs only in what is still to come.
+    /// Marks as applied the entries that `earlier` has applied. The two may differ only in entries that are
+    /// still to come.
     #[must_use]
     pub const fn after(mut self, earlier: &Self) -> Self {
         self.next = earlier.next;
         self
     }
 
-    /// The longest lateness that is requested, µs.
+    /// Longest requested lateness, µs.
     pub fn longest_us(&self) -> u64 {
         self.late.iter().map(|&(_, by)| by).max().unwrap_or(0)
     }

@@ -21,10 +21,10 @@ pub struct Simulation<P> {
 }
 
 impl<P: FnMut(u64, u64)> Simulation<P> {
-    /// Simulation of a scene at power-up, for so many ticks at most. `progress` is called as in [`super::simulate`].
+    /// Creates the simulation of a scene at power-up, for at most `most_ticks` ticks. `progress` is called as in [`super::simulate`].
     ///
     /// # Errors
-    /// As of [`super::simulate`].
+    /// Fails like [`super::simulate`].
     pub fn new(most_ticks: u64, checked: &Checked, progress: P) -> Result<Self, SceneError> {
         let controller = checked.controller()?;
         let schedule = schedule_of(checked, &controller, most_ticks);
@@ -41,9 +41,9 @@ impl<P: FnMut(u64, u64)> Simulation<P> {
         self.run_to(u64::MAX, observer);
     }
 
-    /// Runs the scene up to a time, µs: no input is read at or after it. The scene may end before.
+    /// Runs the scene up to a time, µs: no input is read at or after it. The scene may end before that time.
     pub fn run_until(&mut self, until_us: u64, observer: &mut impl Observer) {
-        // The loop may read the input of a deadline so much later.
+        // The loop may read the input of a deadline later by as much as this.
         let late_us = self.lateness.longest_us();
         self.run_to(until_us.saturating_sub(late_us), observer);
     }
@@ -60,22 +60,22 @@ impl<P: FnMut(u64, u64)> Simulation<P> {
         virtual_time::run(run, |at| self.lateness.overshoot(at));
     }
 
-    /// Goes on in a scene that differs from the scene so far in its faults alone. None of its faults may begin before the time up to which
-    /// the simulation has run. Either both scenes touch drives or none does ([`crate::scene::Scene::touches_drives`]). A scene that ended
-    /// goes on, too, unless its machine diverged.
+    /// Continues in a scene that differs from the present one only in its faults. None of its faults may begin before the time up to which
+    /// the simulation has run. Either both scenes touch drives or neither does ([`crate::scene::Scene::touches_drives`]). A scene that has
+    /// ended also continues, unless its machine diverged.
     pub fn go_on_in(&mut self, checked: &Checked) {
         let schedule = schedule_of(checked, &self.controller, self.most_ticks);
         self.lateness = schedule.lateness().after(&self.lateness);
         self.io.go_on_with(schedule, Faults::new(checked));
     }
 
-    /// How the run ended.
+    /// Ends the run, and returns its outcome.
     pub fn finish(self) -> Outcome {
         self.io.finish()
     }
 }
 
-/// Commands, inputs and late deadlines of a scene.
+/// Returns the commands, inputs and late deadlines of a scene.
 fn schedule_of(checked: &Checked, controller: &Controller, most_ticks: u64) -> Schedule {
     let end_us = most_ticks.saturating_mul(tick_us(checked));
     Schedule::new(checked, controller.program().0.duration()).ending_by(end_us)
@@ -88,7 +88,7 @@ mod tests {
     use crate::scene::library;
     use crate::sim::{Moment, simulate};
 
-    /// Ticks as they were played.
+    /// Records the ticks that are played.
     #[derive(Default)]
     struct Ticks(Vec<String>);
 
@@ -106,8 +106,8 @@ mod tests {
         }
     }
 
-    /// If anything were lost or done twice where a run pauses, the runs of a campaign that share their beginning would differ from runs
-    /// that do not. The deadline before the fault is late, so that its input is read after the fault has begun.
+    /// If this fails, runs of a campaign that share their beginning differ from runs that do not, as a pause loses or repeats something.
+    /// The deadline before the fault is late, so that its input is read after the fault has begun.
     #[test]
     fn a_copy_goes_on_as_if_it_had_run_alone() {
         let mut scene = library::find("default").expect("built in").scene();

@@ -1,4 +1,4 @@
-//! What is worth knowing of a run, gathered tick by tick.
+//! Statistics of a run, gathered tick by tick.
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Command, State};
@@ -17,94 +17,94 @@ use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
 use crate::units::{degrees, mps2, speed_hz};
 
-/// How well amax was held where the program holds and the shaft has come to its speed.
+/// Accuracy of amax while the program holds it and the shaft has reached its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Holding {
-    /// Time spent so, s.
+    /// Duration of all such holds, s.
     pub held_s: f64,
     /// Largest relative error of the platform's acceleration amplitude.
     pub worst_relative: f64,
 }
 
-/// How far a frame went, and what it handed on to the ground.
+/// Motion of a frame, and the force that it passed to the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FramePeaks {
-    /// How far it has sagged under all that it carries, µm: from there its way is counted.
+    /// Static sag under its own weight and the load, µm. Displacements are counted from there.
     pub sag_um: f64,
     /// Largest force on the ground beyond the weight at rest, N.
     pub worst_ground_n: f64,
-    /// Largest way of any point on the mount circle from rest, µm.
+    /// Largest displacement of any point on the mount circle from rest, µm.
     pub worst_um: f64,
 }
 
-/// A run in numbers.
+/// Statistics of a run.
 #[derive(Clone, Debug)]
 pub struct Statistics {
-    /// What happened, in order; the first [`MOST_EVENTS`] of it.
+    /// Events in order of time; the first [`MOST_EVENTS`] of them.
     pub events: Vec<Event>,
-    /// How many events there were beyond that.
+    /// Number of further events.
     pub events_left_out: usize,
-    /// Largest difference between two cranks' phase errors while the drives were on, degrees.
+    /// Largest difference between the phase errors of two cranks while the drives were on, degrees.
     pub worst_spread_deg: f64,
-    /// Its root mean square while running, degrees.
+    /// Root mean square of this difference while running, degrees.
     pub rms_spread_deg: f64,
     /// Largest tilt of the platform while the drives were on, mrad.
     pub worst_tilt_mrad: f64,
-    /// Largest deviation of a crank from the plane of all, degrees.
+    /// Largest deviation of a crank from the plane of all cranks, degrees, while the drives were on.
     pub worst_warp_deg: f64,
-    /// Steady holds.
+    /// Accuracy of steady holds.
     pub holding: Holding,
-    /// Greatest speed, rev/s.
+    /// Largest speed, rev/s.
     pub top_speed_hz: f64,
-    /// Greatest amplitude that the commanded speed amounts to, m/s².
+    /// Largest acceleration amplitude that the commanded speed causes, m/s².
     pub top_amax_mps2: f64,
     /// Time in each state, s: idle, homing, run, stop, parked, fault.
     pub time_in_state_s: [f64; 6],
-    /// Steps or counts commanded, each axis.
+    /// Steps or counts commanded, for each axis.
     pub steps: Vec<i64>,
-    /// Turns commanded, and turns made, each axis.
+    /// Turns commanded, and turns made, for each axis.
     pub turns: Vec<(f64, f64)>,
-    /// Largest drift that the loop measured, each axis, and what corrects it, degrees.
+    /// Peak phase error that the loop measured, for each axis, degrees.
     pub phase_error_peak_deg: Vec<f64>,
-    /// See there.
+    /// Correction of each axis at the end of the run, degrees.
     pub correction_deg: Vec<f64>,
-    /// Electrical cycles slipped, each axis.
+    /// Electrical cycles slipped, for each axis.
     pub slipped_cycles: Vec<i64>,
-    /// The largest part of its pull-out torque that was required of each axis, and at which speed (rev/s);
-    /// empty where torque is not asked.
+    /// Largest fraction of its pull-out torque that was required of each axis, and the speed at which it was, rev/s; none if
+    /// torque is not compared.
     pub torque_used: Vec<Option<(f64, f64)>>,
-    /// Largest torque that each motor gave, N·m; empty where torque does not move the cranks.
+    /// Largest torque that each motor gave, N·m; empty if torque does not move the cranks.
     pub worst_torque_nm: Vec<f64>,
-    /// Largest acceleration of the platform itself while running, m/s²; 0 where torque does not move the cranks.
+    /// Largest acceleration of the platform itself while running, m/s²; 0 if torque does not move the cranks.
     pub worst_accel_mps2: f64,
-    /// What the frame did, if it moves.
+    /// Motion of the frame, if it moves.
     pub frame: Option<FramePeaks>,
-    /// The greatest of what each follower did; empty where axes are no cam shafts.
+    /// Peak values of each follower; empty if the axes are not cam shafts.
     pub followers: Vec<Peaks>,
-    /// Figures of a machine of its own kind, at the end of the run.
+    /// Figures of a machine with its own plant model, at the end of the run.
     pub figures: Vec<Figure>,
-    /// Warnings of such a machine.
+    /// Warnings of a machine with its own plant model.
     pub machine_warnings: Vec<String>,
-    /// What cranks did that drives had let go.
+    /// Coasting of cranks whose drives were switched off.
     pub coast: Coast,
     /// Platform that the drives held after a fault.
     pub fault_hold: FaultHold,
-    /// How often the loop reported something.
+    /// Number of faults that the loop reported.
     pub reported: u32,
-    /// What made the machine stop last.
+    /// Cause of the last stop.
     pub stopped_by: Option<StoppedBy>,
-    /// Deadlines met late by over half a tick.
+    /// Deadlines met more than half a tick late.
     pub late_deadlines: u32,
-    /// Deadlines missed altogether.
+    /// Deadlines missed completely.
     pub missed_deadlines: u32,
 
-    /// What makes an amplitude of a speed: for cams, the crank of equal κ.
+    /// Mechanism that converts a speed to an amplitude. For cams, the crank of equal κ.
     mechanism: AnyMechanism,
-    /// Speed in the last tick, and what it amounts to: most ticks have that of the one before.
+    /// Speed in the last tick, and the values computed from it: most ticks have the speed of the one before.
     speed: Turns,
     speed_hz: f64,
     speed_mps2: f64,
-    /// Whether the shaft was faster in this tick than in the one before.
+    /// True if the shaft was faster after the last change of its speed than before.
     is_rising: bool,
     tick_hz: u32,
     tick_s: f64,
@@ -113,7 +113,7 @@ pub struct Statistics {
     stop_requested: bool,
     state: Option<State>,
     event_watch: EventWatch,
-    /// Since when the shaft is in a band, and whether it was rising when it entered.
+    /// Time at which the shaft entered a band, s, and true if its speed was rising then.
     band: Option<(f64, bool)>,
     held: Option<f64>,
     lag: Option<(f64, f64)>,
@@ -121,11 +121,11 @@ pub struct Statistics {
     level_ticks: u64,
 }
 
-/// Enough for any scene that is looked at; a campaign looks at the numbers.
+/// Largest number of events that are kept. This is enough for any single scene, and a campaign uses only the numbers.
 pub const MOST_EVENTS: usize = 10_000;
 
 impl Statistics {
-    /// Nothing yet.
+    /// Creates the statistics of a run that has not begun.
     pub fn new(checked: &Checked, mechanism: &AnyMechanism) -> Self {
         let axes = checked.scene.axes.count;
         Self {
@@ -177,7 +177,7 @@ impl Statistics {
         }
     }
 
-    /// When the first motor slipped or the first fault latched, s; none if all went well.
+    /// Time at which the first motor slipped or the first fault latched, s; none if neither happened.
     pub fn first_effect_s(&self) -> Option<f64> {
         let first = self.events.iter().find(|event| {
             matches!(
@@ -229,7 +229,7 @@ impl Statistics {
 
     fn enter(&mut self, state: State, moment: &Moment<'_>, t_s: f64) {
         let telemetry = moment.telemetry;
-        // A fault may switch the drives off in any state, and in a stop that something else began.
+        // A fault may switch the drives off in any state, even during a stop with another cause.
         let stopped_by = match state {
             State::Fault => Some(StoppedBy::Fault),
             State::Stop => Some(match telemetry.fault {
@@ -242,7 +242,7 @@ impl Statistics {
         self.stopped_by = stopped_by.or(self.stopped_by);
         let what = if state == State::Run {
             self.stop_requested = false;
-            // The first tick of the program is over already.
+            // The first tick of the program has already ended.
             let from_s = telemetry.program_ticks.saturating_sub(1) as f64 * self.tick_s;
             EventKind::Running { from_s }
         } else if state == State::Fault {
@@ -254,25 +254,25 @@ impl Statistics {
         self.note(t_s, what);
     }
 
-    /// Takes note of a command that was given.
+    /// Records a command.
     pub fn commanded(&mut self, t_s: f64, command: Command) {
         self.stop_requested |= command == Command::Stop;
         self.note(t_s, EventKind::Commanded(command));
     }
 
-    /// Takes note of a change of a safety input.
+    /// Records a change of a safety input.
     pub fn input(&mut self, t_s: f64, line: InputLine, active: bool) {
         self.stop_requested |= line == InputLine::Stop && active;
         self.note(t_s, EventKind::Input { line, active });
     }
 
-    /// Takes note of a fault that the scene puts in.
+    /// Records a fault that the scene injects.
     pub fn injected(&mut self, t_s: f64, fault: FaultAt) {
         self.stop_requested |= fault.kind == FaultName::StopInput;
         self.note(t_s, EventKind::Injected(fault));
     }
 
-    /// Where the cranks are.
+    /// Takes in the positions of the cranks.
     fn cranks(&mut self, moment: &Moment<'_>, t_s: f64) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (i, error) in moment.errors().enumerate() {
@@ -306,7 +306,7 @@ impl Statistics {
         let spread_deg = (high - low) * 360.0;
         raise(&mut self.worst_spread_deg, spread_deg);
         moment.raise_tilt(&mut self.worst_tilt_mrad);
-        // The plane is the closest to all errors: none is further from it than √6/2 of the spread, with up to six axes.
+        // The plane is the closest to all errors: with up to six axes, none deviates from it by more than √6/2 of the spread.
         if 1.25 * spread_deg > self.worst_warp_deg {
             let platform = &moment.machine.platform;
             let warp_deg = platform.warp_deg(moment.actual_turns, moment.aim_turns);
@@ -318,17 +318,17 @@ impl Statistics {
         }
     }
 
-    /// Takes over what motors gave, and what came of it.
+    /// Takes over the torques of the motors and their effects.
     pub(super) fn take(&mut self, forces: PeakForces) {
         self.worst_torque_nm = forces.worst_torque_nm;
         self.worst_accel_mps2 = forces.worst_accel_mps2;
         self.frame = forces.frame;
     }
 
-    /// Limits that bit: when each began, and what it came to.
+    /// Records the limits that became active, with the beginning and the extent of each.
     fn limits(&mut self, moment: &Moment<'_>, t_s: f64) {
         let (motion, limits) = (&moment.telemetry.motion, &moment.telemetry.limits);
-        // A speed inside differs from one outside: the shaft rises or falls in the ticks in which it goes in and out.
+        // A speed inside a band differs from one outside. So the speed changes in the ticks in which it enters and leaves.
         match (motion.crossing_band, self.band) {
             (true, None) => self.band = Some((t_s, self.is_rising)),
             (false, Some((since_s, entered_upwards))) => {
@@ -362,7 +362,7 @@ impl Statistics {
             }
             _ => {}
         }
-        // Only in running is there a program to be behind of.
+        // Only the run state has a program that the shaft can lag behind.
         if motion.lagging && moment.telemetry.state == State::Run {
             let off = (self.speed_mps2 - mps2(moment.telemetry.amax_requested)).abs();
             let (since_s, worst) = self.lag.unwrap_or((t_s, 0.0));
@@ -384,7 +384,7 @@ impl Statistics {
         self.late_deadlines = limits.late_deadlines;
     }
 
-    /// How well the level is held.
+    /// Takes in how accurately the level is held.
     fn level(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         if telemetry.state != State::Run || telemetry.amax_requested != self.level {
@@ -404,8 +404,8 @@ impl Statistics {
         }
     }
 
-    /// Closes what is still open at the end of a run. Steps, drift and corrections are those of the last tick that was played,
-    /// with where each axis was commanded to be at its end, turns; without one they are 0.
+    /// Completes the statistics at the end of a run. Steps, phase errors and corrections are those of the last tick that was
+    /// played. `command_turns` are the commanded positions at its end. Without such a tick all are 0.
     pub fn finish(&mut self, machine: &Machine, last: Option<&Telemetry>, command_turns: &[f64]) {
         if let Some(record) = machine.record() {
             self.figures = record.figures();

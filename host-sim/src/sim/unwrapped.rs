@@ -1,8 +1,9 @@
-//! A wrapping phase as turns since power-up.
+//! Conversion of a wrapping phase to turns since power-up.
 
 use cophase_core::units::{Phase, Turns};
 
-/// Turns since power-up: whole turns and the rest apart, so that no digit of the rest is lost after a month of turns.
+/// Turns since power-up. Whole turns and the fraction are separate, so that the fraction keeps its resolution after a
+/// month of turns.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Unwrapped {
     last: Phase,
@@ -11,14 +12,14 @@ pub(crate) struct Unwrapped {
 }
 
 impl Unwrapped {
-    /// Turns of an axis that is at a phase at power-up: at its offset.
+    /// Creates the turns of an axis that is at a phase at power-up: at its offset.
     pub fn starting_at(phase: Phase) -> Self {
         let mut unwrapped = Self::default();
         unwrapped.follow(phase);
         unwrapped
     }
 
-    /// Takes the next phase, less than half a wrap from the last. Returns the turns since power-up.
+    /// Takes in the next phase, less than half a wrap from the last. Returns the turns since power-up.
     pub fn follow(&mut self, phase: Phase) -> f64 {
         const ONE: i64 = Turns::ONE.to_bits();
         let rest = self.rest + phase.since(self.last).to_bits();

@@ -1,6 +1,6 @@
 //! Bounds on a motion.
 
-/// Greatest speed, acceleration and jerk of a shaft: rev/s, rev/s², rev/s³. Or those of a curve, per turn of the master.
+/// Greatest speed, acceleration and jerk of a shaft: rev/s, rev/s², rev/s³. For a curve, its derivatives per turn of the master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Greatest speed.
@@ -19,7 +19,7 @@ impl Bounds {
         jerk: 0.0,
     };
 
-    /// The greater of each.
+    /// Returns the greater of each bound.
     #[must_use]
     pub fn or(&self, other: &Self) -> Self {
         Self {

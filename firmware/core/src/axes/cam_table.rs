@@ -1,4 +1,4 @@
-//! Cam table: the axis is where a curve over the master's turn has it.
+//! Cam table: a curve over one turn of the master gives the position of the axis.
 //!
 //! The follower keeps the phase of the master within its turn as an integer, and the position there. The turns of a tick are the
 //! difference of two positions, so no error accumulates over any number of turns, in either direction.
@@ -51,8 +51,8 @@ impl CamSettings {
         Ok(())
     }
 
-    /// Upper bounds on the first and the second derivative of the curve, turns per turn and turn². They take no fit: the bends are at most half
-    /// of the largest second difference. For smooth tables the first is some percent, the second up to three times too high.
+    /// Upper bounds on the first and the second derivative of the curve, turns per turn and turn². They need no fit, as the bends are at
+    /// most half of the largest second difference. For smooth tables the first is some percent too high, the second up to three times.
     #[cold]
     pub fn steepest(&self) -> (f64, f64) {
         let points = &self.points_turns;
@@ -105,8 +105,8 @@ impl CamTableSettings {
         Ok(())
     }
 
-    /// Error of an axis that would be too fast, as one of the table. `speed_hz` is the greatest speed of the axis, and `master_hz` that of the
-    /// master, rev/s.
+    /// Converts the error of an axis that would be too fast to one of the table. `speed_hz` is the greatest speed of the axis, and
+    /// `master_hz` that of the master, rev/s.
     #[cold]
     pub fn too_fast(&self, error: SettingsError, master_hz: f64, speed_hz: f64) -> SettingsError {
         let most_hz = match error.problem {
@@ -141,7 +141,7 @@ pub struct CamTable {
     table: u8,
     /// Phase within the table, turns, 0 ≤ phase < 1.
     phase: Turns,
-    /// Position there, within the table's turn.
+    /// Position at this phase, within the table's turn.
     position: i64,
 }
 
@@ -198,7 +198,7 @@ impl Follower for CamTable {
         Turns::from_bits(self.position)
     }
 
-    /// By the chain rule: v = y′ ω, a = y′ α + y″ ω², j = y′ J + 3 y″ ω α + y‴ ω³.
+    /// Applies the chain rule: v = y′ ω, a = y′ α + y″ ω², j = y′ J + 3 y″ ω α + y‴ ω³.
     #[cold]
     fn bounds(&self, master: &Bounds, cams: &Cams) -> Bounds {
         let curve = self.curve(cams).extremes().greatest;

@@ -6,17 +6,17 @@ use crate::units::{ONE_TURN, Turns};
 use std::f64::consts::TAU;
 use std::vec::Vec;
 
-/// A follower with the curves that it needs.
+/// Follower with the curves that it needs.
 struct Case {
     name: &'static str,
     follower: AnyFollower,
     cams: Cams,
-    /// Points of its curve; none of a gear.
+    /// Number of points of its curve; none for a gear.
     points: Option<usize>,
 }
 
 impl Case {
-    /// A copy with a state of its own.
+    /// Returns a copy with a state of its own.
     fn copy(&self) -> Self {
         Self {
             name: self.name,
@@ -112,7 +112,7 @@ fn advance(case: &mut Case, turns: i64) -> i64 {
     case.follower.advance(turns, &case.cams).to_bits()
 }
 
-/// If this were wrong, an axis would walk away from the master, a little in every turn.
+/// If this fails, an axis departs from the master, a little in every turn.
 #[test]
 fn nothing_is_lost_over_many_turns_and_back() {
     for mut case in all() {
@@ -145,7 +145,7 @@ fn nothing_is_lost_over_many_turns_and_back() {
     }
 }
 
-/// If this were wrong, axes that share a plan would part.
+/// If this fails, axes that share a plan drift apart.
 #[test]
 fn equal_followers_make_equal_motions() {
     for mut case in all() {
@@ -173,8 +173,8 @@ fn jerk(tick: usize) -> i64 {
     [1750, -1750, -1750, 1750][tick / PART % 4]
 }
 
-/// If this were wrong, settings would be accepted that overrun the step hardware or a servo's setpoint, and the torque of a servo would be
-/// that of another motion.
+/// If this fails, settings are accepted that exceed the step hardware or the setpoint of a servo, or the torque of a servo belongs to
+/// another motion.
 #[test]
 fn bounds_hold_and_accelerations_are_second_differences() {
     for mut case in all() {

@@ -46,7 +46,7 @@ impl GearSettings {
         f64::from(self.numerator) / f64::from(self.denominator)
     }
 
-    /// Error as it is: it names the ratio, or the steps per turn.
+    /// Returns the error unchanged: it already names the ratio, or the steps per turn.
     pub const fn too_fast(&self, error: SettingsError, _: f64, _: f64) -> SettingsError {
         error
     }
@@ -98,7 +98,7 @@ impl Follower for Gear {
         Turns::from_bits(-(turns as i64))
     }
 
-    /// Rounded towards zero; the remainder is dropped. The master's acceleration must be below 1 turn a tick².
+    /// Acceleration, rounded towards zero; the remainder is dropped. The master's acceleration must be below 1 turn a tick².
     fn acceleration(&self, _: Turns, acceleration: Turns, _: &Cams) -> Turns {
         if self.is_direct() {
             return acceleration;
@@ -141,7 +141,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// After any number of ticks the axis is at the exact ratio, to less than one unit.
+        /// If this fails, an axis departs from its exact ratio after some number of ticks, by one unit or more.
         #[test]
         fn nothing_is_lost(
             numerator in 1_u32..=1000,

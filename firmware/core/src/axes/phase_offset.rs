@@ -37,7 +37,7 @@ pub struct OffsetMotion {
     pub axis: usize,
     /// Its motion in half-steps of 2⁻⁴⁸; their sum over a slot is a whole number of steps, exactly.
     pub half_steps: i64,
-    /// The same in turns, to 2⁻⁴⁸.
+    /// Its motion in turns, to 2⁻⁴⁸.
     pub turns: Turns,
 }
 
@@ -104,7 +104,7 @@ impl PhaseOffsets {
         self.turns_of(&self.controller.target)
     }
 
-    /// Keeps the controller's part as it is.
+    /// Stops the controller's part at its present value.
     pub const fn hold(&mut self) {
         self.controller.hold();
     }
@@ -150,8 +150,7 @@ impl PhaseOffsets {
         self.start(self.rounded(target));
     }
 
-    /// Controller's part in whole steps, for a target in turns. The targets should have the sum zero; the rounded ones then have it
-    /// to half a step.
+    /// Controller's part in whole steps, for a target in turns. If the targets have the sum zero, the rounded ones have it to half a step.
     #[inline(never)]
     pub fn rounded(&self, target: &PerAxis<Turns>) -> PerAxis<i32> {
         let mut steps = self.controller.target;
@@ -175,8 +174,8 @@ impl PhaseOffsets {
         self.begin_with_first_axis(is_idle);
     }
 
-    /// Changes offsets by whole steps until the sum of what rounding added is at most half a step, and those first that
-    /// rounding moved furthest. Offsets in other steps than those of the first axis are left as they are.
+    /// Changes offsets by whole steps until the sum of what rounding added is at most half a step. It begins with those that rounding moved
+    /// furthest. Offsets in other steps than those of the first axis do not change.
     #[inline(never)]
     fn balance(&self, steps: &mut PerAxis<i32>, rounding: &mut PerAxis<i64>) {
         let steps_per_turn = self.lanes.first().map_or(0, |lane| lane.steps_per_turn);
@@ -233,8 +232,8 @@ impl PhaseOffsets {
         }
     }
 
-    /// Advances by one tick; returns the motion of the axis that moves in it, if one does. Unless it `may_begin`, no axis begins
-    /// its slot: that costs more than the other ticks.
+    /// Advances by one tick; returns the motion of the axis that moves in it, if one does. Unless it `may_begin`, no axis begins its slot,
+    /// as that takes longer than the other ticks.
     #[inline]
     pub fn advance(&mut self, may_begin: bool) -> Option<OffsetMotion> {
         if self.slot.ticks == 0 && (self.is_idle() || !may_begin || !self.begin_slot()) {
@@ -268,7 +267,7 @@ impl PhaseOffsets {
         }
     }
 
-    /// Begins the slot of the next axis; returns false if no axis is to move any more.
+    /// Begins the slot of the next axis. Returns false once no axis has to move.
     #[inline(never)]
     fn begin_slot(&mut self) -> bool {
         self.slot.axis += 1;
@@ -316,9 +315,9 @@ impl PhaseOffsets {
 #[derive(Clone, Debug)]
 struct Slot {
     axis: usize,
-    /// Ticks that are left.
+    /// Remaining ticks.
     ticks: u32,
-    /// Motion that is left: half-steps of 2⁻⁴⁸ and turns; and that of a tick.
+    /// Remaining motion, in half-steps of 2⁻⁴⁸ and in turns, each with the motion in one tick.
     half_steps: i64,
     half_steps_per_tick: i64,
     turns: Turns,

@@ -211,7 +211,7 @@ impl Spline {
 }
 
 impl Place {
-    /// 2 mᵢ + mᵢ₊₁ + u (mᵢ₊₁ − mᵢ), in units of a bend.
+    /// Sum 2 mᵢ + mᵢ₊₁ + u (mᵢ₊₁ − mᵢ), in units of a bend.
     #[inline]
     fn sum(&self) -> i32 {
         let change = self.next_bend - self.bend;
@@ -280,7 +280,7 @@ mod tests {
             + (w - v) * slope(i + 1.0)
     }
 
-    /// If this were wrong, axes would follow another curve than the one whose bounds were checked.
+    /// If this fails, axes follow another curve than the one whose bounds were checked.
     #[test]
     fn a_wave_has_its_spline_in_closed_form() {
         for (count, frequency) in [(4, 1.0), (5, 1.0), (17, 3.0), (90, 2.0), (96, 47.0)] {
@@ -308,7 +308,7 @@ mod tests {
         }
     }
 
-    /// If net travel were wrong, the curve would have a kink at the end of each turn.
+    /// If this fails, net travel is wrong, and the curve has a kink at the end of each turn.
     #[test]
     fn a_straight_line_stays_straight() {
         for net_turns in [-1000, -1, 1, 7, 1000] {
@@ -337,7 +337,7 @@ mod tests {
         }
     }
 
-    /// If a dip between two points went unnoticed, an axis with an index could pass its flag backward.
+    /// If this fails, a dip between two points is not detected, and an axis with an index can pass its flag backward.
     #[test]
     fn a_dip_between_points_is_no_rise() {
         let mut spline = Spline::NONE;

@@ -11,7 +11,7 @@ pub(super) struct Channel {
     pub(super) follower: AnyFollower,
     pub(super) planner: Planner,
     pub(super) reversed: bool,
-    /// Of a servo axis; one without is a stepper.
+    /// Feed-forward of a servo axis; none for a stepper.
     pub(super) feed_forward: Option<FeedForward>,
 }
 
@@ -35,7 +35,8 @@ impl Channel {
         self.planner.continue_from(place);
     }
 
-    /// Plans a tick in which the axis makes `turns`, and `offset` half-steps of 2⁻⁴⁸ by its phase offset. Returns the whole steps.
+    /// Plans a tick in which the axis makes `turns`, and `offset` half-steps of 2⁻⁴⁸ of its phase offset. Returns the number of whole
+    /// steps.
     #[inline(never)]
     pub(super) fn plan(
         &mut self,
@@ -51,8 +52,8 @@ impl Channel {
         }
     }
 
-    /// Setpoint of a servo at the end of a tick in which it accelerated, in the axis's own sense. Its crank stands `home_offset`
-    /// further than `position`, its commanded phase.
+    /// Returns the setpoint of a servo at the end of a tick in which it accelerated, in the axis's own sense. The crank is `home_offset`
+    /// ahead of `position`, its commanded phase.
     #[inline(never)]
     pub(super) fn setpoint(
         &self,

@@ -1,7 +1,7 @@
-//! From settings to a running controller, part by part and in place.
+//! Configuration of a controller from settings, part by part and in place.
 //!
-//! A controller has some ten kilobytes, more than a microcontroller's stack holds beside what decodes its settings. So there is one from
-//! the beginning, without axes, and settings fill it in.
+//! A controller takes some ten kilobytes. The stack of a microcontroller does not hold that beside the decoder of its settings. So one
+//! controller exists from the beginning, without axes, and the settings fill it.
 
 use super::Controller;
 use super::channel::Channel;
@@ -22,11 +22,11 @@ use crate::signals::Output;
 use crate::supervisor::{JOG_S, Supervisor};
 use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
 
-/// A mean phase error that is found in homing counts as lag up to this part of the common limit: one in four.
+/// Reciprocal of the part of the common limit up to which a mean phase error in homing counts as lag: one fourth.
 const LAG_PART: f64 = 4.0;
 
 impl Settings {
-    /// The controller of these settings at power-up: idle, every axis at its offset, trims set.
+    /// Returns the controller of these settings at power-up: idle, every axis at its offset, trims set.
     ///
     /// # Errors
     /// The first setting, program entry or trim that is wrong.
@@ -45,8 +45,8 @@ impl Settings {
         axis.offset_turns + start
     }
 
-    /// Upper bounds on the speed, the acceleration and the jerk of an axis of these settings: rev/s, rev/s², rev/s³. The settings must have been
-    /// checked. Phase offsets come on top.
+    /// Upper bounds on the speed, the acceleration and the jerk of an axis of these settings: rev/s, rev/s², rev/s³. The settings must have
+    /// been checked. The motion of phase offsets is not included.
     #[cold]
     pub fn axis_bounds(&self, axis: &AxisSettings) -> Bounds {
         let curves = self.curves();
@@ -69,7 +69,7 @@ impl Settings {
         }
     }
 
-    /// Greatest speed, acceleration and jerk of the master, those of a fault's stop included.
+    /// Greatest speed, acceleration and jerk of the master, including those of a stop by a fault.
     #[cold]
     fn master_bounds(&self) -> Bounds {
         Bounds {
@@ -81,7 +81,7 @@ impl Settings {
 }
 
 impl Controller {
-    /// A controller without axes: it stays at rest until it is configured.
+    /// Creates a controller without axes. It stays at rest until it is configured.
     pub const fn new() -> Self {
         Self {
             tick_hz: 2000,
@@ -122,7 +122,7 @@ impl Controller {
         }
     }
 
-    /// Takes over the settings of a machine: the controller is then as at power-up.
+    /// Takes over the settings of a machine. The controller is then as at power-up.
     ///
     /// # Errors
     /// The first setting, program entry or trim that is wrong. The controller has no axes then.
@@ -139,7 +139,7 @@ impl Controller {
 
     #[cold]
     fn fill_in(&mut self, settings: &Settings) -> Result<(), SettingsError> {
-        // First of all: whatever follows relies on numbers that are within their ranges.
+        // This check comes first: the steps below rely on numbers within their ranges.
         settings.check()?;
         settings.fill_program(&mut self.program)?;
         settings.fill_curves(&mut self.cams);
@@ -235,7 +235,7 @@ impl Controller {
         for (i, &trim_turns) in settings.trims_turns.iter().enumerate() {
             let axis = settings.axes.get(i);
             let limit_turns = axis.map_or(0.0, |axis| axis.trim_limit_turns);
-            // Also refuses what is not a number.
+            // The range test also rejects NaN.
             if !(-limit_turns..=limit_turns).contains(&trim_turns) {
                 let problem = Problem::TrimBeyondLimit {
                     trim_deg: trim_turns * 360.0,
@@ -243,7 +243,7 @@ impl Controller {
                 };
                 return Err(SettingsError::new("axes.trim_deg", problem).on_entry(i));
             }
-            // At the very limit, which is rounded down, a trim may lose the last of its 48 fraction bits.
+            // At exactly the limit, which is rounded down, a trim may lose the last of its 48 fraction bits.
             let _whole = self.set_trim(i, turns(trim_turns));
         }
         Ok(())
@@ -256,7 +256,7 @@ impl Default for Controller {
     }
 }
 
-/// The feed-forward of an axis, if it is a servo; checks that its steps or counts can be made at full speed.
+/// Returns the feed-forward of an axis, if it is a servo. Checks that its steps or counts can be made at full speed.
 #[cold]
 fn feed_forward(
     settings: &Settings,
@@ -300,7 +300,7 @@ fn feed_forward(
     .map(Some)
 }
 
-/// The cross-coupling of servos, if the settings have it and every axis is a servo with an encoder.
+/// Returns the cross-coupling of servos, if the settings request it. Every axis must then be a servo with an encoder.
 #[cold]
 fn coupling(settings: &Settings) -> Result<Option<Coupling>, SettingsError> {
     let measured = |axis: &AxisSettings| axis.drive == DriveKind::Servo && axis.encoder;

@@ -1,6 +1,6 @@
-//! Correction in run: once a turn, phase offsets take away part of what drives the cranks apart.
+//! Correction in run: once a turn, phase offsets remove a part of the differences between the cranks.
 //!
-//! The work is divided among ticks, so that none of them is much longer than the others.
+//! The work is divided among ticks, so that no tick is much longer than the others.
 
 use super::correction::Step;
 use super::{Controller, homing};
@@ -23,8 +23,8 @@ impl Controller {
         self.has_time()
     }
 
-    /// Continues the correction. What is reported within limits of cranks that are driven apart comes of that: a fault that they do
-    /// not follow the corrections replaces it.
+    /// Continues the correction. A fault that the cranks do not follow the corrections replaces a finding within limits, as it is the cause
+    /// of that finding.
     #[inline(never)]
     pub(super) fn correct(&mut self, found: Option<Finding>) -> Option<Finding> {
         let swapped = self.continue_correction();
@@ -38,7 +38,7 @@ impl Controller {
     fn continue_correction(&mut self) -> Option<Finding> {
         self.is_busy = true;
         self.correction.step = match self.correction.step {
-            // Encoders were read, or a round has ended, and the cranks stand where they were commanded.
+            // Encoders were read, or a round has ended. The cranks must be at their commanded phases.
             Step::Verify if self.offsets.is_moving() || !self.drift.is_homed() => Step::Wait,
             Step::Verify => {
                 if let Some(fault) = self.homing.corrected(&self.drift, &self.offsets) {
@@ -53,7 +53,7 @@ impl Controller {
                 self.correction.target = self.offsets.against(&errors, watched, false);
                 Step::Allow
             }
-            // What offsets are not allowed to take away stays, until it is beyond a limit.
+            // A difference that the offsets may not remove remains, until it exceeds a limit.
             Step::Allow => {
                 let target = &self.correction.target;
                 if self.offsets.beyond_limit(target).is_none() && self.drift.allows(target) {

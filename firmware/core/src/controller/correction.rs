@@ -6,10 +6,10 @@ use crate::units::{MAX_AXES, PerAxis, Turns};
 #[derive(Clone, Debug)]
 pub(super) struct Correction {
     pub(super) step: Step,
-    /// Rounds of the drift monitor, and turns of the master, at the last correction.
+    /// Rounds of the drift monitor at the last correction, and turns of the master since.
     pub(super) rounds: u32,
     pub(super) turned: Turns,
-    /// Controller's part of the phase offsets, once it is known: turns, and whole steps.
+    /// Controller's part of the phase offsets, once it is computed: turns, and whole steps.
     pub(super) target: PerAxis<Turns>,
     pub(super) steps: PerAxis<i32>,
 }

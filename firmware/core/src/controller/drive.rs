@@ -1,4 +1,4 @@
-//! From the master's turns to each axis's phase, pulses and setpoints.
+//! Conversion of the master's turns to the phase, the pulses and the setpoints of each axis.
 //!
 //! Axes with equal followers at the same place within a step have identical edges. One of them is planned, and the others share its
 //! plan ([`Sharing`](crate::pulse::Sharing)). An axis leaves its group while its phase offset moves by a fraction of a step. Offsets
@@ -12,7 +12,7 @@ use crate::supervisor::State;
 use crate::units::{MAX_AXES, Turns};
 
 impl Controller {
-    /// Moves the axes and makes their pulses and setpoints. Phase offsets stand while the machine stands, stops or is parked.
+    /// Moves the axes and makes their pulses and setpoints. Phase offsets do not move while the machine is at rest, stops or is parked.
     #[inline(never)]
     pub(super) fn drive(&mut self, moving: bool) {
         let offsets_move = moving && matches!(self.supervisor.state(), State::Homing | State::Run);

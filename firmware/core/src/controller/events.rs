@@ -1,4 +1,4 @@
-//! What is reported of all that happened in a tick, and which of it comes first.
+//! Events of a tick: selection of the one that is reported first, and of the reaction to it.
 
 use super::Controller;
 use crate::drift::{Finding, is_better};
@@ -6,16 +6,17 @@ use crate::signals::Feedback;
 use crate::supervisor::{Fault, FaultKind, Reaction, Supervisor, SupervisorInput, reaction};
 use crate::units::MAX_AXES;
 
-/// Ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, `MAX_AXES` + 3 until it is evaluated.
+/// Number of ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, `MAX_AXES` + 3 until it is
+/// evaluated.
 const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 
 impl Controller {
-    /// Drops a finding that is nobody's fault, and names one that homing or the master's speed has a better name for.
+    /// Drops a finding that is no fault of an axis. Renames one for which homing or the master's speed gives a better name.
     #[inline(never)] // A finding has 48 bytes: it is moved about only where there is one.
     pub(super) fn judge(&self, found: Option<Finding>) -> Option<Finding> {
         let mut finding = found?;
-        // What cranks do that nothing drives is nobody's fault, and cranks that are held have a watch of their own. But a name may come
-        // with the last of a stop's pulses.
+        // Motion of cranks that no drive turns is no fault, and held cranks have a watch of their own. But the last pulses of a stop may
+        // still give a better name.
         let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
         if !self.supervisor.operates() && !in_time {
             return None;
@@ -32,7 +33,7 @@ impl Controller {
         Some(finding)
     }
 
-    /// Shows what has happened, one thing a tick: a fault that latched or has a better name, what else was detected, the stop input.
+    /// Publishes one event in each tick: a fault that latched or has a better name, another detected event, or the stop input.
     #[inline(never)]
     pub(super) fn publish(&mut self, is_new: bool, reported: Option<&Fault>, stop: bool) {
         let (tick, phase) = (self.ticks, self.crank_phase());
@@ -44,14 +45,14 @@ impl Controller {
         ];
         let (first, second, count) = first_two(&new_faults);
         let telemetry = &mut self.output.telemetry;
-        // More than two at once are counted, and no more.
+        // More than two events at once are counted, but not published.
         let known = u32::from(second.is_some());
         telemetry.event_count = telemetry.event_count.wrapping_add(count - known);
         telemetry.event = first.copied();
         self.unpublished = second.copied();
     }
 
-    /// Which of all that is wrong comes first.
+    /// Selects the fault with the highest priority.
     #[inline(never)] // a fault has 48 bytes, to be moved about only where there is one
     pub(super) fn highest_priority_fault(
         &mut self,
@@ -64,7 +65,8 @@ impl Controller {
         let mut alarms = feedback.alarm.iter().take(self.channels.len());
         let alarm = alarms.position(|&alarm| alarm);
         let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
-        // What disables the drives comes before all that stops them; and a better name is for what latched before.
+        // A fault that disables the drives has priority over all that stop the machine. A better name belongs to the fault that latched
+        // before.
         if input.fault.is_some() && (input.reaction == Reaction::Disable || input.supersedes) {
             return;
         }
@@ -76,7 +78,7 @@ impl Controller {
     }
 }
 
-/// The event that is published now, the one that is published next, and the number of events.
+/// Returns the event that is published now, the one that is published next, and the number of events.
 #[inline(never)]
 fn first_two(new_faults: &[Option<Fault>]) -> (Option<&Fault>, Option<&Fault>, u32) {
     let mut all = new_faults.iter().flatten();
@@ -85,7 +87,7 @@ fn first_two(new_faults: &[Option<Fault>]) -> (Option<&Fault>, Option<&Fault>, u
     (first, second, count)
 }
 
-/// Selects the reaction to a finding; returns the fault if it is only to be published.
+/// Selects the reaction to a finding. Returns the fault if it is only to be published.
 #[inline(never)]
 pub(super) fn select_reaction(
     found: Finding,
@@ -95,7 +97,7 @@ pub(super) fn select_reaction(
     let Finding { fault, .. } = found;
     let reaction = reaction(fault.kind, found.within_limits);
     if found.supersedes {
-        // What latched may be something else, which no sensor of a crank has a better name for.
+        // The latched fault may be another one, for which the sensors of a crank give no better name.
         let latched = supervisor.fault();
         let is_of_it = |old: Fault| old.axis == fault.axis || old.axis.is_none();
         if !latched.is_some_and(|old| is_of_it(old) && is_better(fault.kind, old.kind)) {

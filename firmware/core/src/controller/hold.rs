@@ -1,17 +1,20 @@
-//! Cranks that the drives hold: one that moves all the same does not obey its command, and must be let go.
+//! Watch on cranks that the drives hold. One that moves nevertheless does not obey its command, and its drive must go off.
 //!
-//! The machine holds while it is parked, and after a stop by a fault. All commands stand, so whatever a sensor shows is the crank's own
-//! motion. It needs no name before the drives go off:
+//! The machine holds while it is parked, and after a stop by a fault. All commands are constant, so a sensor shows only the crank's own
+//! motion. The drives go off without a diagnosis:
 //!
-//! - *An encoder* shows it in every tick. An axis has moved away once its phase error exceeds the smallest since the hold began by as
-//!   much as takes the platform beyond a limit by this crank alone. A crank that settles, or makes up for a lag, comes nearer.
-//! - *An index alone* shows it as the crank passes its flag, so within one of its own turns. The first pulse counts: to wait for a second
-//!   would let the crank make another turn against the others. It may have been noise. But the machine is stopped, so that a wrong
-//!   reaction costs a hold, and no run.
+//! - *An encoder* shows the motion in every tick. The watch keeps the smallest phase error since the hold began. An axis has moved away
+//!   once its error exceeds that by as much as takes the platform beyond a limit by this crank alone. A crank that settles, or makes up
+//!   for a lag, comes nearer.
+//! - *An index alone* shows the motion as the crank passes its flag, so within one of its own turns. The first pulse counts: waiting for a
+//!   second one would let the crank make another turn against the others. The pulse may have been noise. But the machine is stopped, so a
+//!   wrong reaction costs a hold, and no run.
 //!
-//! One pulse more is tolerated where the first one shows nothing: of a crank that rests at an end of its flag, unless the fault may be that
-//! its drive runs away; of a parked machine, which nothing is wrong with; and of every axis after a common lag, as all cranks then go on
-//! until they have made up for it.
+//! One more pulse is tolerated where the first one is no evidence:
+//!
+//! - of a crank that rests at an end of its flag, unless its drive may have run away;
+//! - of a parked machine, which has no fault;
+//! - of every axis after a common lag, as all cranks then turn until they have made up for it.
 
 use super::Controller;
 use crate::drift::{DriftMonitor, may_run_away};
@@ -19,7 +22,7 @@ use crate::signals::Feedback;
 use crate::supervisor::{Fault, FaultKind, State};
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
-/// After this part of a second, rotors do not swing about their places any more: a tenth.
+/// Reciprocal of the part of a second after which rotors no longer swing about their places: 1/10 s.
 const SWINGS_FOR: u64 = 10;
 
 /// Motion that sensors have shown since a hold began.
@@ -40,7 +43,7 @@ impl HoldWatch {
         }
     }
 
-    /// Takes in an encoder's phase error; returns true if the crank has moved away by more than `alone`.
+    /// Takes in the phase error of an encoder. Returns true if the crank has moved away by more than `alone`.
     fn has_moved_away(&mut self, axis: usize, error: Turns, alone: Turns) -> bool {
         let Some(least) = self.least.get_mut(axis) else {
             return false;
@@ -50,7 +53,8 @@ impl HoldWatch {
         off.saturating_sub(*least) > alone
     }
 
-    /// Takes in an index pulse; returns true if it is one more than `tolerated`, beyond those that every axis of `all` has made.
+    /// Takes in an index pulse. Returns true if the axis has made more than `tolerated` pulses beyond those that every axis of `all` has
+    /// made.
     fn is_too_many(
         &mut self,
         axis: usize,
@@ -68,7 +72,7 @@ impl HoldWatch {
 }
 
 impl Controller {
-    /// Returns the axis that moves although its drive holds it.
+    /// Returns a fault that names the axis that moves although its drive holds it, if there is one.
     #[inline(never)]
     pub(super) fn check_hold(&mut self, feedback: &Feedback) -> Option<Fault> {
         (0..self.channels.len()).find_map(|axis| self.check_held(axis, feedback))
@@ -85,7 +89,7 @@ impl Controller {
         feedback.index.get(axis).copied().flatten()?;
         let is_parked = self.supervisor.state() == State::Parked;
         let latched = self.supervisor.fault();
-        // A crank that may have run away is not where its last pulse showed it. Of two cranks, nothing shows which one did.
+        // A crank that may have run away is not where its last pulse showed it. With two cranks, no reading shows which one ran away.
         let is_ambiguous = drift.watched().count_ones() <= 2;
         let may_run = latched.is_some_and(|fault| {
             (fault.axis == Some(axis) || is_ambiguous) && may_run_away(&fault)
@@ -101,13 +105,13 @@ impl Controller {
         let tolerated = u8::from(is_parked || is_at_flag || may_catch_up);
         let is_by_index =
             |axis: &usize| drift.watched() & 1 << axis != 0 && drift.motor_error(*axis).is_none();
-        // One axis alone shows nothing that all do.
+        // With one axis only, a pulse cannot be one that all axes make.
         let is_one_of_many = (0..self.channels.len()).filter(is_by_index).count() > 1;
         let all = (0..self.channels.len()).filter(|axis| is_one_of_many && is_by_index(axis));
         if !self.hold.is_too_many(axis, all, tolerated) {
             return None;
         }
-        // Where it has gone is not known.
+        // The phase of the crank is unknown now.
         self.homing.forget();
         Some(fault)
     }
@@ -121,8 +125,8 @@ mod tests {
         Turns::from_bits(crate::units::ONE_TURN / 360 * degrees)
     }
 
-    /// If the smallest error did not count, a crank that was off as the hold began could not be watched. If a crank that comes nearer
-    /// counted, one that settles would be let go.
+    /// If this fails because the smallest error does not count, a crank that was off as the hold began is not watched. If it fails for a
+    /// crank that comes nearer, one that settles loses its drive.
     #[test]
     fn a_crank_has_moved_away_from_where_it_was_nearest() {
         let mut watch = HoldWatch::new();
@@ -140,7 +144,8 @@ mod tests {
         assert!(!watch.has_moved_away(MAX_AXES, degrees(90), degrees(5)));
     }
 
-    /// If pulses of all axes counted, drives that make up for a common lag would be cut. If they excused one axis, it could run away.
+    /// If this fails because pulses of all axes count, drives that make up for a common lag are cut. If those pulses excuse one axis, it
+    /// can run away.
     #[test]
     fn pulses_count_beyond_those_that_all_axes_made() {
         let mut watch = HoldWatch::new();

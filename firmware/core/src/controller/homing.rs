@@ -1,16 +1,16 @@
-//! Finding out where the cranks stand, and bringing them together.
+//! Homing: finds the phase of every crank, and levels the cranks.
 //!
-//! After power-up phases are unknown, and the cranks are joined by the platform: none may be turned alone. So all turn at homing speed together
-//! until every index has been detected, within a turn and what may be overdue. What all are off by in common is taken for the
-//! machine's own zero, the *home offset*; what they are off from each other is trimmed away, all at once and within the limits,
-//! and looked at for a turn more. A crank that exceeds the range for that is refused.
+//! After power-up, phases are unknown. The platform joins the cranks, so none may be turned alone. All turn together at homing speed until
+//! every index has been detected, which takes one turn plus the time that a pulse may be overdue. The phase error that all cranks have in
+//! common is the zero of the machine, the *home offset*. The differences between the cranks are removed by trims, all at once and within
+//! the limits, and checked for one more turn. A crank that exceeds the homing range is refused.
 //!
-//! To *prove the wiring* the platform is then tilted, about one axis and about the other: any two cranks are moved differently once.
-//! A crank that follows its own lines keeps its phase error, as that is relative to its command; where the lines of two are swapped,
-//! each shows the command of the other. A plane bends nothing, however stiff the rods. Then all is taken back.
+//! To *prove the wiring*, the platform is then tilted about one axis and about the other, so that any two cranks are moved differently
+//! once. A crank that follows its own lines keeps its phase error, as that is relative to its command. Where the lines of two axes are
+//! swapped, each shows the command of the other. A plane tilt bends no rod, however stiff the rods are. Then the tilt is taken back.
 //!
-//! A crank *deviates* that did not follow its command in three checks, turn after turn: a rotor swings in its field when it is
-//! moved slowly, and one look alone may catch it so.
+//! A crank *deviates* if it did not follow its command in three checks, turn after turn. A rotor swings in its field when it moves slowly,
+//! and a single check may catch the swing.
 
 mod checks;
 mod steps;
@@ -21,56 +21,56 @@ use crate::drift::{AxisSet, DriftMonitor};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 use checks::{Deviation, Moves, When};
 
-/// How far homing has come.
+/// Step that homing has reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Step {
-    /// Not requested.
+    /// Homing is not requested.
     #[default]
     Off,
-    /// Not every index has been detected.
+    /// Not every index has been detected yet.
     Find,
     /// The cranks are moved.
     Level,
-    /// They are looked at once more.
+    /// The cranks are checked after their move.
     Verify,
-    /// What proved the wiring is taken back.
+    /// The tilt that proved the wiring is taken back.
     Return,
-    /// They are where they should be.
+    /// The cranks are at their commanded phases.
     Done,
 }
 
-/// Brings the cranks together.
+/// State of homing, which levels the cranks.
 #[derive(Clone, Debug)]
 pub(super) struct Homing {
     step: Step,
-    /// The two tilts; zero if the wiring is not to be proved.
+    /// The two tilts. Both are zero if the wiring is not to be proved.
     patterns: [PerAxis<Turns>; 2],
-    /// Whether there is a common zero: all cranks turn once with the master.
+    /// True if the cranks have a common zero, because all turn once per turn of the master.
     has_home_offset: bool,
     count: usize,
-    /// A mean up to this is lag, and no other zero.
+    /// Largest mean phase error that is lag. A larger one is a home offset.
     lag: Turns,
-    /// What readings may be off by.
+    /// Largest error of a reading, for each axis.
     tolerance: PerAxis<Turns>,
-    /// The cranks were brought together a second time, as they did not follow the first time.
+    /// True if the cranks were levelled a second time, because they did not follow the first time.
     has_levelled_again: bool,
-    /// Tilts that have been looked at, and the trims without them.
+    /// Number of tilts that were commanded, and the trims without a tilt.
     proven: usize,
     base: PerAxis<Turns>,
-    /// Turns of the master since the last step.
+    /// Turns of the master since the last step, or since an offset last moved.
     waited: Turns,
-    /// Phase errors of a turn before the cranks were moved; and the trims.
+    /// Phase errors and trims before the cranks were moved.
     before: PerAxis<Turns>,
     from: PerAxis<Turns>,
-    /// Checks in which some crank deviated, and how far each was off in all of them; in run, corrections in a row that look like a
-    /// swap.
+    /// Number of checks in which a crank deviated, and the sum of the deviations of each crank in them. In run, the number of corrections
+    /// in a row that look like a swap.
     checks: u8,
     off: PerAxis<Turns>,
     home_offset: Turns,
 }
 
 impl Homing {
-    /// For no axes.
+    /// Creates a homing without axes.
     pub(super) const fn new() -> Self {
         const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
         Self {
@@ -92,7 +92,7 @@ impl Homing {
         }
     }
 
-    /// Begins anew, with the tilts that prove the wiring, or none.
+    /// Resets homing, and takes over the tilts that prove the wiring. The tilts are zero if there is no proof.
     #[cold]
     pub(super) const fn configure(
         &mut self,
@@ -110,7 +110,7 @@ impl Homing {
         self.tolerance = tolerance;
     }
 
-    /// Begins.
+    /// Begins with the search for the indices.
     pub(super) const fn begin(&mut self) {
         self.step = Step::Find;
         self.has_levelled_again = false;
@@ -118,27 +118,27 @@ impl Homing {
         self.waited = Turns::ZERO;
     }
 
-    /// True if the places of the cranks have been found, whether or not they could be brought together.
+    /// True if the phases of the cranks have been found, even if the cranks could not be levelled.
     pub(super) const fn has_found(&self) -> bool {
         !matches!(self.step, Step::Off | Step::Find)
     }
 
-    /// Forgets that the places of the cranks have been found.
+    /// Discards the phases that were found.
     pub(super) const fn forget(&mut self) {
         self.step = Step::Off;
     }
 
-    /// Whether the cranks are where they should be.
+    /// True if homing is over: the cranks are at their commanded phases.
     pub(super) const fn is_done(&self) -> bool {
         matches!(self.step, Step::Done)
     }
 
-    /// How far the cranks were found ahead of where they were believed, since power-up.
+    /// Returns the home offset: crank phase minus master phase, as found since power-up.
     pub(super) const fn home_offset(&self) -> Turns {
         self.home_offset
     }
 
-    /// What the cranks did since they were moved to trims, by their phase errors now.
+    /// Returns the moves of the cranks since they were sent to trims, with their present phase errors.
     const fn moves<'a>(
         &'a self,
         when: When,
@@ -156,7 +156,7 @@ impl Homing {
         }
     }
 
-    /// Of a set of cranks that are on their way to where commanded, the one that deviates most.
+    /// Returns the crank of a set that deviates most, for cranks that are still moving to their targets.
     fn in_transit(
         &self,
         set: AxisSet,
@@ -169,7 +169,7 @@ impl Homing {
     }
 }
 
-/// What each crank is off from where the master has it.
+/// Returns the phase error of each crank without its offset: actual phase minus the phase that the master gives it.
 pub(super) fn errors(monitor: &DriftMonitor, offsets: &PhaseOffsets) -> PerAxis<Turns> {
     core::array::from_fn(|axis| {
         nearest(monitor.phase_error()[axis].wrapping_add(offsets.now()[axis]))

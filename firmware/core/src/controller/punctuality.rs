@@ -1,38 +1,38 @@
-//! When missed deadlines are too many.
+//! Limit on missed deadlines.
 
-/// Deadlines missed at once that are no fault yet.
+/// Largest number of deadlines missed at once that is no fault.
 const MOST_AT_ONCE: u32 = 2;
 
-/// Ticks after which a missed deadline is forgiven.
+/// Number of ticks after which a missed deadline no longer counts.
 const FORGIVEN_AFTER: u32 = 8;
 
-/// Counts missed deadlines: each counts as much as [`FORGIVEN_AFTER`] ticks take off again.
+/// Counts missed deadlines. Each adds [`FORGIVEN_AFTER`] to the count, and each tick subtracts one.
 ///
-/// So two at once are no fault and three are; and a loop that has too much to do, and misses one deadline
-/// after every few that it meets, is one as well, as soon as it misses more than one in nine for long.
+/// Two at once are no fault, and three are one. An overloaded loop that misses one deadline after every few ticks is a fault, too, once it
+/// misses more than one in nine for long.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Punctuality {
     debt: u32,
 }
 
 impl Punctuality {
-    /// Of a loop that has missed nothing.
+    /// Creates the count of a loop that has missed no deadline.
     pub(super) const fn new() -> Self {
         Self { debt: 0 }
     }
 
-    /// A tick is played.
+    /// Counts a tick that was played.
     pub(super) const fn met(&mut self) {
         self.debt = self.debt.saturating_sub(1);
     }
 
-    /// So many deadlines were missed. True if that is too many.
+    /// Counts missed deadlines. Returns true if there are too many.
     pub(super) const fn missed(&mut self, deadlines: u32) -> bool {
         const MOST: u32 = MOST_AT_ONCE * FORGIVEN_AFTER;
         let debt = deadlines
             .saturating_mul(FORGIVEN_AFTER)
             .saturating_add(self.debt);
-        // However long it was away: when it is back for a while, it may start again.
+        // The ceiling lets the machine start again soon after the loop is back, however long it was away.
         const CEILING: u32 = MOST + FORGIVEN_AFTER;
         self.debt = if debt < CEILING { debt } else { CEILING };
         debt > MOST

@@ -1,4 +1,4 @@
-//! A whole tick: what the parts' own tests cannot see.
+//! Tests of a whole tick, for effects that unit tests of its parts cannot show.
 
 mod commands;
 
@@ -57,7 +57,7 @@ fn controller(settings: &Settings, amax_mps2: f64) -> Controller {
     settings.controller().unwrap()
 }
 
-/// Ticks with nothing but an index pulse from both axes now and then.
+/// Plays ticks. If `detected`, one of them has an index pulse from every axis.
 fn play(controller: &mut Controller, command: Option<Command>, ticks: u32, detected: bool) {
     for tick in 0..ticks {
         let mut feedback = Feedback::of(command.filter(|_| tick == 0));
@@ -68,7 +68,7 @@ fn play(controller: &mut Controller, command: Option<Command>, ticks: u32, detec
     }
 }
 
-/// Running, without sensors, so that nobody need play them.
+/// Returns a controller in run, without sensors, so that a test need not simulate them.
 fn running(amax_mps2: f64) -> Controller {
     let mut settings = settings();
     for axis in &mut settings.axes {
@@ -91,7 +91,7 @@ fn a_drive_alarm_stops_the_machine_and_names_its_axis() {
     assert_eq!((telemetry.state, fault.tick), (State::Stop, 1000));
 }
 
-/// Were it regarded, a board whose inputs for further axes are open would stop a machine that does not have them.
+/// If this fails, a board with open alarm inputs stops a machine that does not have those axes.
 #[test]
 fn an_alarm_of_an_axis_that_is_not_there_is_ignored() {
     let mut controller = running(100.0);
@@ -101,7 +101,7 @@ fn an_alarm_of_an_axis_that_is_not_there_is_ignored() {
     assert_eq!((telemetry.state, telemetry.fault), (State::Run, None));
 }
 
-/// A level inside the band is held at the nearer edge, and that is reported, and only then.
+/// If this fails, a machine runs in a forbidden band, or its operator gets no event or a false one.
 #[test]
 fn a_level_in_a_band_is_held_at_its_nearer_edge_and_reported() {
     // 8.5 rev/s and 9.5 rev/s: R (1 + λ) ω²
@@ -132,7 +132,7 @@ fn a_seek_goes_on_from_there() {
     );
 }
 
-/// While the drives were off the cranks may have been turned: what the sensors said before is void.
+/// If this fails, the machine trusts index readings from before the drives were off, although the cranks may have been turned since.
 #[test]
 fn every_start_from_idle_homes_again() {
     let mut controller = controller(&settings(), 100.0);
@@ -146,7 +146,7 @@ fn every_start_from_idle_homes_again() {
     assert_eq!(controller.output.telemetry.state, State::Homing);
 }
 
-/// After the enable input was lost amid a run, the drives being off.
+/// Returns a controller after the enable input was lost in a run, with the drives off.
 fn lost(settings: &Settings) -> Controller {
     let mut controller = controller(settings, 100.0);
     play(&mut controller, Some(Command::Start), 10, true);
@@ -158,8 +158,8 @@ fn lost(settings: &Settings) -> Controller {
     controller
 }
 
-/// A crank that was turned away while its encoder was read is not moved along with the others. The fault names it; whoever resets that
-/// has turned it back, and homing shows where it is.
+/// If this fails, a crank that was turned by hand while its encoder was read is moved together with the others, and may bend the rods. The
+/// fault names the crank. After a reset, homing finds it again.
 #[test]
 fn a_start_is_refused_before_anything_moves_where_a_crank_is_known_to_be_far_off() {
     let mut settings = settings();
@@ -201,7 +201,7 @@ fn a_start_is_refused_before_anything_moves_where_a_crank_is_known_to_be_far_off
     assert_eq!(tick(Some(Command::Start)).telemetry.state, State::Homing);
 }
 
-/// Were pulses of cranks that no drive holds compared with each other, a machine that coasted would be refused for nothing.
+/// If this fails, a machine that coasted is refused, as pulses of cranks that no drive holds are compared with each other.
 #[test]
 fn where_cranks_by_index_are_is_not_known_once_they_turn_without_drives() {
     let mut controller = lost(&settings());
@@ -211,8 +211,8 @@ fn where_cranks_by_index_are_is_not_known_once_they_turn_without_drives() {
     assert!(!controller.homing.has_found());
 }
 
-/// A homing run that is cut short leaves trims where they were on their way; where nothing is to be corrected, the next takes back
-/// even what is less than a reading may be off by.
+/// If this fails, trims of an interrupted homing run remain. Without a correction, the next homing must take back even those below the
+/// error of a reading.
 #[test]
 fn what_a_proof_that_was_cut_short_left_is_taken_back() {
     let mut settings = settings();
@@ -241,7 +241,8 @@ fn what_a_proof_that_was_cut_short_left_is_taken_back() {
     assert_eq!(trim(&controller), 0);
 }
 
-/// A geared, reversed servo: half the way, half the acceleration, and everything with the other sign.
+/// If this fails, a geared and reversed servo gets a wrong setpoint. It makes half of the travel and of the acceleration, with the opposite
+/// sign.
 #[test]
 fn setpoints_are_in_the_motors_own_sense() {
     let controller = running(200.0);

@@ -11,7 +11,7 @@ use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, State, SupervisorInput};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
 
-/// Ticks after the drives were on last in which a pulse may be read that came while they were.
+/// Number of ticks after the drives went off in which an index pulse may still date from before.
 const LAST_PLAYED: u64 = 3;
 
 impl Controller {
@@ -67,10 +67,10 @@ impl Controller {
         &self.output
     }
 
-    /// Collects what was detected since the last tick; returns the event to report, if there is one.
+    /// Collects the measurements since the last tick. Returns the event to report, if there is one.
     #[inline(never)]
     fn observe(&mut self, feedback: &Feedback, input: &mut SupervisorInput) -> Option<Fault> {
-        // To plan a stop takes as long as any of the work that can wait.
+        // Planning a stop takes as long as any of the work that can wait.
         let is_about_to_stop = self.is_about_to_stop(feedback);
         let mut found = self.measure(feedback, !is_about_to_stop);
         self.is_busy = self.drift.is_busy() || is_about_to_stop;
@@ -123,7 +123,7 @@ impl Controller {
             return None;
         }
         let found = self.drift.observe(&sensed);
-        // Cranks that no drive holds are turned, and not all of them may have passed their flags.
+        // Cranks that no drive holds may be turned by hand, and not all of them may have passed their flags.
         let is_held = self.supervisor.drives_enabled() || self.ticks - self.driven <= LAST_PLAYED;
         if !is_held && self.drift.has_pulse_by_index(&feedback.index) {
             self.homing.forget();
@@ -131,7 +131,7 @@ impl Controller {
         if cfg!(feature = "servo")
             && let Some(coupling) = &mut self.coupling
         {
-            // Before homing is over, phase errors say where cranks were left, and not what holds them up.
+            // Until homing is over, phase errors show where the cranks were left, and not which load they carry.
             if self.supervisor.drives_enabled() && self.homing.is_done() {
                 coupling.advance(self.drift.phase_error());
             } else {
@@ -161,7 +161,8 @@ impl Controller {
         found.map(Finding::of)
     }
 
-    /// Fault that homing would end with, if that is known before anything moves: a crank was left beyond the platform's limits.
+    /// Returns the fault with which homing would end, if it is known before anything moves: a crank was left beyond the limits of the
+    /// platform.
     #[inline(never)]
     fn refusal(&mut self, before: State, now: State) -> Option<Fault> {
         if before != State::Idle || now != State::Homing || !self.homing.has_found() {
@@ -172,11 +173,11 @@ impl Controller {
         Some(fault.with_size(by).at(self.ticks, self.crank_phase()))
     }
 
-    /// Sets up for a state that was just entered.
+    /// Prepares the state that was just entered.
     #[inline(never)]
     fn enter(&mut self, before: State, now: State) {
         match now {
-            // Only their index pulses show where the cranks are after the drives were off.
+            // After the drives were off, only the index pulses show the phases of the cranks.
             State::Homing if before == State::Idle => {
                 let phase = |axis| self.output.telemetry.axis_phase(axis);
                 self.drift.reset(&core::array::from_fn(phase));
@@ -185,7 +186,7 @@ impl Controller {
                 self.cursor = Cursor::new();
                 self.target = Target::steady(Turns::ZERO);
             }
-            // This fault names the crank that stands wrong. Whoever resets it may have turned the crank by hand.
+            // This fault names the crank at a wrong phase. The operator may have turned that crank by hand before the reset.
             State::Idle if self.latched() == Some(FaultKind::HomingRangeExceeded) => {
                 self.homing.forget();
             }
@@ -204,7 +205,7 @@ impl Controller {
         }
     }
 
-    /// Kind of the fault that was latched in the last tick.
+    /// Returns the kind of the fault that was latched as of the last tick.
     fn latched(&self) -> Option<FaultKind> {
         Some(self.output.telemetry.fault?.kind)
     }
@@ -255,7 +256,7 @@ impl Controller {
         output.sync = within.to_bits() < ONE_TURN / 2;
         let telemetry = &mut output.telemetry;
         telemetry.state = self.supervisor.state();
-        // Mostly there is none, before and after.
+        // In most ticks there is no fault, neither before nor after.
         if telemetry.fault.is_some() || self.supervisor.has_fault() {
             telemetry.fault = self.supervisor.fault();
         }
@@ -276,7 +277,7 @@ impl Controller {
     }
 }
 
-/// Fault for which the drives, which would have held after the latched one, are switched off.
+/// Returns the fault that switches the drives off, where they would have held after the latched one.
 #[inline(never)]
 fn harder_fault(input: &SupervisorInput) -> Fault {
     input

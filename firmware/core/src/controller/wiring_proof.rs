@@ -1,17 +1,18 @@
-//! The tilts that prove whose lines are whose: about one axis, and about the other. Made once, of settings; [`super::homing`] plays them.
+//! Tilts that prove the wiring: about one axis, and about the other. They are computed once from the settings; [`super::homing`] commands
+//! them.
 
 use crate::axes::PhaseOffsets;
 use crate::drift::DriftMonitor;
 use crate::settings::{Problem, SettingsError};
 use crate::units::{PerAxis, Turns};
 
-/// How many tolerances any two cranks are moved apart, at least, in one of the tilts.
+/// Smallest distance by which any two cranks are moved apart in one of the tilts, in tolerances.
 pub(super) const APART: i64 = 3;
 
-/// The tilts that prove the wiring, if trims and platform allow them.
+/// Returns the tilts that prove the wiring.
 ///
 /// # Errors
-/// They do not.
+/// The trims or the platform do not allow the tilts.
 #[cold]
 pub(super) fn wiring_patterns(
     count: usize,
@@ -21,7 +22,7 @@ pub(super) fn wiring_patterns(
     let tolerances = (0..count).map(|axis| drift.tolerance(axis));
     let tolerance = tolerances.max().unwrap_or_default();
     let patterns = patterns(count, tolerance);
-    // With what readings may be off on top.
+    // Adds the largest error of a reading.
     let on_top = |level: Turns| level + if level < 0 { -tolerance } else { tolerance };
     for pattern in &patterns {
         if offsets.beyond_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
@@ -35,12 +36,12 @@ pub(super) fn wiring_patterns(
     Ok(patterns)
 }
 
-/// The tilts that prove the wiring, each of sum zero.
+/// Returns the tilts that prove the wiring. The levels of each sum to zero.
 #[cold]
 fn patterns(count: usize, tolerance: Turns) -> [PerAxis<Turns>; 2] {
     let place = |i: usize| {
         let theta = core::f64::consts::TAU * i as f64 / count as f64;
-        // Two axes are on a line: there is one tilt.
+        // Two axes lie on a line, so there is only one tilt.
         let sine = if count == 2 { 0.0 } else { libm::sin(theta) };
         [libm::cos(theta), sine]
     };
@@ -56,7 +57,7 @@ fn patterns(count: usize, tolerance: Turns) -> [PerAxis<Turns>; 2] {
         let mut rest = Turns::ZERO;
         for (i, level) in levels.iter_mut().enumerate().take(count) {
             *level = Turns::from_num(amplitude * place(i)[tilt]);
-            // The last axis takes what rounding leaves over.
+            // The last axis takes the rounding remainder.
             if i + 1 == count {
                 *level = -rest;
             }

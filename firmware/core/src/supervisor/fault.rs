@@ -235,7 +235,7 @@ impl Fault {
 mod tests {
     use super::*;
 
-    /// A kind is sent as its number, and decoded from it.
+    /// If this fails, a fault that is sent as its number is decoded as another kind.
     #[test]
     fn every_kind_is_at_its_number_and_has_a_name_of_its_own() {
         for (number, kind) in FaultKind::ALL.into_iter().enumerate() {
@@ -245,7 +245,7 @@ mod tests {
         }
     }
 
-    /// If a field were cut or misplaced, a board's log and a report would differ.
+    /// If this fails, a field is cut or misplaced, and the log of a board differs from a report.
     #[test]
     fn bytes_bring_a_fault_back() {
         for axis in [None, Some(0), Some(5)] {

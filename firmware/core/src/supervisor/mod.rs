@@ -107,8 +107,8 @@ pub enum Command {
     Override(u16),
 }
 
-/// Time for which one [`Command::Jog`] turns the machine, seconds. Whoever jogs repeats it, so that a lost operator stops
-/// the machine.
+/// Time for which one [`Command::Jog`] turns the machine, seconds. An operator who jogs repeats the command, so the machine stops if the
+/// operator is gone.
 pub const JOG_S: f64 = 0.5;
 
 /// Input of the supervisor from the rest of the loop, for the tick that is over.
@@ -120,11 +120,11 @@ pub struct SupervisorInput {
     pub reaction: Reaction,
     /// True if the fault is the latched one under a better name.
     pub supersedes: bool,
-    /// The shaft is at rest, at the end of its stop.
+    /// True if the shaft is at rest, at the end of its stop.
     pub at_rest: bool,
-    /// Homing is over: every index has been detected, and the cranks are levelled as far as the settings require.
+    /// True if homing is over: every index has been detected, and the cranks are levelled as far as the settings require.
     pub homed: bool,
-    /// The program is over.
+    /// True if the program is over.
     pub program_done: bool,
     /// Control ticks since power-up.
     pub tick: u64,
@@ -170,16 +170,17 @@ pub enum Action {
 pub struct Supervisor {
     state: State,
     fault: Option<Fault>,
-    /// The fault state has the drives off. False before and during a fault that lets them hold.
+    /// True if the fault state has the drives off. Always true with a brake. Otherwise false, until a fault or a loss of the enable input
+    /// does not let them hold.
     cuts: bool,
-    /// A brake holds the cranks while the drives are off, so that every fault cuts.
+    /// True if a brake holds the cranks while the drives are off, so that every fault cuts.
     has_brake: bool,
     holding: bool,
-    /// The present or last stop is the fastest, and not one at the parking phase.
+    /// True if the present or last stop is as fast as the limits allow, and does not wait for the parking phase.
     stops_now: bool,
-    /// Homing ends parked.
+    /// True if homing ends parked.
     only_homes: bool,
-    /// Ticks for which the machine jogs on; zero while it plays the program.
+    /// Remaining ticks of a jog; zero while the machine plays the program.
     jogging: u32,
     jog_ticks: u32,
     /// Ticks for which the drives settle after they were switched on.
@@ -366,7 +367,7 @@ impl Supervisor {
                 }
             }
             State::Parked => State::Parked,
-            // With a fault that comes while the drives hold, the reset was meant for the one before.
+            // A reset in the same tick as a new fault was meant for the fault before.
             State::Fault if command == Some(Command::Reset) && !is_faulted => {
                 self.fault = None;
                 self.cuts = self.has_brake;
@@ -377,7 +378,7 @@ impl Supervisor {
         }
     }
 
-    /// Forgets how the last motion went.
+    /// Resets the modes of the last motion: hold, immediate stop, homing only, and jog.
     const fn begin(&mut self) {
         self.holding = false;
         self.stops_now = false;

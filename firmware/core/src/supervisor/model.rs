@@ -20,7 +20,7 @@ use std::vec::Vec;
 /// Ticks for which the drives settle: more than one, so that events during settling are covered.
 const SETTLE: u32 = 2;
 
-/// Ticks of one jog, for the same reason.
+/// Ticks of one jog: more than one, so that events during a jog are covered.
 const JOG: u32 = 2;
 
 /// Length of the sequences that are played one by one.
@@ -156,8 +156,7 @@ fn ticks_to(graph: &BTreeMap<Key, BTreeSet<Key>>, goal: State) -> usize {
     ticks
 }
 
-/// If this were wrong, the machine could run on with a fault, drives could be on that must be off, or only a power cycle
-/// could leave a state.
+/// If this fails, the machine may run on with a fault, drives may be on that must be off, or only a power cycle may leave a state.
 #[test]
 fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
     let inputs = all_inputs();
@@ -181,7 +180,7 @@ fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
     );
 }
 
-/// Single events in a tick; safety inputs and observations of the machine stay as they are until they change.
+/// Single events in a tick. Safety inputs and observations of the machine keep their values until an event changes them.
 const EVENTS: [fn(&mut Input); 20] = [
     |_| {},
     |input| input.command = Some(Command::Start),
@@ -222,8 +221,8 @@ const EVENTS: [fn(&mut Input); 20] = [
     },
 ];
 
-/// The same demands on every sequence of single events, on the supervisor itself. If the model lacked part of its state,
-/// a state would occur here that is not in the graph.
+/// Checks the same demands on every sequence of single events, on the supervisor itself. If this fails with a state that is not in the
+/// graph, the model lacks a part of the supervisor's state.
 #[test]
 fn all_sequences_of_six_events_stay_within_the_graph() {
     let graph = explore(&all_inputs());

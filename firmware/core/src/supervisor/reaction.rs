@@ -16,8 +16,7 @@ pub enum Reaction {
     /// Stop all axes together, as fast as the motors' torque allows; then hold the cranks with the drives on until a reset
     /// (stop category 2). Where the settings name a brake, the drives go off as for [`Self::StopAndCut`].
     StopAndHold,
-    /// Stop in the same way; then switch the drives off until a reset (stop category 1). To hold is impossible or
-    /// dangerous.
+    /// Stop in the same way; then switch the drives off until a reset (stop category 1). Holding is impossible or dangerous.
     StopAndCut,
     /// Switch the drives off in the same tick, until a reset (stop category 0). A stop would stop only some axes, or there
     /// is no machine to stop.
@@ -65,7 +64,7 @@ pub static REACTIONS: [Row; FaultKind::ALL.len()] = {
         row(Kind::Warp, StopAndHold, StopAndHold),
         // The load was too much for a moving motor; a motor at rest has its greatest torque.
         row(Kind::CommonLag, StopAndHold, StopAndHold),
-        // The motor is in step again, at another place.
+        // The motor is in step again, at another phase.
         row(Kind::LostSteps, Correct, StopAndHold),
         // The coupling slips under the torque of motion; at rest the drive still holds most of the load.
         row(Kind::Slip, Correct, StopAndHold),
@@ -78,17 +77,17 @@ pub static REACTIONS: [Row; FaultKind::ALL.len()] = {
         row(Kind::IndexTimeout, StopAndHold, StopAndHold),
         // The fault is one of a sensor, and the drives are sound.
         row(Kind::IndexMissing, Report, StopAndHold),
-        // A crank that runs away may have made the pulse. Held, it would go on against the others until its next ones.
+        // A crank that runs away may have made the pulse. If the drives held, it would turn against the others until its next pulses.
         row(Kind::IndexExtra, Report, StopAndCut),
-        // At rest no axis is moved, so that it does not matter which line belongs to which.
+        // At rest no axis moves, so it does not matter which line belongs to which axis.
         row(Kind::SwappedWiring, StopAndHold, StopAndHold),
         // This axis turns against the others as long as it is driven.
         row(Kind::Reversed, Disable, Disable),
-        // The fault is one of a sensor. A drive that follows it away is found as a runaway.
+        // The fault is one of a sensor. A drive that follows the wrong reading is detected as a runaway.
         row(Kind::EncoderGlitch, Report, StopAndHold),
-        // Nothing is known of a drive with an alarm: it may hold, push or be off.
+        // The state of a drive with an alarm is unknown: it may hold, push or be off.
         row(Kind::DriveAlarm, StopAndCut, StopAndCut),
-        // The loop is back in time, or it could not stop the machine. The watchdog cuts if it hangs.
+        // The loop meets its deadlines again, as otherwise it could not stop the machine. If it hangs, the watchdog cuts.
         row(Kind::Overrun, StopAndHold, StopAndHold),
         // Steps were not made, but the drives are sound.
         row(Kind::StepFifoUnderrun, StopAndHold, StopAndHold),
@@ -96,12 +95,12 @@ pub static REACTIONS: [Row; FaultKind::ALL.len()] = {
         row(Kind::EnableLost, Disable, Disable),
         // This is no fault: it parks the machine, as the stop command does, and the drives hold (stop category 2).
         row(Kind::StopInput, Report, Report),
-        // A crank stands where the others do not, and its drive holds it there.
+        // A crank is at another phase than the others, and its drive holds it there.
         row(Kind::HomingRangeExceeded, StopAndHold, StopAndHold),
         // Nothing turns yet: rejected input is not used, and the previous one remains.
         row(Kind::ProgramRejected, Report, Report),
         row(Kind::SettingsRejected, Report, Report),
-        // The drives have been off since the reset, and the cranks are wherever they fell.
+        // The drives have been off since the reset, and the phases of the cranks are unknown.
         row(Kind::WatchdogReset, Disable, Disable),
         // The load was too much for moving motors at the resonance; at rest there is no resonance.
         row(Kind::Capture, StopAndHold, StopAndHold),
@@ -122,7 +121,7 @@ pub const fn reaction(kind: FaultKind, within_limits: bool) -> Reaction {
 mod tests {
     use super::*;
 
-    /// If a row were misplaced, a fault would get the reaction to another.
+    /// If this fails, a row is misplaced, and a fault gets the reaction to another.
     #[test]
     fn every_kind_has_its_row_and_is_no_milder_outside_limits() {
         for (row, kind) in REACTIONS.iter().zip(FaultKind::ALL) {

@@ -58,7 +58,7 @@ fn in_state(state: State) -> Supervisor {
 
 const STATES: [State; 6] = State::ALL;
 
-/// A state is kept as its number over a reset, and decoded from it.
+/// If this fails, a state that is kept over a reset as its number is decoded as another.
 #[test]
 fn every_state_is_at_its_number() {
     for (number, state) in State::ALL.into_iter().enumerate() {
@@ -175,7 +175,7 @@ fn a_stop_is_obeyed_in_every_moving_state() {
     });
 }
 
-/// The first fault is the cause; later ones are consequences.
+/// If this fails, a later fault, which may be a consequence, hides the first one.
 #[test]
 fn the_first_fault_is_kept() {
     let mut supervisor = in_state(State::Run);
@@ -188,7 +188,7 @@ fn the_first_fault_is_kept() {
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Tilt);
 }
 
-/// If this were wrong, a report would keep the first guess, or lose the time of the fault.
+/// If this fails, a report keeps the first diagnosis, or loses the time of the fault.
 #[test]
 fn a_better_name_replaces_what_latched_and_not_when() {
     let mut supervisor = in_state(State::Run);
@@ -211,7 +211,7 @@ fn a_better_name_replaces_what_latched_and_not_when() {
         (reported.kind, reported.axis, reported.tick),
         (FaultKind::Stuck, Some(2), 7)
     );
-    // The diagnosis may still come at rest; without a fault there is nothing to name.
+    // The diagnosis may still come at rest. Without a fault there is nothing to rename.
     supervisor.step(
         SAFE,
         None,
@@ -228,7 +228,7 @@ fn a_better_name_replaces_what_latched_and_not_when() {
     assert_eq!(supervisor.fault(), None);
 }
 
-/// If this were wrong, the stop would wait for a runaway, which does not come to rest with the others.
+/// If this fails, the stop waits for an axis that runs away, which does not come to rest with the others.
 #[test]
 fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
     let disables = SupervisorInput {
@@ -256,8 +256,8 @@ fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
     );
 }
 
-/// Machine in the fault state after a stop in which it had these faults, one after the other; the second under a better name
-/// for the first, if `supersedes`.
+/// Returns a machine in the fault state after a stop in which it had these faults, one after the other. If `supersedes`, the second fault
+/// is the first one under a better name.
 fn stopped_by(faults: &[Reaction], supersedes: bool, has_brake: bool) -> Supervisor {
     let mut supervisor = in_state(State::Run);
     supervisor.has_brake = has_brake;
@@ -280,7 +280,7 @@ fn stopped_by(faults: &[Reaction], supersedes: bool, has_brake: bool) -> Supervi
     supervisor
 }
 
-/// If this were wrong, a platform would fall after a fault that any motor could have held, or a jammed crank would be pressed.
+/// If this fails, a platform falls after a fault in which every motor could hold, or a drive presses a jammed crank.
 #[test]
 fn the_hardest_reaction_of_a_stop_decides_whether_the_drives_hold() {
     use Reaction::{Disable, StopAndCut, StopAndHold};
@@ -301,7 +301,7 @@ fn the_hardest_reaction_of_a_stop_decides_whether_the_drives_hold() {
     }
 }
 
-/// If this were wrong, a machine that holds after a fault could not be let go, or would be forgotten with its drives on.
+/// If this fails, the drives of a machine that holds after a fault cannot be switched off, or stay on unnoticed.
 #[test]
 fn a_held_fault_ends_with_enable_a_harder_fault_or_a_reset() {
     let quiet = SupervisorInput::default();
@@ -325,7 +325,7 @@ fn a_held_fault_ends_with_enable_a_harder_fault_or_a_reset() {
         (open, None, quiet, State::Fault, false),
         (SAFE, Some(Command::Reset), quiet, State::Idle, false),
         (open, Some(Command::Reset), quiet, State::Idle, false),
-        // A new fault is not reset by a command that was given before anybody saw it.
+        // A new fault is not reset by a command that was given before the fault was visible.
         (
             SAFE,
             Some(Command::Reset),
@@ -349,13 +349,13 @@ fn a_held_fault_ends_with_enable_a_harder_fault_or_a_reset() {
         let latched = supervisor.fault().map(|fault| fault.kind);
         let expected = (state == State::Fault).then_some(FaultKind::Tilt);
         assert_eq!(latched, expected, "the first fault stays: {say}");
-        // Drives that are off stay off, whatever the inputs do.
+        // Drives that are off stay off, for any input.
         supervisor.step(SAFE, None, &quiet);
         assert_eq!(supervisor.drives_enabled(), holds, "{say}");
     }
 }
 
-/// In no sequence of inputs does the machine run before every index has been detected.
+/// If this fails, the machine runs before every index has been detected, for some sequence of inputs.
 #[test]
 fn nothing_runs_before_homing() {
     let commands = [
@@ -379,7 +379,7 @@ fn nothing_runs_before_homing() {
     }
 }
 
-/// A hold ends with its run: the next start plays.
+/// If this fails, a hold outlives its run, and the next start does not play the program.
 #[test]
 fn a_hold_does_not_outlive_its_run() {
     let mut supervisor = in_state(State::Run);

@@ -1,34 +1,34 @@
-//! How far a platform may tilt after a fault, at most: the limit, and what the kind can add until all cranks stand, or the drives are
-//! off and torque moves the cranks: then nothing holds them together.
+//! Largest tilt of a platform after a fault: the limit, plus what the kind of fault can add until all cranks stand. Where torque moves the
+//! cranks, the bound ends when the drives are off, because nothing holds the cranks together then.
 //!
-//! Up to the limit L nothing need be reported. A crank that has passed it is detected within a turn and N + 5 ticks, and the stop takes
-//! what the stop limits make of it; in that time the crank goes on as its kind has it. What it goes on by, e, tilts the platform
-//! by g(e) at most, true geometry at the worst crank angle, one crank against all others in phase ([`Geometry::worst_tilt_mrad`]);
-//! half a turn is the most that a crank can be off. The bound is L + g(e):
+//! Up to the limit L nothing need be reported. A crank beyond the limit is detected within a turn and N + 5 ticks. Then the machine stops,
+//! within its stop limits. Meanwhile the crank moves on by an angle e, which depends on the kind of fault. One crank that is off by e,
+//! against all others in phase, tilts the platform by at most g(e), computed with true geometry at the worst crank angle
+//! ([`Geometry::worst_tilt_mrad`]). Half a turn is the largest possible error of a crank. The bound is L + g(e):
 //!
 //! | kind | e |
 //! | --- | --- |
 //! | lost steps | the cycles, at once |
-//! | slip | rate × (turn + N + 5 ticks + stop), or rate × how long it goes on |
+//! | slip | rate × (turn + N + 5 ticks + stop), or rate × duration of the slip |
 //! | stuck, runaway, reversed | ½ |
-//! | underrun | the way of two ticks |
-//! | swapped wiring | what homing trims a crank by to prove it: as far as a crank may be off |
+//! | underrun | the travel of two ticks |
+//! | swapped wiring | the travel by which homing moves a crank to prove the wiring: at most the error that one crank may have |
 //! | all others | 0: no crank moves |
 //!
-//! Where torque moves cranks, and a crank is stuck, runs away, or is loaded, or nothing drives them any more, it is not one crank
-//! against all others: the platform hands on what holds one of them, and the others lose their steps as well. Then the bound is the
-//! greatest tilt that any cranks make ([`Geometry::any_tilt_mrad`]).
+//! Where torque moves the cranks, some faults take other cranks out of step as well: a crank that is stuck, runs away or is loaded, and
+//! drives that are cut. The platform transmits the load to the other motors, and these lose their steps, too. Then the bound is the
+//! greatest tilt for any positions of the cranks ([`Geometry::any_tilt_mrad`]).
 //!
-//! Where torque moves cranks they are apart by what their loads do to them too; how much, is not in this bound: steppers' rotors
-//! are at most a quarter of their electrical cycle from where commanded, or they lose it, so that e is larger by two of
-//! these, one ahead and one behind.
+//! Where torque moves the cranks, their loads move them apart, too. This module does not compute by how much, and uses the largest possible
+//! value. A stepper's rotor is at most a quarter of an electrical cycle from its commanded position, or it loses the cycle. So e is larger
+//! by two of these quarters, one ahead and one behind.
 
 use host_sim::scene::file::{Drive, FaultAt, FaultName, Limits, Scene};
 
 use super::geometry::Geometry;
 use super::watch::Place;
 
-/// The most that the platform may tilt, mrad; `beyond_limit` is where the crank passed its limit, if it did.
+/// Returns the largest allowed tilt, mrad. `beyond_limit` is the place where the crank passed its limit, if it did.
 pub fn tilt_mrad(scene: &Scene, geometry: &Geometry, beyond_limit: Option<&Place>) -> f64 {
     let limit_mrad = scene.drift.tilt_limit_mrad;
     let torque_turns = torque_turns(scene);
@@ -46,7 +46,7 @@ pub fn tilt_mrad(scene: &Scene, geometry: &Geometry, beyond_limit: Option<&Place
     limit_mrad + geometry.worst_tilt_mrad(error)
 }
 
-/// How far cranks may be apart by their loads, turns: 0 where they are where their motors have them.
+/// Largest distance of cranks that their loads can cause, turns. It is 0 on model levels where torque does not move the cranks.
 pub(super) fn torque_turns(scene: &Scene) -> f64 {
     if scene.fidelity.moves_by_torque() {
         lag_turns(scene)
@@ -55,7 +55,7 @@ pub(super) fn torque_turns(scene: &Scene) -> f64 {
     }
 }
 
-/// Whether a kind asks more of the other motors than they have, where torque moves cranks: then these lose their steps too.
+/// Returns true if a kind overloads the other motors where torque moves the cranks, so that they lose their steps, too.
 const fn overloads(kind: FaultName) -> bool {
     matches!(
         kind,
@@ -63,7 +63,7 @@ const fn overloads(kind: FaultName) -> bool {
     )
 }
 
-/// How far a crank goes on, turns, after it was beyond its limit.
+/// Travel of a crank after it passed its limit, turns.
 fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, beyond_limit: &Place) -> f64 {
     let tick_s = 1.0 / f64::from(scene.control.tick_hz);
     match fault.kind {
@@ -92,8 +92,8 @@ fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, beyond_limi
     }
 }
 
-/// Two quarters of an electrical cycle, one ahead and one behind; of a servo, its following-error window either way, or as much as of
-/// a stepper.
+/// Two quarters of an electrical cycle, one ahead and one behind, turns. For a servo it is its following-error window in either direction,
+/// or the same as for a stepper if it has no window.
 fn lag_turns(scene: &Scene) -> f64 {
     let axes = &scene.axes;
     let servo = axes.servo.filter(|_| axes.drive != Drive::Stepper);
@@ -103,15 +103,15 @@ fn lag_turns(scene: &Scene) -> f64 {
     }
 }
 
-/// How long the master's next turn takes at most: at the speed that it has, or at homing speed. One that comes to rest before is a stop,
-/// which is computed for itself.
+/// Largest duration of the master's next turn, s: at its present speed or at homing speed, whichever is higher, plus the time to reach
+/// homing speed. A master that comes to rest before is in a stop, whose duration is computed separately.
 fn turn_s(limits: &Limits, beyond_limit: &Place) -> f64 {
     1.0 / beyond_limit.speed_hz.max(limits.homing_speed_hz)
         + limits.homing_speed_hz / limits.acceleration_hz_per_s
 }
 
-/// How long the stop takes: the acceleration that there is must go first, and adds to the speed as it goes; then acceleration is
-/// built up, held if there is time, and let go. Speed may have grown, in the turn before the stop, up to the limit.
+/// Duration of a stop, s. The present acceleration must first fall to zero, and the speed rises meanwhile. Then the deceleration is built
+/// up, held if there is time, and released. In the turn before the stop the speed may have risen, up to the limit.
 fn stop_s(limits: &Limits, beyond_limit: &Place) -> f64 {
     let usual = (limits.acceleration_hz_per_s, limits.jerk_hz_per_s2);
     let a = limits.stop_acceleration_hz_per_s.unwrap_or(usual.0);
@@ -145,8 +145,8 @@ mod tests {
         }
     }
 
-    /// Were a stop's time computed too short, a slip would go on beyond its bound. 60 rev/s at 60 rev/s² and 600 rev/s³: 1 s of
-    /// acceleration and 0.1 s for its ends; before it, 0.1 s in which what there is of acceleration goes and adds 3 rev/s.
+    /// If this fails, the computed stop is too short, and a slip exceeds its bound. From 60 rev/s, at 60 rev/s² and 600 rev/s³, the present
+    /// acceleration takes 0.1 s to end and adds 3 rev/s. Then the deceleration takes 63/60 s, and 0.1 s for its ends.
     #[test]
     fn a_stop_takes_what_its_limits_make_of_it() {
         let scene = library::find("default").unwrap().scene();
@@ -157,7 +157,7 @@ mod tests {
         );
     }
 
-    /// A fault in which nothing moves may add nothing.
+    /// If this fails, the bound is too wide for a fault that moves no crank.
     #[test]
     fn the_bound_is_the_limit_where_no_crank_moves() {
         let scene = library::find("default").unwrap().scene();

@@ -1,18 +1,18 @@
 //! Place of an index flag, and the extra pulses beside it that are harmless.
 //!
-//! An extra pulse is *harmless* where a loop that takes it for the flag's own does no harm. Such a loop corrects the crank by no more
-//! than the distance between the two. So the crank stays within its limit as long as that is at most half of what one crank may be off:
-//! the other half is left for what it is off already. While the flag is before its sensor the line is high, and an extra pulse changes
-//! nothing.
+//! An extra pulse is *harmless* if a loop that takes it for the flag's own does no harm. Such a loop corrects the crank by no more than the
+//! distance between the two. So the crank stays within its limit as long as that distance is at most half of the error that one crank may
+//! have. The other half is left for the error that it has already. While the flag is before its sensor, the line is high, and an extra
+//! pulse changes nothing.
 
 use host_sim::scene::Checked;
 
 use super::geometry::Geometry;
 
-/// Part of one crank's limit within which an extra pulse is harmless.
+/// Fraction of one crank's limit within which an extra pulse is harmless.
 const HARMLESS: f64 = 0.5;
 
-/// The place of an axis's flag; turns of the crank.
+/// Place of an axis's flag, turns of the crank.
 #[derive(Clone, Copy, Debug)]
 pub struct Flag {
     at_turns: f64,
@@ -22,7 +22,7 @@ pub struct Flag {
 }
 
 impl Flag {
-    /// Flag of an axis; none if it has no sensor.
+    /// Flag of an axis. None if the axis has no index sensor.
     pub fn new(checked: &Checked, geometry: Option<&Geometry>, axis: usize) -> Option<Self> {
         let settings = checked.settings.axes.get(axis)?;
         let limit_turns = geometry.map_or(checked.scene.drift.warp_limit_deg / 360.0, |geometry| {
@@ -35,7 +35,7 @@ impl Flag {
         })
     }
 
-    /// A pulse that no flag makes, and that comes while the crank is at `turns`, going forward.
+    /// Returns an extra pulse that comes while the crank is at `turns`, going forward.
     pub fn extra_at(&self, turns: f64) -> Extra {
         let off = turns - self.at_turns;
         let off_turns = off - off.round();
@@ -47,12 +47,12 @@ impl Flag {
     }
 }
 
-/// A pulse that no flag makes.
+/// Extra pulse, which no flag makes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extra {
-    /// How far after the place of the flag it comes, turns of the crank; negative: before it.
+    /// Distance of the pulse after the place of the flag, turns of the crank; negative before it.
     pub off_turns: f64,
-    /// A loop that takes it for the flag's own does no harm, or the line is high already.
+    /// True if a loop that takes it for the flag's own does no harm, or if the line is high already.
     pub is_harmless: bool,
 }
 
@@ -61,8 +61,9 @@ mod tests {
     use super::*;
     use host_sim::scene::library;
 
-    /// If the distance were too wide, pulses that the loop must report would be let pass. If it were too narrow, the loop would be held
-    /// to report what does no harm. A limit for which one crank may be off by 4° allows 2° either way, and the flag's length after it.
+    /// If the distance were too wide, pulses that the loop must report would be ignored. If it were too narrow, the loop would have to
+    /// report pulses that do no harm. A limit that allows one crank 4° allows a pulse 2° in either direction, and the flag's length after
+    /// it.
     #[test]
     fn an_extra_pulse_is_harmless_within_half_a_limit_and_over_the_flag() {
         let is_harmless = |width_deg: f64, deg: f64| {

@@ -1,4 +1,4 @@
-//! What crank errors do to a platform, and the most that a kind of error can do: the ground of limits and bounds.
+//! Effect of crank errors on a platform, and the largest effect of each kind of error. Limits and bounds are computed from it.
 
 use std::f64::consts::TAU;
 
@@ -7,10 +7,10 @@ use host_sim::mechanism::{AnyMechanism, Configured, Load, Mechanism};
 use host_sim::scene::file::Scene;
 use host_sim::scene::machine;
 
-/// Angles of a turn at which the worst is looked for: half a degree finds a smooth maximum to 4e-5 of itself.
+/// Number of crank angles among which the worst is searched. Steps of half a degree find a smooth maximum to 4e-5 of its value.
 const ANGLES: u32 = 720;
 
-/// More than what rounding makes of a bound.
+/// Factor that exceeds the rounding error of a bound.
 const ROUNDING: f64 = 1.0 + 1e-6;
 
 /// The platform of a scene with cranks.
@@ -20,16 +20,16 @@ pub struct Geometry {
     load: Load,
     corners: Corners,
     count: usize,
-    /// Tilt to a slope of crank errors, turns/m, at the crank angle at which that is worst, mrad.
+    /// Ratio of tilt to slope of the crank errors at the worst crank angle, mrad per turn/m.
     mrad_per_turn: f64,
     tilt_limit_mrad: f64,
     warp_limit_deg: f64,
-    /// Errors that are no further apart are within the limits, turns.
+    /// Largest difference between errors that is within the limits whatever the errors are, turns.
     within_turns: f64,
 }
 
 impl Geometry {
-    /// Of a scene; none of one with cams, whose pushers do not tilt, or with a machine that a check refuses.
+    /// Geometry of a scene. None for a scene with cams, whose pushers do not tilt, or with a machine that its check refuses.
     pub fn new(scene: &Scene) -> Option<Self> {
         let machine = machine(scene.machine.as_ref()?).ok()?;
         let mechanism = AnyMechanism::of(&machine.mechanism, machine.crank_radius_m);
@@ -38,8 +38,8 @@ impl Geometry {
             .fold(0.0, f64::max);
         let mrad_per_turn = 1e3 * longest_travel_m * TAU;
         let limits = &scene.drift;
-        // The slope of the closest plane is at most what the errors are apart, over the mount radius. None of up to six errors is further from
-        // that plane than √6/2 of what they are apart.
+        // The slope of the closest plane is at most the largest difference between errors over the mount radius. With up to six errors,
+        // none is further from that plane than √6/2 of this difference.
         let by_tilt = limits.tilt_limit_mrad * machine.mount_radius_m / mrad_per_turn;
         let by_warp = limits.warp_limit_deg / 360.0 / 1.25;
         Some(Self {
@@ -63,7 +63,7 @@ impl Geometry {
         &self.mechanism
     }
 
-    /// What errors of the cranks, turns, come to: tilt at the worst crank angle, mrad, and warp, degrees.
+    /// Returns tilt at the worst crank angle, mrad, and warp, degrees, for errors of the cranks, turns.
     pub fn modes(&self, errors: &[f64]) -> (f64, f64) {
         let plane = self.corners.plane(errors);
         let tilt_mrad = plane[1].hypot(plane[2]) * self.mrad_per_turn;
@@ -75,14 +75,14 @@ impl Geometry {
         (tilt_mrad, warp_turns * 360.0)
     }
 
-    /// The same of one crank that is off, all others in phase.
+    /// Returns tilt, mrad, and warp, degrees, for one crank that is off while all others are in phase.
     pub fn of_one(&self, error_turns: f64) -> (f64, f64) {
         let mut errors = vec![0.0; self.count];
         errors[0] = error_turns;
         self.modes(&errors)
     }
 
-    /// Whether errors are beyond the limits, as the controller has them: on tilt at the worst crank angle, and on warp.
+    /// Returns true if errors exceed the limits as the controller applies them: on tilt at the worst crank angle, and on warp.
     pub fn is_beyond_limit(&self, errors: &[f64]) -> bool {
         let low = errors.iter().copied().fold(f64::INFINITY, f64::min);
         let high = errors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -93,7 +93,7 @@ impl Geometry {
         tilt_mrad > self.tilt_limit_mrad || warp_deg > self.warp_limit_deg
     }
 
-    /// How far one crank may be from all others before the platform is beyond its limits, turns.
+    /// Largest error of one crank against all others at which the platform is within its limits, turns.
     pub fn single_limit_turns(&self) -> f64 {
         let (tilt_mrad, warp_deg) = self.of_one(1.0);
         let by_tilt = self.tilt_limit_mrad / tilt_mrad;
@@ -104,18 +104,18 @@ impl Geometry {
         }
     }
 
-    /// Greatest tilt that one crank off by up to `error_turns` makes of itself, all others in phase, mrad: true geometry, at the
-    /// worst angle. Half a turn is the most that a crank can be off.
+    /// Greatest tilt that an error of one crank of up to `error_turns` causes while all others are in phase, mrad. It is computed with true
+    /// geometry at the worst angle. Half a turn is the largest possible error of a crank.
     pub fn worst_tilt_mrad(&self, error_turns: f64) -> f64 {
         let most = error_turns.abs().min(0.5);
-        // Not always the largest error tilts most: steps of 3° up to it find that to 0.1 %.
+        // The largest error does not always tilt most. Steps of 3° up to it find the maximum to 0.1 %.
         let steps = (most * 120.0).ceil().max(1.0);
         let in_phase: Vec<f64> = angles().map(|alpha| self.mechanism.x_m(alpha)).collect();
         let mut heights = vec![0.0; self.count];
         let lever_m = self.mechanism.crank_radius_m() * self.mechanism.greatest_s();
         for step in (1..=steps as u32).rev() {
             let error = most * f64::from(step) / steps * TAU;
-            // What is left lifts by less than has been found.
+            // The remaining errors are smaller, and lift the corner by less than the maximum that was found.
             if lever_m * error * ROUNDING < heights[0] {
                 break;
             }
@@ -126,13 +126,13 @@ impl Geometry {
                 }
             }
         }
-        // The tilt is in proportion to the height.
+        // The tilt is proportional to the height.
         let [_, x, y] = self.corners.plane(&heights);
         x.hypot(y) * 1e3
     }
 
-    /// Greatest tilt that any cranks make, wherever each of them is, mrad: each at the top or at the bottom, as the plane through
-    /// their heights depends on each in proportion.
+    /// Greatest tilt for any positions of the cranks, mrad. Each crank is at the top or at the bottom then, because the plane through their
+    /// heights is linear in each.
     pub fn any_tilt_mrad(&self) -> f64 {
         let heights = angles().map(|alpha| self.mechanism.x_m(alpha));
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
@@ -147,18 +147,18 @@ impl Geometry {
         (0..1 << self.count).map(of).fold(0.0, f64::max) * 1e3
     }
 
-    /// Greatest way of the platform to an angle of the crank, m/rad.
+    /// Greatest travel of the platform per angle of the crank, m/rad.
     pub fn longest_travel_m(&self) -> f64 {
         self.mrad_per_turn / 1e3 / TAU
     }
 
-    /// Inertia that the platform and its load have at one crank, where that is greatest, kg·m²: an Nth of m (dx/dα)².
+    /// Greatest inertia of the platform and its load at one crank, kg·m²: m (dx/dα)² / N.
     pub fn most_inertia_kgm2(&self) -> f64 {
         let longest_travel_m = self.longest_travel_m();
         self.load.mass_kg * longest_travel_m * longest_travel_m / self.count as f64
     }
 
-    /// The most that all cranks together ask at up to a speed and acceleration, at any angle, N·m.
+    /// Largest torque of all cranks together, at rest or at a speed, with an acceleration, at any angle, N·m.
     pub fn most_torque_nm(&self, omega_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
         let at = |omega, acceleration| {
             angles()
@@ -183,9 +183,8 @@ mod tests {
     use super::*;
     use host_sim::scene::library;
 
-    /// Were the bound below the linear limit's tilt, a crank at its limit would be beyond its bound; were it far above, the bound
-    /// would say nothing. Chords are shorter than tangents, by less than e²/2 times the largest curvature 1 + λ, over the
-    /// largest slope, which is above 1.
+    /// If this fails, the bound is too low for a crank at its limit, or so high that it excludes nothing. Chords are shorter than tangents
+    /// by less than e²/2 times the largest curvature 1 + λ, over the largest slope, which is above 1.
     #[test]
     fn the_geometric_tilt_of_a_small_error_is_the_linear_one() {
         for name in ["default", "patent-4"] {
@@ -202,12 +201,12 @@ mod tests {
         }
     }
 
-    /// Were a cap below what half a turn does, a crank that stands would be beyond its bound.
+    /// If this fails, a crank that stands still exceeds its bound, because the bound is below the tilt of half a turn.
     #[test]
     fn half_a_turn_tilts_by_the_stroke() {
         let scene = library::find("patent-4").unwrap().scene();
         let geometry = Geometry::new(&scene).unwrap();
-        // One of three corners off by 2 R: a share 2/3 of it over the mount radius.
+        // One of three corners is off by 2 R, which makes 2/3 of it over the mount radius.
         let stroke = 2.0 * 76.432_414e-3 * 2.0 / 3.0 / 0.4 * 1e3;
         let worst = geometry.worst_tilt_mrad(0.5);
         assert!((worst / stroke - 1.0).abs() < 1e-3, "{worst}");

@@ -1,6 +1,6 @@
 //! Tilt after a stop, while the drives hold.
 //!
-//! The enable line decides whether drives hold, and not what the controller calls its state.
+//! The enable line decides whether the drives hold. The state that the controller reports does not.
 
 use host_sim::scene::file::{Drive, FaultAt, FaultName, Scene};
 use host_sim::sim::Moment;
@@ -8,7 +8,7 @@ use host_sim::sim::Moment;
 use super::bound;
 use super::geometry::Geometry;
 
-/// Largest growth of the tilt since a stop, and where it counts from.
+/// Largest growth of the tilt since a stop, and the time from which it counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hold {
     has_moved: bool,
@@ -16,14 +16,14 @@ pub struct Hold {
     at_rest_mrad: Option<f64>,
     /// Beginning of the first such tick, s since power-up.
     pub rest_s: Option<f64>,
-    /// Largest tilt since then beyond that one, mrad. None if the drives never held after a stop.
+    /// Largest increase of the tilt since that tick, mrad. None if the drives never held after a stop.
     pub growth_mrad: Option<f64>,
     /// Largest tilt since the fault with the drives on and outside a hold, mrad. The first tick of a hold counts.
     pub before_mrad: f64,
 }
 
 impl Hold {
-    /// Takes in one tick since the fault; `stands` says that no axis was commanded to move in it.
+    /// Takes in one tick since the fault. `stands` is true if no axis was commanded to move in it.
     pub fn tick(&mut self, moment: &Moment<'_>, stands: bool) {
         self.take(
             moment.drives_enabled,
@@ -55,8 +55,8 @@ impl Hold {
     }
 }
 
-/// Largest growth that is allowed, mrad: that of a crank which is off by two steps, by what its rotor may settle in its field where
-/// torque moves it, and by what the fault itself moves it at rest, from `rest_s` on.
+/// Largest growth of the tilt that is allowed, mrad. It is the tilt of one crank that is off by the sum of three parts: two steps, the
+/// angle by which its rotor may settle in its field where torque moves it, and the travel that the fault causes at rest, from `rest_s` on.
 pub fn allowed_mrad(scene: &Scene, geometry: &Geometry, rest_s: f64) -> f64 {
     let steps_turns = 2.0 / f64::from(scene.axes.steps_per_turn);
     let settling_turns = bound::torque_turns(scene);
@@ -67,7 +67,8 @@ pub fn allowed_mrad(scene: &Scene, geometry: &Geometry, rest_s: f64) -> f64 {
     geometry.worst_tilt_mrad(steps_turns + settling_turns + fault_turns)
 }
 
-/// Travel by which a fault moves a crank whose command stands, turns. Half a turn is the most that matters.
+/// Travel by which a fault moves a crank whose command stands still, turns. It is at most half a turn, the largest possible error of a
+/// crank.
 fn at_rest_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, rest_s: f64) -> f64 {
     let left_s = fault
         .for_s
@@ -82,7 +83,8 @@ fn at_rest_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, rest_s: f6
             fault.speed_hz.unwrap_or_default(),
             runaway_turns(scene, Some(geometry), false),
         ),
-        // A stepper that is let go at rest goes to the nearest pole of its field: half an electrical cycle, or two full steps, at most.
+        // A stuck stepper that is released at rest goes to the nearest pole of its field. That is half an electrical cycle, or two full
+        // steps, at most.
         FaultName::Stuck if scene.drive(axis) == Drive::Stepper => {
             let is_let_go = left_s.is_some_and(|left_s| left_s > 0.0);
             let pole_turns = 2.0 / f64::from(scene.axes.full_steps_per_turn);
@@ -94,10 +96,10 @@ fn at_rest_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, rest_s: f6
     turns.min(until_off_turns).min(0.5)
 }
 
-/// Travel at rest after which the drives of an axis that moves by itself must be off, turns: until its sensor shows the motion, and N + 5
-/// ticks. An encoder shows it once this crank alone takes the platform beyond a limit, so within twice that way: it may come from the other
-/// side. An index shows it as the crank passes its flag, within a turn. A rotor that swings at its flag passes it as well, so there it
-/// takes another turn.
+/// Travel at rest after which the drive of an axis that moves by itself must be off, turns. It ends N + 5 ticks after the sensor shows the
+/// motion. An encoder shows it once this crank alone takes the platform beyond a limit. The crank may come from the other side, so twice
+/// that travel is allowed. An index shows it as the crank passes its flag, within one turn. A rotor that swings at its flag makes pulses as
+/// well, so from there another turn is allowed.
 pub fn runaway_turns(scene: &Scene, geometry: Option<&Geometry>, rests_at_flag: bool) -> f64 {
     let shown_turns = if scene.axes.encoder {
         2.0 * geometry.map_or(0.25, Geometry::single_limit_turns)
@@ -120,7 +122,7 @@ mod tests {
     #[test]
     fn tilt_grows_from_the_end_of_the_stop_while_drives_hold() {
         let mut hold = Hold::default();
-        // It stood before the fault's stop: nothing to hold yet.
+        // The machine stood still before the fault's stop, so no hold has begun.
         hold.take(true, true, 0.0, || 9.0);
         assert_eq!(hold.growth_mrad, None);
         hold.take(true, false, 0.1, || 5.0);
@@ -135,7 +137,8 @@ mod tests {
         assert_eq!(hold.growth_mrad, Some(0.25));
     }
 
-    /// A slip that goes on at rest is the fault's own travel, up to its end.
+    /// If this fails, the tilt during a hold is compared with a wrong allowance. A slip that continues at rest is travel of the fault, up
+    /// to its end.
     #[test]
     fn a_fault_moves_a_crank_at_rest_until_it_is_over() {
         let slip = FaultAt {
@@ -156,8 +159,8 @@ mod tests {
         assert_eq!(turns(&stuck, 1.6), 0.0);
     }
 
-    /// If an encoder's runaway were allowed half a turn, a loop that does not look at encoders while it holds would pass. If an index's were
-    /// not allowed a turn, no loop could pass. 10 ticks of 0.5 ms at 6 rev/s are 0.03 turn.
+    /// If an encoder's runaway were allowed half a turn, a loop that ignores encoders during a hold would pass. If an index's were not
+    /// allowed a turn, no loop could pass. 10 ticks of 0.5 ms at 6 rev/s are 0.03 turn.
     #[test]
     fn a_runaway_at_rest_may_go_on_until_its_sensor_shows_it() {
         let mut scene = library::find("default").unwrap().scene();

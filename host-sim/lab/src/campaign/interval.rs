@@ -1,35 +1,35 @@
-//! Rates with what is known of them: Clopper and Pearson's exact bounds, of which at least 95 of 100 hold.
+//! Counted rates with Clopper and Pearson's exact confidence bounds. At least 95 of 100 such intervals contain the true rate.
 
 use statrs::function::beta::inv_beta_reg;
 
-/// Of a hundred such intervals so many do not have the rate in them, at most.
+/// Largest probability that an interval does not contain the true rate.
 pub(super) const OUTSIDE: f64 = 0.05;
 
-/// A rate, counted.
+/// Counted rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rate {
-    /// How many did.
+    /// Number of trials with the event.
     pub hits: u64,
-    /// Of how many.
+    /// Number of all trials.
     pub of: u64,
 }
 
 impl Rate {
-    /// Counts one more.
+    /// Counts one more trial.
     pub fn count(&mut self, hit: bool) {
         self.of += 1;
         self.hits += u64::from(hit);
     }
 
-    /// What part; none of none.
+    /// Returns the fraction of trials with the event, or none without trials.
     pub fn part(&self) -> Option<f64> {
         (self.of > 0).then(|| self.hits as f64 / self.of as f64)
     }
 
-    /// The least and the most that the true rate is, 95 % two-sided; all that there is, of none.
+    /// Returns the lower and the upper end of the two-sided 95 % interval of the true rate; 0 and 1 without trials.
     ///
-    /// The lower end p has P(at least as many hits | p) = 2.5 %, the upper P(at most as many | p) = 2.5 %: quantiles of beta
-    /// distributions.
+    /// At the lower end p, P(at least as many hits | p) = 2.5 %. At the upper end, P(at most as many | p) = 2.5 %. Both are quantiles of
+    /// beta distributions.
     pub fn bounds(&self) -> (f64, f64) {
         let (hits, misses) = (self.hits as f64, (self.of - self.hits) as f64);
         let low = if self.hits == 0 {
@@ -50,7 +50,7 @@ impl Rate {
 mod tests {
     use super::*;
 
-    /// Where all did or none, the bounds have a closed form: p^n = 2.5 %.
+    /// If this fails, the bounds are wrong where all trials have the event, or none. They have a closed form there: p^n = 2.5 %.
     #[test]
     fn all_or_none_have_bounds_that_can_be_written_down() {
         for of in [1_u64, 10, 1000, 100_000] {
@@ -64,7 +64,7 @@ mod tests {
         }
     }
 
-    /// Bounds are what they say: at them the tail of the binomial is 2.5 %, summed here term by term.
+    /// If this fails, the stated bounds do not hold with 95 %. At each bound the tail of the binomial is 2.5 %, summed here term by term.
     #[test]
     fn at_the_bounds_the_tails_are_a_fortieth_each() {
         for (hits, of) in [(1_u64, 8_u64), (37, 100), (990, 1000)] {
@@ -76,9 +76,9 @@ mod tests {
         }
     }
 
-    /// P(at most `hits` of `of`) at a rate.
+    /// Probability of at most `hits` events in `of` trials at a rate.
     fn at_most(hits: u64, of: u64, rate: f64) -> f64 {
-        // Counted from the rarer side: of a thousand misses at a rate near 1 the first term is less than any number.
+        // The sum begins at the rarer side. The first term of a thousand misses at a rate near 1 would be below the smallest number.
         if rate > 0.5 {
             return if hits == of {
                 1.0

@@ -1,7 +1,7 @@
 //! Compares a run with the claims of the campaign.
 //!
-//! The truth comes from the simulated machine and the scene, and the reaction from the outputs of the controller: see the definitions in
-//! `docs/campaign.md`. Of what the controller reports, only names are judged.
+//! The truth comes from the simulated machine and the scene, and the response from the outputs of the controller. `docs/campaign.md` has
+//! the definitions. Of the controller's reports, only the names are judged.
 
 use cophase_core::supervisor::{FaultKind, State};
 
@@ -15,53 +15,53 @@ use super::names::{self, Circumstances};
 use super::response::Responded;
 use super::watch::{Observation, ReportedFault};
 
-/// What a crank is from where commanded for rounding: a step either way. More than this, it was moved.
+/// Largest travel that may be rounding, steps: one step in either direction. Any longer travel is motion.
 const ROUNDING_STEPS: f64 = 2.0;
 
-/// What a faulty run comes to.
+/// Verdict on a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// reported, and rightly.
+    /// The fault was reported with a right name.
     Right,
-    /// reported, and wrongly.
+    /// The fault was reported or stopped the machine, but without a right name.
     Misnamed,
-    /// Not reported, though the kind is one that must be; or neither stopped nor corrected, though a crank was beyond its limit.
+    /// The fault was not reported although its kind must be. Or it was neither stopped nor corrected although a crank was beyond its limit.
     Missed,
     /// Nothing was reported, and nothing had to be: no crank was beyond its limit.
     Within,
-    /// The machine did not move when it came, or not for long enough after it; or, in a clean run, motors lost steps of
-    /// themselves, so that it was none.
+    /// The machine did not move when the fault came, or not for long enough after it. Or motors lost steps by themselves in a clean run, so
+    /// that the run was not clean.
     Moot,
-    /// A clean run in which nothing was reported.
+    /// Nothing was reported in a clean run.
     Clean,
     /// Something was reported, or the machine stopped, before anything was wrong.
     FalseTrip,
-    /// The machine's equations came to an end.
+    /// The simulation of the machine diverged.
     Diverged,
 }
 
-/// The judgement of one run.
+/// Judgement of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judgement {
-    /// Whether the report was right.
+    /// Verdict on the run.
     pub verdict: Verdict,
-    /// True if it was detected before cranks had stayed beyond a limit for longer than they may; none where no crank passed one, or where
-    /// nothing was detected and none stayed for so long.
+    /// True if the fault was detected before cranks had stayed beyond a limit for longer than is allowed. None if no crank passed a limit,
+    /// or if nothing was detected and no crank stayed for so long.
     pub in_time: Option<bool>,
-    /// Turns of the master from the crank passing its limit to N + 5 ticks before it was detected; below 0, it was before.
+    /// Turns of the master from the crank passing its limit to N + 5 ticks before the detection; below 0 if the detection was earlier.
     pub turns: Option<f64>,
-    /// When it was detected, s since power-up.
+    /// Time of the detection, s since power-up.
     pub detected_s: Option<f64>,
-    /// Most that the platform may tilt, mrad.
+    /// Largest tilt of the platform that is allowed, mrad.
     pub bound_mrad: f64,
-    /// Most by which it may tilt further after a stop while the drives hold, mrad; none if they never did.
+    /// Largest further tilt after a stop that is allowed while the drives hold, mrad. None if they never held.
     pub hold_bound_mrad: Option<f64>,
-    /// An axis was left running.
+    /// True if an axis was left running.
     pub left_running: bool,
 }
 
-/// Judges a run by what was detected in it, and by whether its machine's equations came to an end or a motor slipped of itself.
+/// Judges a run by what was detected in it, and by whether its simulation diverged or a motor slipped by itself.
 pub fn judge(
     scene: &Scene,
     geometry: Option<&Geometry>,
@@ -94,11 +94,11 @@ pub fn judge(
     }
 }
 
-/// Response that counts as the detection of the fault: the first in which the machine stops or its drives go off; or a correction before
-/// that, if it suffices.
+/// Returns the response that counts as the detection of the fault. This is the first in which the machine stops or its drives go off, or a
+/// correction before that, if it suffices.
 ///
-/// It suffices if the cranks never stay beyond their limits for longer than they may, and are within them at the end: of the run, or of the
-/// time before the stop.
+/// A correction suffices if two things hold. The cranks never stay beyond their limits for longer than is allowed. They are within them at
+/// the end of the run, or at the stop if there is one.
 pub fn detection(observation: &Observation) -> Option<&Responded> {
     let stopped = observation.stopped.as_ref();
     let is_back = match (stopped, observation.beyond_limit) {
@@ -118,7 +118,7 @@ pub fn detection(observation: &Observation) -> Option<&Responded> {
     }
 }
 
-/// See [`Judgement::in_time`].
+/// Returns [`Judgement::in_time`].
 fn in_time(detected: Option<&Responded>, observation: &Observation) -> Option<bool> {
     observation.beyond_limit?;
     match detected {
@@ -127,11 +127,11 @@ fn in_time(detected: Option<&Responded>, observation: &Observation) -> Option<bo
     }
 }
 
-/// Returns whether a report names an axis that may be right.
+/// Returns true if a report names an axis that may be right.
 fn is_of(scene: &Scene, fault: &FaultAt, reported: &ReportedFault) -> bool {
     let axes = [fault.axis, fault.with];
-    // Two cranks that seem far out, each its own way, make the third look so as well.
-    // And of two cranks nobody knows which is out.
+    // Two cranks that seem far off, in opposite directions, make the third one seem far off as well. Of two cranks, the sensors cannot show
+    // which one is off.
     let any = reported.kind == FaultKind::HomingRangeExceeded
         && (fault.kind == FaultName::SwappedWiring || scene.axes.count == 2);
     any || !names::has_axis(fault.kind)
@@ -153,12 +153,13 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
     }
     if observation.fault_events.is_empty() {
         let had_time = end.turns - injected.turns > names::turns_to_report(fault);
-        // An extra pulse before the first is the first, if nothing shows otherwise; what it would have moved is looked at again.
+        // In homing, an extra pulse before the flag's first pulse counts as that pulse, unless something contradicts it. A motion that it
+        // causes is checked again.
         let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Homing;
         let is_harmless = observation.extra.is_some_and(|extra| extra.is_harmless);
         let must = names::must_be_reported(fault.kind) && !may_be_first && !is_harmless;
         if observation.stopped.is_some() {
-            // A stop without a name.
+            // The machine stopped without a name for the fault.
             return Verdict::Misnamed;
         }
         return match (
@@ -192,7 +193,7 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
     let is_right = |reported: &ReportedFault| {
         accepted.contains(&reported.kind) && is_of(scene, fault, reported)
     };
-    // What latched is what counts, as it was called at last; where nothing did, all that was reported.
+    // The latched fault counts, with its final name. If nothing latched, all reported faults count.
     let right = match &observation.fault {
         Some(reported) => is_right(reported),
         None => {
@@ -207,21 +208,21 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
     }
 }
 
-/// Whether the drive of a fault's axis raises its alarm where its motor does not follow.
+/// Returns true if the drive of a fault's axis raises its alarm when its motor does not follow.
 fn watches_following_error(scene: &Scene, fault: &FaultAt) -> bool {
     let has_window = |servo: ServoDrive| servo.following_error_deg.is_some();
     scene.axes.servo.is_some_and(has_window)
         && scene.drive(fault.axis.unwrap_or_default()) != Drive::Stepper
 }
 
-/// Whether the two axes of a swap differ in something that each has apart.
+/// Returns true if the two axes of a swap differ in one of their own settings.
 fn differs(scene: &Scene, fault: &FaultAt, what: fn(&AxisOverrides) -> f64) -> bool {
     let of = |axis: Option<usize>| scene.overrides(axis?).map(what);
     of(fault.axis) != of(fault.with)
 }
 
-/// Axes whose cranks must stop, and not only the commands: those that their drives move as commanded. A crank that slips is not
-/// moved by its drive, one that stands for a while is not either, and one that torque moves swings on.
+/// Returns the axes whose cranks must stop, and not only their commands: those whose drives move the cranks as commanded. A drive does not
+/// move a crank that slips or is stuck, and a crank that torque moves swings on.
 pub fn cranks_that_count(scene: &Scene) -> Axes<bool> {
     let is_faulted = |axis: usize| {
         scene.fault.first().is_some_and(|fault| {

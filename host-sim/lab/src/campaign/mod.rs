@@ -1,13 +1,14 @@
-//! A campaign: thousands of machines that are drawn, each with one thing that goes wrong, and each once more with nothing wrong.
+//! A campaign of thousands of drawn machines. Each machine is run twice: once with one injected fault, and once without a fault.
 //!
-//! The claims that it tests are in `docs/campaign.md`, with the definitions of the *judge*: what is true of the cranks ([`truth`],
-//! [`geometry`]), what the outputs of the controller do about a fault ([`response`]), which names are right ([`names`]), how far the
-//! platform may tilt ([`bound`], [`hold`]), and the verdict ([`judge`]). None of it uses a gate, a threshold or a table of the monitor.
+//! `docs/campaign.md` has the claims that a campaign tests, and the definitions of the *judge*. The judge computes the true phase errors of
+//! the cranks ([`truth`], [`geometry`]), the responses of the controller's outputs to a fault ([`response`]), the right names ([`names`]),
+//! the bounds on tilt ([`bound`], [`hold`]), and the verdict ([`judge`]). None of these modules uses a gate, a threshold or a table of the
+//! monitor.
 //!
-//! A *case* is what is drawn for a number ([`plan`]); its *faulty* run and its *clean* run are a row each ([`row`]). Rows depend on
-//! seed and number alone, so that any range of them, on any number of threads, has the same ([`shards`]). What all of them come to
-//! is a table and a picture ([`tally`], [`picture`]). For rare events, cases of a few strata are simulated alone ([`selection`]), and
-//! their rates are multiplied by the shares of these ([`stratified`]).
+//! A *case* is drawn from its number ([`plan`]). Its *faulty* run and its *clean* run are one row each ([`row`]). Rows depend on seed and
+//! number alone. So a case has the same rows in any range of cases, and on any number of threads ([`shards`]). A table and a picture
+//! summarize the rows ([`tally`], [`picture`]). For rare events, only cases of a few strata are simulated ([`selection`]). Their rates are
+//! weighted with the shares of these strata ([`stratified`]).
 
 pub mod bound;
 pub mod flag;
@@ -40,25 +41,26 @@ use response::Twin;
 use row::Row;
 use watch::Watch;
 
-/// Ticks that a machine of `axes` axes has to detect what an index pulse shows: one until the loop reads it, one until its response is
-/// played, one for each axis, as a tick processes one pulse, and three to evaluate them.
+/// Number of ticks that a machine with `axes` axes needs to detect what an index pulse shows. One passes until the loop reads the pulse,
+/// one until its response is played, and one for each axis, because a tick processes one pulse. Three more evaluate the axes.
 pub const fn detection_ticks(axes: usize) -> usize {
     axes + 5
 }
 
-/// Runs one of the two runs of a case. The faulty run needs its twin, so that the clean run comes first in either case.
+/// Runs the faulty or the clean run of a case. The faulty run is compared with its twin, so the clean run is simulated first in either
+/// case.
 ///
 /// # Errors
-/// A scene that cannot be run.
+/// The scene cannot be run.
 pub fn run(case: &Case, clean: bool) -> Result<Row, SceneError> {
     let [faulty_row, clean_row] = run_both(case)?;
     Ok(if clean { clean_row } else { faulty_row })
 }
 
-/// Runs the faulty and the clean run of a case. Up to the fault they are one run, unless the fault is of a kind that takes another machine.
+/// Runs the faulty and the clean run of a case. Both are one run up to the fault, unless the kind of fault needs another machine.
 ///
 /// # Errors
-/// A scene that cannot be run.
+/// The scene cannot be run.
 pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
     let checked = |clean| {
         Checked::new(case.scene_of(clean))
@@ -103,11 +105,11 @@ pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
     ])
 }
 
-/// Runs cases, both runs of each, on all threads that rayon has; rows in the order of their numbers. `done` is called after
-/// each case, on any thread.
+/// Runs both runs of each case, on all threads of rayon, and returns the rows in the order of `numbers`. Calls `done` after each case, on
+/// any thread.
 ///
 /// # Errors
-/// The first case that cannot be run.
+/// A case cannot be run. If there are several, the error is that of any one of them.
 pub fn run_all(
     plan: &Plan,
     numbers: impl IntoParallelIterator<Item = u64>,

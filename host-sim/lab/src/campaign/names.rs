@@ -1,43 +1,45 @@
-//! Names that count as right: one table, from the injected fault to what may be reported of it.
+//! Right names: one table, from the injected fault to the names that may be reported for it.
 //!
-//! A name is right if the sensors of the axis cannot distinguish its cause from the injected one. Three facts about the sensors decide, and
-//! nothing that the controller does:
-//! 1. An *index sensor* shows one angle, once a turn, and nothing between. A crank that stands, and a dead sensor, both give no pulse. Pulses
-//!    that come early show that the crank gains, and not by which cause. A crank that turns back passes its flag once a turn as well.
+//! A name is right if the sensors of the axis cannot distinguish its cause from the injected one. The controller's behaviour does
+//! not matter. Three facts about the sensors decide:
+//! 1. An *index sensor* shows one angle, once a turn, and nothing between. A crank that stands gives no pulse, and a dead sensor gives none
+//!    either. Pulses that come early show that the crank gains, but not the cause. A crank that turns back also passes its flag once a
+//!    turn.
 //! 2. *Positions* do not show forces. A stepper that was held follows again at whole electrical cycles, where lost steps would have put it.
-//! 3. *Before homing has found a crank* it has no known place: one that moves looks like one that stood there at power-up.
+//! 3. *Before homing has found a crank* its position is not known: a crank that moves looks like one that stood there at power-up.
 
 use cophase_core::supervisor::FaultKind;
 
 use host_sim::scene::file::{FaultAt, FaultName};
 
-/// What is known of the run that decides which names are right.
+/// Circumstances of a run that decide which names are right.
 #[derive(Clone, Copy, Debug)]
 pub struct Circumstances {
-    /// The axis has an encoder.
+    /// True if the axis has an encoder.
     pub has_encoder: bool,
-    /// It is a stepper's.
+    /// True if the motor is a stepper.
     pub is_stepper: bool,
-    /// Its drive raises its alarm beyond a following-error window.
+    /// True if the drive raises its alarm beyond a following-error window.
     pub watches_following_error: bool,
-    /// The fault came before homing was over: what was before it is not known, so that a jump is a place beyond the homing range.
+    /// True if the fault came before homing was over. The earlier position is not known then, so a jump looks like a place beyond the
+    /// homing range.
     pub in_homing: bool,
-    /// The crank was beyond its limit.
+    /// True if the crank was beyond its limit.
     pub is_beyond_limit: bool,
-    /// The two axes of a swap are mounted the other way round from each other: what drives one forward drives the other back.
+    /// True if the two axes of a swap are mounted in opposite directions: what drives one forward drives the other back.
     pub opposed: bool,
-    /// Their index flags stand at different places.
+    /// True if their index flags stand at different places.
     pub flags_apart: bool,
-    /// The crank stood, and the machine with it, before it had passed its flag once more.
+    /// True if the crank and the machine stood before the crank had passed its flag once more.
     pub stood_first: bool,
 }
 
-/// Kinds that may be reported of a fault: any of them.
+/// Returns the kinds that may be reported for a fault. Any of them is right.
 pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
     use FaultKind as Kind;
     let mut names = match fault.kind {
         FaultName::LostSteps => vec![Kind::LostSteps],
-        // Fact 1: early pulses show that a crank gains, and not by which cause.
+        // Fact 1: early pulses show that a crank gains, but not the cause.
         FaultName::Slip
             if !at.has_encoder && fault.rate_deg_per_s.is_some_and(|rate| rate < 0.0) =>
         {
@@ -47,7 +49,7 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         // Fact 1: without an encoder, a crank that stands and a dead sensor give the same line.
         FaultName::Stuck if !at.has_encoder => match fault.for_s {
             None => vec![Kind::IndexTimeout],
-            // Fact 2: where it follows again before its next pulse, the pulse shows a crank that is behind, a stepper's by whole cycles.
+            // Fact 2: if it follows again before its next pulse, that pulse shows a crank that is behind; a stepper's by whole cycles.
             Some(_) => vec![Kind::IndexTimeout, Kind::LostSteps, Kind::Slip],
         },
         FaultName::Stuck => match fault.for_s {
@@ -57,13 +59,13 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::Runaway if at.has_encoder => match fault.for_s {
             _ if fault.speed_hz.is_none_or(|speed_hz| speed_hz > 0.0) => vec![Kind::Runaway],
             None => vec![Kind::Reversed],
-            // Fact 2: once it follows again it is behind. How far it went back before may be less than an error of a reading.
+            // Fact 2: once it follows again, it is behind. It may have gone back by less than the error of a reading before.
             Some(_) if at.is_stepper => vec![Kind::Reversed, Kind::Stuck, Kind::LostSteps],
             Some(_) => vec![Kind::Reversed, Kind::Stuck],
         },
-        // Fact 1 again.
+        // Fact 1 applies here, too.
         FaultName::Runaway => vec![Kind::Runaway, Kind::Slip],
-        // Fact 1: no pulse is no pulse, whether the sensor is dead or the crank stands; until the next comes, if it does.
+        // Fact 1: a dead sensor and a crank that stands both give no pulse. The next pulse shows the difference, if it comes.
         FaultName::IndexMissing if at.has_encoder && !at.in_homing => vec![Kind::IndexMissing],
         FaultName::IndexMissing => match fault.count {
             None if !at.in_homing => vec![Kind::IndexTimeout],
@@ -75,8 +77,8 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
             if at.opposed && at.has_encoder {
                 names.push(Kind::Reversed);
             }
-            // Fact 3: each of the two shows the other's flag, at another place; or both turn back, as they are mounted the other way round
-            // from each other, and meet the other end of their flags.
+            // Fact 3: each of the two shows the other's flag, at another place. Or both turn back, as they are mounted in opposite
+            // directions, and pass their flags from the other end.
             if at.flags_apart || at.opposed && !at.has_encoder {
                 names.push(Kind::HomingRangeExceeded);
             }
@@ -89,7 +91,7 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::StepFifoUnderrun => vec![Kind::StepFifoUnderrun],
         FaultName::EnableLoss => vec![Kind::EnableLost],
         FaultName::StopInput => vec![Kind::StopInput],
-        // A motor with enough torque carries the load. One without loses steps or lags, and the positions show only that.
+        // A motor with enough torque carries the load. A weaker one loses steps or lags, and the positions show only that.
         FaultName::LoadStep => vec![
             Kind::LostSteps,
             Kind::Slip,
@@ -103,15 +105,15 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         fault.kind,
         FaultName::LostSteps | FaultName::Slip | FaultName::Stuck | FaultName::Runaway
     );
-    // The drive has a sensor of its own, and its alarm line is all that the loop gets of it.
+    // The drive has a sensor of its own, and the loop receives only its alarm line.
     if at.watches_following_error && matches!(fault.kind, FaultName::Stuck | FaultName::LoadStep) {
         names.push(Kind::DriveAlarm);
     }
-    // Fact 1: the crank stands before its next pulse, which would have shown where it is.
+    // Fact 1: the crank stood before its next pulse, which would have shown its position.
     if moves_crank && !at.has_encoder && at.stood_first {
         names.push(Kind::IndexTimeout);
     }
-    // Fact 3.
+    // Fact 3 applies here.
     if at.in_homing && (moves_crank || fault.kind == FaultName::IndexExtra) {
         names.push(Kind::HomingRangeExceeded);
     }
@@ -121,7 +123,7 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
     names
 }
 
-/// Returns whether a kind must be reported even though no crank moves beyond a limit.
+/// Returns true if a kind must be reported even though no crank moves beyond a limit.
 pub const fn must_be_reported(kind: FaultName) -> bool {
     !matches!(
         kind,
@@ -133,7 +135,7 @@ pub const fn must_be_reported(kind: FaultName) -> bool {
     )
 }
 
-/// Returns whether the reported axis must be the one that the fault befell.
+/// Returns true if the reported axis must be the one with the fault.
 pub const fn has_axis(kind: FaultName) -> bool {
     !matches!(
         kind,
@@ -141,8 +143,8 @@ pub const fn has_axis(kind: FaultName) -> bool {
     )
 }
 
-/// Turns of the master, of a machine that moves, after which a kind must have been reported: of index pulses, one until the next is
-/// due, and one until that is overdue by a margin.
+/// Turns of a moving master after which a kind must have been reported. Faults of pulses and readings take one turn until the next pulse is
+/// due, and one until it is overdue by a margin.
 pub fn turns_to_report(fault: &FaultAt) -> f64 {
     match fault.kind {
         FaultName::IndexMissing | FaultName::IndexExtra | FaultName::EncoderGlitch => 2.2,

@@ -1,4 +1,4 @@
-//! The picture of a campaign: how soon faults are detected after a crank is beyond its limit, and how far platforms tilt, by kind.
+//! Picture of a campaign, by kind of fault: the time from the limit to the detection, and the tilt of the platforms.
 
 use super::shards::Header;
 use super::tally::{Group, Tally};
@@ -7,10 +7,10 @@ use crate::chart::ink::{Ink, Stroke};
 use crate::chart::picture::{self, At, Level, Line, Panel, Picture};
 use host_sim::scene::file::FaultName;
 
-/// Points of a line at most: more are not seen.
+/// Largest number of points of a line. More would not be visible.
 const MOST_POINTS: usize = 200;
 
-/// As SVG.
+/// Renders the picture as SVG.
 pub fn svg(header: &Header, tally: &Tally) -> String {
     let cases = header.numbers.end - header.numbers.start;
     let all = &tally.all;
@@ -79,7 +79,7 @@ fn tilts(tally: &Tally, encoder: bool) -> Panel {
     }
 }
 
-/// A line for each kind that moves a crank.
+/// Returns a line for each kind that moves a crank.
 fn lines(tally: &Tally, encoder: bool, values: fn(&Group) -> &Vec<f64>) -> Vec<Line> {
     tally
         .groups
@@ -96,7 +96,7 @@ fn lines(tally: &Tally, encoder: bool, values: fn(&Group) -> &Vec<f64>) -> Vec<L
         .collect()
 }
 
-/// A kind looks the same in all panels; none of those that move no crank.
+/// Returns the ink and the stroke of a kind, the same in all panels. None for kinds that move no crank.
 const fn style(kind: FaultName) -> Option<(Ink, Stroke)> {
     Some(match kind {
         FaultName::LostSteps => (Ink::Blue, Stroke::Solid),
@@ -112,7 +112,7 @@ const fn style(kind: FaultName) -> Option<(Ink, Stroke)> {
     })
 }
 
-/// What part is at most so much.
+/// Cumulative distribution: for each value, the fraction of values that do not exceed it.
 fn distribution(sorted: &[f64]) -> Vec<(f64, f64)> {
     let step = sorted.len().div_ceil(MOST_POINTS).max(1);
     let part = |i: usize| (i + 1) as f64 / sorted.len() as f64;

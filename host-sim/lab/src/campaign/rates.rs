@@ -1,4 +1,4 @@
-//! Rates over all faulty runs, as the table of a campaign with chosen strata shows them.
+//! Rates over all faulty runs, for the table of a campaign with chosen strata.
 
 use std::fmt::Write as _;
 
@@ -7,10 +7,10 @@ use super::stratified::{self, Estimate, Part};
 use super::table::in_columns;
 use super::tally::{Group, Tally};
 
-/// Counts the faulty runs of a group that had an event.
+/// Returns the number of faulty runs of a group that had an event.
 type Count = fn(&Group) -> u64;
 
-/// Events that have a rate.
+/// Events whose rates are shown.
 const EVENTS: [(&str, Count); 3] = [
     ("not detected in time", |group| {
         group.in_time.of - group.in_time.hits
@@ -31,7 +31,7 @@ const HEADER: [&str; 7] = [
     "rate over all faulty runs (95 %)",
 ];
 
-/// The table of rates, and what cannot be said from these strata.
+/// Returns the table of rates, and a note on what these strata cannot show.
 pub fn text(selection: &Selection, tally: &Tally) -> String {
     let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
     for (event, count) in EVENTS {
@@ -68,13 +68,13 @@ pub fn text(selection: &Selection, tally: &Tally) -> String {
     text
 }
 
-/// The row of one stratum.
+/// Returns the row of one stratum.
 fn single(event: &str, name: &str, part: &Part) -> Vec<String> {
     let [inside, over_all] = [part.inside(), part.contribution()].map(shown);
     row(event, name, part, inside, over_all)
 }
 
-/// A row.
+/// Returns a row of the table.
 fn row(event: &str, name: &str, part: &Part, inside: String, over_all: String) -> Vec<String> {
     vec![
         event.to_owned(),
@@ -87,7 +87,7 @@ fn row(event: &str, name: &str, part: &Part, inside: String, over_all: String) -
     ]
 }
 
-/// The row of several strata together.
+/// Returns the row of several strata together.
 fn total(event: &str, name: &str, parts: &[Part]) -> Vec<String> {
     let mut all = Part::default();
     for part in parts {
@@ -95,7 +95,7 @@ fn total(event: &str, name: &str, parts: &[Part]) -> Vec<String> {
         all.rate.of += part.rate.of;
         all.rate.hits += part.rate.hits;
     }
-    // Runs of several strata have no rate before each counts by its share.
+    // Runs of several strata have no common rate until each stratum is weighted with its share.
     row(
         event,
         name,
@@ -105,7 +105,7 @@ fn total(event: &str, name: &str, parts: &[Part]) -> Vec<String> {
     )
 }
 
-/// `2.0e-5 (9.1e-6 to 3.8e-5)`.
+/// Formats an estimate: `2.0e-5 (9.1e-6 to 3.8e-5)`.
 fn shown(estimate: Option<Estimate>) -> String {
     match estimate {
         Some(Estimate { rate, low, high }) => {
@@ -115,7 +115,7 @@ fn shown(estimate: Option<Estimate>) -> String {
     }
 }
 
-/// Two digits that count.
+/// Formats a number: two significant digits below 0.01, and else three decimals.
 fn number(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use host_sim::scene::file::FaultName;
 
-    /// If this fails, the table multiplies a rate by a wrong share, or says of all faulty runs what it knows of a part.
+    /// If this fails, the table multiplies a rate by a wrong share, or states a rate of a part as one of all faulty runs.
     #[test]
     fn a_stratum_adds_its_share_of_its_rate() {
         let group = Group {
@@ -162,7 +162,8 @@ mod tests {
             let cells = line.map(|line| line.split('|').map(|cell| cell.trim().to_owned()));
             cells.map_or(Vec::new(), |cells| cells.skip(3).collect())
         };
-        // 9 of 10,000, on one case in 45. The Poisson interval of 9 is 4.115 to 17.08 (a table of chi-square: half of 8.231 and 34.17).
+        // 9 of 10,000, in a stratum of one case in 45. The Poisson interval of 9 is 4.115 to 17.08 (a table of chi-square: half of 8.231
+        // and 34.17).
         let alone = table(None);
         let expected = ["2.222 %", "10000", "9", "9.0e-4 (4.1e-4 to 1.7e-3)"];
         let own = cells(&alone, "| runaway:index");
@@ -173,7 +174,7 @@ mod tests {
             alone.contains("97.778 % of all faulty runs, were not simulated"),
             "{alone}"
         );
-        // The same of all other cases: 44 of 45.
+        // All other cases, 44 of 45, have the same counts.
         let all = table(Some(10));
         assert_eq!(cells(&all, "| runaway:index"), own);
         assert_eq!(cells(&all, "| others")[..3], ["97.778 %", "10000", "9"]);

@@ -1,8 +1,8 @@
 //! Responses of a controller's outputs to a fault: the drives go off, a stop begins, or a correction begins.
 //!
-//! The judge does not ask the controller what it did. It compares the outputs of the faulty run with those of the case's clean run,
-//! its [`Twin`], tick by tick. The two differ in the fault alone. So what one run does and the other does not is because of the fault,
-//! and no threshold separates a reaction from chance.
+//! The judge does not rely on the controller's reports. It compares the outputs of the faulty run with those of the case's clean run, its
+//! [`Twin`], tick by tick. The two runs differ in the fault alone. So any difference is an effect of the fault, and the judge needs no
+//! threshold that separates a response from chance.
 
 use cophase_core::supervisor::State;
 use host_sim::axes::Axes;
@@ -15,39 +15,39 @@ use super::watch::Place;
 pub enum Response {
     /// The enable line of the drives goes off, and that of the twin does not.
     Off,
-    /// The commanded acceleration falls, and from then on the commanded speed does not recover until it is zero. Where the twin moved
-    /// alike until a later tick, the stop begins in that tick; or with the report of it, if that is earlier, as a stop may coincide with
-    /// the end of a ramp. The stop at the end of the program is none.
+    /// The commanded acceleration falls, and from then on the commanded speed does not recover until it is zero. If the twin moves alike
+    /// until a later tick, the stop begins in that tick. It begins with its report if that is earlier, as a stop may coincide with the end
+    /// of a ramp. The stop at the end of the program does not count.
     Stop,
     /// The commanded phases, relative to the master and to the twin, move by more than two steps against the true errors of the cranks.
     Correction,
 }
 
-/// Response, and when the outputs began with it.
+/// Response, and the time at which the outputs began it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Responded {
     /// Kind of the response.
     pub response: Response,
-    /// Beginning of the tick in which the first output of it was played.
+    /// Beginning of the tick in which the first output of the response was played.
     pub place: Place,
-    /// Turns of the master N + 5 ticks before that: as many ticks as detection may take.
+    /// Turns of the master N + 5 ticks before that. Detection may take as many ticks.
     pub turns: f64,
-    /// Cranks were beyond a limit then.
+    /// True if cranks were beyond a limit at that place.
     pub is_beyond_limit: bool,
-    /// The longest that they had stayed so until then, [`super::watch::Observation::stay_turns`].
+    /// Longest stay beyond a limit until then, as [`super::watch::Observation::stay_turns`].
     pub stay_turns: f64,
 }
 
 /// Outputs of one tick, as the judge compares them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outputs {
-    /// Commanded speed of the master, in units of 2⁻⁴⁸ turns a tick.
+    /// Commanded speed of the master, in units of 2⁻⁴⁸ turns per tick.
     pub speed: i64,
-    /// Enable line of the drives.
+    /// True if the enable line of the drives is on.
     pub drives_enabled: bool,
-    /// The reported state is a stop.
+    /// True if the reported state is a stop.
     pub stopping: bool,
-    /// Commanded phases less the master's, turns.
+    /// Commanded phases minus the master's, turns.
     pub offset_turns: Axes<f64>,
 }
 
@@ -71,7 +71,7 @@ impl Outputs {
 }
 
 impl Twin {
-    /// Outputs in a tick since power-up; after the end of the run, those of its last tick.
+    /// Returns the outputs in a tick since power-up. After the end of the run, these are the outputs of its last tick.
     fn at(&self, tick: usize) -> Option<&Outputs> {
         self.ticks.get(tick).or(self.ticks.last())
     }
@@ -86,7 +86,7 @@ impl Observer for Twin {
     fn tick(&mut self, moment: &Moment<'_>) {
         let tick = tick_of(moment);
         if self.ticks.len() < tick {
-            // A tick that was missed holds what was played before it.
+            // A missed tick holds the outputs of the tick before it.
             let before = self.ticks.last().cloned().unwrap_or_default();
             self.ticks.resize(tick, before);
         }
@@ -94,14 +94,14 @@ impl Observer for Twin {
     }
 }
 
-/// Start of a motion that may turn out to be a response.
+/// Start of a motion that may be a stop.
 #[derive(Clone, Copy, Debug)]
 struct Start {
     responded: Responded,
-    /// The first tick since then in which a stop was reported, and none of the twin.
+    /// First tick since then in which this run reports a stop and the twin does not.
     reported: Option<Responded>,
     program_done: bool,
-    /// The commanded speed has begun to fall.
+    /// True if the commanded speed has begun to fall.
     falls: bool,
 }
 
@@ -110,13 +110,13 @@ struct Start {
 pub struct Now<'a> {
     /// Beginning of the tick.
     pub place: Place,
-    /// Turns of the master N + 5 ticks before it.
+    /// Turns of the master N + 5 ticks before that.
     pub turns: f64,
-    /// Cranks were beyond a limit at its beginning.
+    /// True if cranks were beyond a limit at that place.
     pub is_beyond_limit: bool,
-    /// The longest that they have stayed so until then, [`super::watch::Observation::stay_turns`].
+    /// Longest stay beyond a limit until then, as [`super::watch::Observation::stay_turns`].
     pub stay_turns: f64,
-    /// The program was over.
+    /// True if the program was over.
     pub program_done: bool,
     /// True errors of the cranks, turns.
     pub errors: &'a [f64],
@@ -137,14 +137,14 @@ impl Now<'_> {
 /// Observer of the outputs since the fault. It keeps the first response of each kind.
 #[derive(Clone, Debug)]
 pub struct Responses<'a> {
-    /// Clean run to compare with; none: no output is a response.
+    /// Clean run to compare with. Without one, no output counts as a response.
     pub twin: Option<&'a Twin>,
-    /// Offset that counts as a correction, turns.
+    /// Offset above which a motion counts as a correction, turns.
     least_turns: f64,
     speed: i64,
     acceleration: i64,
     were_enabled: bool,
-    /// Offsets against the twin's when the fault came.
+    /// Offsets relative to the twin's when the fault came.
     offset_turns: Option<Axes<f64>>,
     /// First tick in which the commanded speed differs from the twin's.
     departed: Option<Responded>,
@@ -155,14 +155,14 @@ pub struct Responses<'a> {
     correction: Option<Responded>,
 }
 
-/// Steps of a phase offset that count as a correction, if more.
+/// Phase offset above which a motion counts as a correction, steps.
 const CORRECTION_STEPS: f64 = 2.0;
 
-/// Smaller differences of phase offsets are rounding of turns, which are kept to 2⁻⁴⁸ and may be a million.
+/// Largest difference of phase offsets that may be rounding. Turns have a resolution of 2⁻⁴⁸ and may be as large as a million.
 const ROUNDING_TURNS: f64 = 1e-9;
 
 impl<'a> Responses<'a> {
-    /// Observer of a run at power-up, whose axes make so many steps a turn.
+    /// Observer of a run at power-up. `steps_per_turn` is that of its axes.
     pub fn new(steps_per_turn: u32) -> Self {
         Self {
             twin: None,
@@ -180,7 +180,7 @@ impl<'a> Responses<'a> {
         }
     }
 
-    /// First event in which the machine stops, or its drives go off.
+    /// Returns the first event in which the machine stops or its drives go off.
     pub fn stopped(&self) -> Option<Responded> {
         match (self.stop, self.off) {
             (Some(stop), Some(off)) => Some(first(stop, off)),
@@ -188,12 +188,12 @@ impl<'a> Responses<'a> {
         }
     }
 
-    /// First correction, whether it suffices or not.
+    /// Returns the first correction, whether it suffices or not.
     pub const fn corrected(&self) -> Option<Responded> {
         self.correction
     }
 
-    /// Takes in one tick; `now` is given from the fault on.
+    /// Takes in one tick. `now` is given from the fault on.
     pub fn tick(&mut self, moment: &Moment<'_>, now: Option<&Now<'_>>) {
         match now {
             Some(now) => self.take(tick_of(moment), &Outputs::new(moment), now),
@@ -259,9 +259,9 @@ impl<'a> Responses<'a> {
         }
     }
 
-    /// The commanded speed has come to zero in one go from `start` on.
+    /// Takes in that the commanded speed has fallen to zero without a recovery since `start`.
     fn rested(&mut self, start: Start) {
-        // Drives that go off end any motion: only one that had slowed down, or was reported to, was a stop.
+        // Drives that go off end any motion. It was a stop only if it had slowed down or was reported as one.
         if self.off.is_some() && !start.falls && start.reported.is_none() {
             return;
         }
@@ -311,7 +311,7 @@ const fn first(a: Responded, b: Responded) -> Responded {
     }
 }
 
-/// Component of moves along the errors, less what is common to all cranks.
+/// Component of moves along the errors, without the part that is common to all cranks.
 fn along(moved: impl Iterator<Item = f64>, errors: &[f64]) -> f64 {
     let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
     let (mut sum, mut squares) = (0.0, 0.0);
@@ -355,12 +355,12 @@ mod tests {
         }
     }
 
-    /// Tick of the first stop of a run with these speeds, whose twin has those; the program is over from tick `done` on.
+    /// Returns the tick of the first stop of a run with these speeds and this twin. The program is over from tick `done` on.
     fn stop(speeds: &[i64], twin: &[i64], done: usize) -> Option<u64> {
         stop_reported(speeds, usize::MAX, twin, done)
     }
 
-    /// The same, where a stop is reported from tick `at` on.
+    /// Returns the tick of the first stop, if a stop is reported from tick `at` on.
     fn stop_reported(speeds: &[i64], at: usize, twin: &[i64], done: usize) -> Option<u64> {
         let ticks = twin.iter().copied().map(outputs).collect();
         let twin = Twin { ticks };
@@ -374,27 +374,27 @@ mod tests {
         responses.stopped().map(|stopped| stopped.place.moment)
     }
 
-    /// If a ramp or the program's own stop counted as a stop, a fault would seem detected that was not. If a stop counted from when the
-    /// speed falls, one from an accelerating machine would seem late.
+    /// If a ramp or the program's own stop counted as a stop, an undetected fault would seem detected. If a stop counted from the tick in
+    /// which the speed falls, a stop of an accelerating machine would seem late.
     #[test]
     fn a_stop_begins_where_the_commanded_acceleration_falls_for_good() {
         let hold = [0, 2, 6, 10, 12, 12, 12, 12, 12, 12, 12, 9, 4, 1, 0, 0];
         assert_eq!(stop(&hold, &hold, 11), None);
-        // From the hold, and from the ramp, where the speed goes on to rise for a tick.
+        // The stop begins in the hold, and then in the ramp, where the speed rises for one more tick.
         assert_eq!(
             stop(&[0, 2, 6, 10, 12, 12, 11, 8, 4, 1, 0], &hold, 99),
             Some(6)
         );
         assert_eq!(stop(&[0, 2, 6, 9, 9, 6, 2, 0], &hold, 99), Some(3));
-        // It slows down and speeds up again, and stops later.
+        // The machine slows down, speeds up again, and stops later.
         let slower = [0, 2, 6, 10, 12, 12, 10, 10, 12, 11, 8, 4, 0];
         assert_eq!(stop(&slower, &hold, 99), Some(9));
-        // Its homing takes longer than the twin's, and its program ends later; or it stops before.
+        // Homing takes longer than the twin's, so the program ends later; or the machine stops before.
         let later = [0, 2, 2, 2, 6, 10, 12, 12, 12, 12, 12, 12, 12, 9, 4, 1, 0];
         assert_eq!(stop(&later, &hold, 13), None);
         assert_eq!(stop_reported(&later, 13, &hold, 13), None);
         assert_eq!(stop(&later, &hold, 99), Some(13));
-        // A faster stop takes over from the program's own.
+        // A faster stop replaces the program's own.
         assert_eq!(
             stop(
                 &[0, 2, 6, 10, 12, 12, 12, 12, 12, 12, 12, 9, 2, 0],
@@ -405,8 +405,8 @@ mod tests {
         );
     }
 
-    /// If a stop that coincides with the end of a ramp counted only from where they part, it would seem late though no stop can be faster.
-    /// If the report were believed without the outputs, a loop that only says so would pass.
+    /// If a stop that coincides with the end of a ramp counted only from the first difference, it would seem late although no stop can be
+    /// faster. If the report counted without the outputs, a loop that only reports a stop would pass.
     #[test]
     fn a_reported_stop_counts_where_the_outputs_prove_it() {
         let ramp = [0, 2, 6, 10, 12, 13, 13, 13, 13, 13, 13, 13];
@@ -418,7 +418,7 @@ mod tests {
         assert_eq!(stop_reported(&ramp, 5, &ramp, 99), None);
     }
 
-    /// If the drives of the twin did not count, the end of a scene would be a response.
+    /// If the enable line of the twin did not count, the end of a scene would be a response.
     #[test]
     fn drives_go_off_where_the_twins_do_not() {
         let off = |twin_stays: bool| {
@@ -440,8 +440,8 @@ mod tests {
         assert_eq!(off(false), None);
     }
 
-    /// If a correction in any direction counted, one that drives a crank apart would do. If it counted from two steps on, it would be
-    /// late by what a slow offset takes for them.
+    /// If a correction in any direction counted, one that moves cranks further apart would pass. If it counted only once it exceeds two
+    /// steps, a slow correction would seem late.
     #[test]
     fn a_correction_moves_against_the_error_and_counts_from_its_first_tick() {
         let corrected = |offsets: [f64; 5], twin_turns: f64, error_turns: f64| {
@@ -462,7 +462,7 @@ mod tests {
                 .corrected()
                 .map(|corrected| corrected.place.moment)
         };
-        // Of two cranks, half of a difference is each one's.
+        // With two cranks, half of a difference belongs to each.
         let moves = [0.0, 0.0, 0.0015, 0.003, 0.004];
         assert_eq!(corrected(moves, 0.0, -0.01), Some(2));
         assert_eq!(corrected(moves, 0.5, -0.01), Some(2));

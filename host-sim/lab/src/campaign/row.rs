@@ -1,4 +1,4 @@
-//! A run as a row of data.
+//! Row of data for one run.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,86 +8,86 @@ use super::watch::{Observation, ReportedFault};
 use host_sim::scene::file::{Drive, FaultAt, FaultName, Fidelity, Scene};
 use host_sim::sim::Outcome;
 
-/// One run. What does not apply is empty.
+/// Row of one run. Values that do not apply are empty.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
-    /// The case's number.
+    /// Number of the case.
     pub number: u64,
-    /// Whether it is the case's clean run: the same, without its fault.
+    /// True for the clean run of the case, which has no fault.
     pub clean: bool,
-    /// What the machine is called.
+    /// Name of the machine.
     pub machine: String,
-    /// How many axes it has.
+    /// Number of axes.
     pub axes: usize,
-    /// How they are driven.
+    /// Drive of the axes.
     pub drive: Drive,
-    /// Whether they have encoders.
+    /// True if the axes have encoders.
     pub encoder: bool,
-    /// The model level of the ladder.
+    /// Model level.
     pub model_level: Fidelity,
-    /// Control ticks a second.
+    /// Control ticks per second.
     pub tick_hz: u32,
-    /// Whether homing proves the wiring.
+    /// True if homing proves the wiring.
     pub proves_wiring: bool,
-    /// What goes wrong.
+    /// Kind of the fault.
     pub kind: Option<FaultName>,
-    /// On which axis.
+    /// Axis of the fault.
     pub axis: Option<usize>,
-    /// When, s.
+    /// Time of the fault, s since power-up.
     pub at_s: Option<f64>,
-    /// For how long, s; empty for good.
+    /// Duration of the fault, s; empty if it is permanent.
     pub for_s: Option<f64>,
-    /// How much, in the kind's own unit.
+    /// Size of the fault, in the unit of its kind.
     pub size: Option<f64>,
-    /// What the machine was doing then.
+    /// State of the machine when the fault came.
     pub state: String,
-    /// Its speed then, rev/s.
+    /// Speed of the master then, rev/s.
     pub speed_hz: Option<f64>,
-    /// When a crank was beyond its limit, s.
+    /// Time at which a crank was first beyond its limit, s.
     pub beyond_limit_s: Option<f64>,
-    /// When anything was first reported, s: from then on what the loop made of it was played.
+    /// Time of the first report, s. The outputs that the loop computed with it are played from then on.
     pub reported_s: Option<f64>,
-    /// When the outputs responded to it: the machine stopped, its drives went off, or a correction that sufficed began.
+    /// Time of the detection, s: the machine stopped, its drives went off, or a correction that sufficed began.
     pub detected_s: Option<f64>,
-    /// Turns of the master from the fault to N + 5 ticks before anything was reported.
+    /// Turns of the master from the fault to N + 5 ticks before the first report.
     pub turns_from_fault: Option<f64>,
-    /// … and from the crank passing its limit to N + 5 ticks before that was detected; below 0, it was before.
+    /// Turns of the master from the crank passing its limit to N + 5 ticks before the detection; below 0 if the detection was earlier.
     pub turns_from_limit: Option<f64>,
-    /// Whether it was detected in time; empty where no crank passed its limit, or the machine stood before a turn was over.
+    /// True if the fault was detected in time. Empty if no crank passed its limit, or if the machine stood before a turn was over.
     pub in_time: Option<bool>,
-    /// The fault that latched.
+    /// Fault that latched.
     pub fault: String,
-    /// Of which axis.
+    /// Axis of that fault.
     pub fault_axis: Option<usize>,
-    /// All faults that were reported, as kind@axis.
+    /// Faults that were reported, as kind@axis.
     pub reported_faults: String,
-    /// How it is judged.
+    /// Verdict on the run.
     pub verdict: Verdict,
-    /// Largest tilt while the drives were on, mrad; where they held after a stop, that since the fault and before the hold.
+    /// Largest tilt while the drives were on, mrad. If they held after a stop, it is the largest since the fault and before the hold.
     pub tilt_mrad: f64,
-    /// Largest tilt after they were off, if they were.
+    /// Largest tilt after the drives were off, mrad; empty if they were not.
     pub tilt_off_mrad: Option<f64>,
-    /// Most that it may be, mrad.
+    /// Largest tilt that is allowed, mrad.
     pub bound_mrad: f64,
-    /// The limit that is watched, mrad.
+    /// Limit on tilt of the scene, mrad.
     pub limit_mrad: f64,
     /// Largest growth of the tilt after a stop while the drives hold, mrad; empty if they never did.
     pub tilt_hold_mrad: Option<f64>,
-    /// Most that it may be.
+    /// Largest growth that is allowed, mrad.
     pub hold_bound_mrad: Option<f64>,
-    /// The most that an axis was moved while another had been stopped, turns.
+    /// Largest travel of an axis while another had been stopped, turns.
     pub left_running_turns: f64,
-    /// Whether that is more than rounding.
+    /// True if that travel is more than rounding.
     pub left_running: bool,
-    /// What the machine was doing at the end.
+    /// State of the machine at the end.
     pub ended: String,
     /// Simulated time, s.
     pub simulated_s: f64,
 }
 
 impl Row {
-    /// Of a run.
+    /// Row of a run.
     pub fn new(
         case: &Case,
         clean: bool,
@@ -154,13 +154,13 @@ impl Row {
         }
     }
 
-    /// Whether a crank was beyond its limit.
+    /// Returns true if a crank was beyond its limit.
     pub const fn is_beyond_limit(&self) -> bool {
         self.beyond_limit_s.is_some()
     }
 
-    /// Largest tilt that the bound is on: while the drives were on, and on model levels where cranks without drives stand, after that. Where
-    /// torque moves the cranks, no loop decides where they go without.
+    /// Largest tilt that the bound applies to, mrad. The tilt with the drives on counts always. The tilt with the drives off counts on
+    /// model levels where cranks without drives stand. Where torque moves the cranks, no loop controls them then.
     pub fn bounded_tilt_mrad(&self) -> f64 {
         let off_mrad = self
             .tilt_off_mrad
@@ -168,13 +168,13 @@ impl Row {
         self.tilt_mrad.max(off_mrad.unwrap_or(0.0))
     }
 
-    /// True if the platform tilted further after a stop than it may while the drives hold.
+    /// Returns true if the platform tilted further after a stop than is allowed while the drives hold.
     pub fn tilts_after_stop(&self) -> bool {
         let growth = self.tilt_hold_mrad.zip(self.hold_bound_mrad);
         growth.is_some_and(|(growth_mrad, bound_mrad)| growth_mrad > bound_mrad)
     }
 
-    /// Tilt, as a part of what it may be.
+    /// Returns the ratio of the tilt to its bound.
     pub fn tilt_over_bound(&self) -> f64 {
         self.bounded_tilt_mrad() / self.bound_mrad
     }
@@ -187,7 +187,7 @@ fn named(reported: &ReportedFault) -> String {
     }
 }
 
-/// The one number that says how much.
+/// Returns the number that states the size of a fault.
 fn size(fault: &FaultAt) -> Option<f64> {
     let whole = |count: i64| count as f64;
     fault

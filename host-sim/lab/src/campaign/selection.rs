@@ -1,6 +1,6 @@
-//! Stratified sampling: the strata whose cases are simulated, and how many of the others.
+//! Stratified sampling: the strata whose cases are simulated, and the fraction of the other cases.
 //!
-//! A selection passes over cases before anything is simulated. The cases that it takes are those of the whole campaign, under the same
+//! A selection decides on cases before anything is simulated. The cases that it takes are those of the whole campaign, with the same
 //! numbers. It counts them by *position*: position 0 is the first case that it takes.
 
 use std::fmt;
@@ -13,24 +13,25 @@ use super::plan::strata::{self, Share, Stratum};
 use super::stratified::Part;
 use super::tally::{Group, Tally};
 
-/// The strata that are simulated, each with its share.
+/// Strata that are simulated, with the share of each.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
     strata: Vec<(Stratum, Share)>,
-    /// Other cases whose numbers are multiples of this are simulated too.
+    /// Interval of numbers at which cases of other strata are simulated, too: those whose numbers are multiples of it.
     others: Option<u64>,
 }
 
-/// Why names select nothing.
+/// Reason why names select nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct SelectionError(String);
 
 impl Selection {
-    /// Selection by names, `KIND` or `KIND:SENSOR`, in the order of the plan's strata; of all others, every `others`th number too.
+    /// Selection by names, `KIND` or `KIND:SENSOR`, in the order of the plan's strata. With `others`, it also takes every `others`th number
+    /// of the other strata.
     ///
     /// # Errors
-    /// A name that is no stratum's, or a stratum that no case of the plan can be of.
+    /// A name is not that of a stratum, or no case of the plan can be of that stratum.
     pub fn new(plan: &Plan, names: &[String], others: Option<u64>) -> Result<Self, SelectionError> {
         let all = plan.strata();
         let mut selected = vec![false; all.len()];
@@ -55,7 +56,7 @@ impl Selection {
         })
     }
 
-    /// Returns true if the case of a number is simulated.
+    /// Returns true if the case with a number is simulated.
     pub fn has(&self, number: u64, stratum: Stratum) -> bool {
         self.lists(stratum)
             || self
@@ -67,11 +68,11 @@ impl Selection {
         self.strata.iter().any(|(listed, _)| *listed == stratum)
     }
 
-    /// Numbers of the cases at some positions.
+    /// Returns the numbers of the cases at a range of positions.
     pub fn numbers(&self, plan: &Plan, positions: Range<u64>) -> Vec<u64> {
         let mut numbers = Vec::new();
         let taken = (0..).filter(|&number| self.has(number, plan.stratum(number)));
-        // A position may be larger than what `skip` and `take` can count on a small computer.
+        // Positions are 64-bit numbers. `skip` and `take` count only to what a pointer of the computer can hold.
         for (position, number) in (0..positions.end).zip(taken) {
             if position >= positions.start {
                 numbers.push(number);
@@ -80,7 +81,7 @@ impl Selection {
         numbers
     }
 
-    /// Its fields in the first line of a shard.
+    /// Returns the fields of the selection for the first line of a shard.
     pub fn fields(&self) -> String {
         let listed = |(stratum, share): &(Stratum, Share)| format!("{stratum}@{share}");
         let strata: Vec<_> = self.strata.iter().map(listed).collect();
@@ -90,7 +91,7 @@ impl Selection {
         format!("only={}{others}", strata.join(","))
     }
 
-    /// Parses the values of its fields.
+    /// Parses the values of these fields.
     pub fn parse(only: &str, others: Option<&str>) -> Option<Self> {
         let listed = |text: &str| {
             let (stratum, share) = text.split_once('@')?;
@@ -104,7 +105,7 @@ impl Selection {
         .filter(|selection| selection.others != Some(0))
     }
 
-    /// Counts of an event among faulty runs: by stratum, each with its name, and of the others if they are simulated.
+    /// Returns the counts of an event among faulty runs: for each stratum with its name, and for the others if they are simulated.
     pub fn parts(
         &self,
         tally: &Tally,
@@ -139,10 +140,10 @@ impl Selection {
         )
     }
 
-    /// Share of all strata that are not listed.
+    /// Returns the share of all strata that are not listed.
     fn others_share(&self) -> f64 {
         let listed: f64 = self.strata.iter().map(|(_, share)| share.part()).sum();
-        // Shares add up to 1, but for rounding.
+        // Shares add up to 1, except for rounding.
         if listed > 1.0 - 1e-9 {
             0.0
         } else {
@@ -150,7 +151,7 @@ impl Selection {
         }
     }
 
-    /// Share of the strata of which no case is simulated.
+    /// Returns the share of the strata of which no case is simulated.
     pub fn share_left_out(&self) -> f64 {
         match self.others {
             Some(_) => 0.0,
@@ -172,7 +173,7 @@ impl fmt::Display for Selection {
     }
 }
 
-/// Why a name selects nothing, and what would select something.
+/// Explains why a name selects nothing, and lists names that would select something.
 fn refusal(plan: &Plan, name: &str) -> SelectionError {
     let (kind_name, sensor_name) = match name.split_once(':') {
         Some((kind_name, sensor_name)) => (kind_name, Some(sensor_name)),
@@ -226,7 +227,7 @@ mod tests {
         Plan::new(seed, None).unwrap()
     }
 
-    /// If this fails, shards of a selection overlap or leave gaps, or a kind without a sensor is not both of its strata.
+    /// If this fails, shards of a selection overlap or leave gaps, or a kind without a sensor does not select both of its strata.
     #[test]
     fn positions_count_the_cases_that_are_taken() {
         let plan = plan(3);
@@ -267,7 +268,8 @@ mod tests {
         assert_eq!(Selection::parse("slip:index", None), None);
     }
 
-    /// Extra pulses that come three times, as a rare event: a third of a fifteenth of all cases, by the definition of the plan.
+    /// Rate of a rare event: an extra pulse that comes three times. By the definition of the plan, it is a third of a fifteenth of all
+    /// cases.
     const KNOWN_RATE: f64 = 1.0 / 45.0;
 
     fn is_event(plan: &Plan, number: u64) -> bool {
@@ -275,8 +277,8 @@ mod tests {
         kind == FaultName::IndexExtra && plan.case(number).fault().count == Some(3)
     }
 
-    /// If this fails, the estimate is wrong on average, or its interval has the rate in it too seldom. The event has a known rate, and
-    /// is in the stratum that is oversampled as well as in the others.
+    /// If this fails, the estimate is biased, or its interval contains the rate too rarely. The event has a known rate. It occurs in the
+    /// stratum that is oversampled, and in the others.
     #[test]
     fn estimates_are_right_on_average_and_their_intervals_cover() {
         const CAMPAIGNS: u64 = 200;
@@ -308,12 +310,12 @@ mod tests {
         }
         let count = CAMPAIGNS as f64;
         let mean = total / count;
-        // Three standard deviations of the mean, as the campaigns scatter about the rate.
+        // The margin is three standard deviations of the mean, from the scatter of the campaigns about the rate.
         let margin = 3.0 * squares.sqrt() / count;
         assert!((mean - KNOWN_RATE).abs() < margin, "{mean}, {margin}");
-        // So narrow that a wrong share of either part is noticed.
+        // The margin is narrow enough to show a wrong share of either part.
         assert!(margin < 0.15 * KNOWN_RATE, "{margin}");
-        // With 95 % each, 16 or more of 200 are outside in one of 20 such tests; this one is always the same.
+        // With 95 % each, 16 or more of 200 are outside in one of 20 such tests. The seeds are fixed, so the result is always the same.
         assert!(covered >= CAMPAIGNS - 15, "{covered}");
     }
 }

@@ -1,7 +1,7 @@
-//! Rows as files: a line that says of what, then CSV.
+//! Rows as files: a line that identifies them, then CSV.
 //!
-//! A *shard* has the rows of a range of case numbers. Shards of one campaign (the same plan, version, seed and scene) that leave no
-//! gap and do not overlap are joined into the one that a single run over all of them would have written, byte for byte.
+//! A *shard* has the rows of a range of case numbers. Shards of one campaign have the same plan, version, seed and scene. If they leave no
+//! gap and do not overlap, they can be joined into one shard. It is the same, byte for byte, as that of a single run over all cases.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -28,7 +28,7 @@ pub struct Header {
     pub scene: String,
     /// Strata that are simulated; none if all cases are.
     pub selection: Option<Selection>,
-    /// Numbers of its cases; with a selection, their positions in it.
+    /// Numbers of its cases. With a selection, these are their positions in it.
     pub numbers: Range<u64>,
 }
 
@@ -83,7 +83,7 @@ impl Header {
         })
     }
 
-    /// Returns true if a row can follow the rows before it: runs come in pairs, and cases in the order of their numbers. The numbers that a
+    /// Returns true if a row can follow the rows before it. Runs come in pairs, and cases in the order of their numbers. The numbers that a
     /// selection takes depend on the plan, and are not checked here.
     fn expects(&self, row: &Row, before: &[Row]) -> bool {
         let is_clean_due = before.len() % 2 == 1;
@@ -96,7 +96,7 @@ impl Header {
         row.clean == is_clean_due && is_case_due
     }
 
-    /// The first thing in which another shard is not of the same campaign, as `key: theirs, not ours`.
+    /// Returns the first field in which another shard is of another campaign, as `key = theirs, not ours`.
     fn differs(&self, other: &Self) -> Option<String> {
         let selected = |header: &Self| match &header.selection {
             Some(selection) => format!("`{selection}`"),
@@ -122,14 +122,14 @@ fn takes(selection: &Selection, row: &Row) -> bool {
     })
 }
 
-/// Checksum of a scene as it was understood, whatever its file looks like.
+/// Returns the checksum of a scene after parsing. It does not depend on the layout of its file.
 fn checksum(scene: &Scene) -> String {
     let text = toml::to_string(scene).unwrap_or_default();
     let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(text.as_bytes());
     format!("{sum:08x}")
 }
 
-/// A shard.
+/// Rows of a range of cases, with their identity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shard {
     /// Identity of the shard.
@@ -138,16 +138,16 @@ pub struct Shard {
     pub rows: Vec<Row>,
 }
 
-/// Why a shard is refused.
+/// Reason why a shard is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct ShardError(pub String);
 
 impl Shard {
-    /// As text.
+    /// Returns the shard as text.
     ///
     /// # Errors
-    /// Never: rows are plain.
+    /// None in practice: rows have only plain values.
     pub fn to_text(&self) -> Result<String, ShardError> {
         let mut text = self.header.line();
         text.push('\n');
@@ -164,10 +164,10 @@ impl Shard {
         Ok(text)
     }
 
-    /// From text.
+    /// Parses a shard from text.
     ///
     /// # Errors
-    /// Defect of a file, and its place.
+    /// The text has a defect. The message contains its place.
     pub fn parse(text: &str) -> Result<Self, ShardError> {
         let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
         let header = Header::parse(first.trim_end()).ok_or_else(|| {
@@ -179,7 +179,7 @@ impl Shard {
         let mut rows: Vec<Row> = Vec::new();
         for row in csv::Reader::from_reader(rest.as_bytes()).deserialize() {
             let row: Row = row.map_err(|error| {
-                // The reader counts from the line after the first.
+                // The reader counts lines from the one after the first.
                 let line = error.position().map_or(0, |position| position.line() + 1);
                 ShardError(format!("line {line}: {}", brief(&error)))
             })?;
@@ -212,7 +212,7 @@ impl Shard {
     }
 }
 
-/// Message of the CSV reader without its place, which counts from another line.
+/// Returns the message of the CSV reader without its place, which it counts from another line.
 fn brief(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Deserialize { err, .. } => err.to_string(),
@@ -223,10 +223,10 @@ fn brief(error: &csv::Error) -> String {
     }
 }
 
-/// Joins shards, each with the name that it is called by in messages, in any order.
+/// Joins shards in any order. Each has a name that identifies it in messages.
 ///
 /// # Errors
-/// None are given, two are not of one campaign, overlap, or leave a gap.
+/// No shards are given, or two of them are of different campaigns, overlap, or leave a gap.
 pub fn join(mut shards: Vec<(String, Shard)>) -> Result<Shard, ShardError> {
     shards.sort_by_key(|(_, shard)| shard.header.numbers.start);
     let mut shards = shards.into_iter();

@@ -1,21 +1,21 @@
-//! A rate over all runs from the rates in strata, with its interval: Fay and Feuer's gamma interval.
+//! Rate over all runs, computed from the rates in strata, with Fay and Feuer's gamma interval.
 //!
-//! *Stratified sampling* simulates as many runs of a stratum as its rate needs, and counts each stratum by its share among all runs.
-//! The sum of share × rate is an unbiased estimate of the rate over all. Its interval is that of M. P. Fay and E. J. Feuer, *Confidence
-//! intervals for directly standardized rates: a method based on the gamma distribution*, Statistics in Medicine 16 (1997), 791–801. It
-//! takes counts as Poisson variables, whose variance is at least that of counted runs, and was never too narrow in the authors' simulations.
-//! A test here sums its coverage exactly for strata as uneven as a campaign's.
+//! *Stratified sampling* simulates as many runs of a stratum as its rate needs, and weights each stratum with its share of all runs. The
+//! sum of share × rate is an unbiased estimate of the rate over all runs. Its interval is that of M. P. Fay and E. J. Feuer, *Confidence
+//! intervals for directly standardized rates: a method based on the gamma distribution*, Statistics in Medicine 16 (1997), 791–801. The
+//! method treats counts as Poisson variables, whose variance is at least that of counted runs. In the authors' simulations the interval was
+//! never too narrow. A test below sums its coverage exactly, for strata as uneven as those of a campaign.
 
 use statrs::distribution::{ContinuousCDF, Gamma};
 
 use super::interval::{OUTSIDE, Rate};
 
-/// A stratum: its share among all runs, and the rate that was counted in it.
+/// Stratum: its share of all runs, and the rate that was counted in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Part {
     /// Share, 0 to 1.
     pub share: f64,
-    /// Events, and runs.
+    /// Events and runs.
     pub rate: Rate,
 }
 
@@ -31,14 +31,14 @@ pub struct Estimate {
 }
 
 impl Part {
-    /// Rate in the stratum, with Clopper and Pearson's interval; none without runs.
+    /// Returns the rate in the stratum with its Clopper-Pearson interval, or none without runs.
     pub fn inside(&self) -> Option<Estimate> {
         let (low, high) = self.rate.bounds();
         let rate = self.rate.part()?;
         Some(Estimate { rate, low, high })
     }
 
-    /// What the stratum adds to the rate over all runs: share × rate. The share is exact, so that the interval scales with it.
+    /// Returns the contribution of the stratum to the rate over all runs: share × rate. The share is exact, so the interval scales with it.
     pub fn contribution(&self) -> Option<Estimate> {
         let Estimate { rate, low, high } = self.inside()?;
         let [rate, low, high] = [rate, low, high].map(|end| self.share * end);
@@ -46,11 +46,11 @@ impl Part {
     }
 }
 
-/// The sum of what strata contribute; none without strata, or if one has no runs.
+/// Returns the sum of the contributions of strata, or none without strata or if one of them has no runs.
 ///
-/// With a = share / runs, y = Σ a·events and v = Σ a²·events, the lower end is the 2.5 % quantile of the gamma distribution of mean y and
-/// variance v. The upper end is the 97.5 % quantile of that of mean y + A and variance v + A², where A is the largest a: one more event,
-/// where its a is largest. For one stratum this is the exact interval of a Poisson variable.
+/// With a = share / runs, y = Σ a·events and v = Σ a²·events, the lower end is the 2.5 % quantile of the gamma distribution with mean y and
+/// variance v. The upper end is the 97.5 % quantile of the one with mean y + A and variance v + A², where A is the largest a. This adds one
+/// event to the stratum with the largest a. For one stratum it is the exact interval of a Poisson variable.
 pub fn sum(parts: &[Part]) -> Option<Estimate> {
     let (mut mean, mut variance, mut largest) = (0.0, 0.0, 0.0_f64);
     for Part { share, rate } in parts {
@@ -78,9 +78,9 @@ pub fn sum(parts: &[Part]) -> Option<Estimate> {
     })
 }
 
-/// A quantile of the gamma distribution of a mean and a variance, both above 0.
+/// Quantile of the gamma distribution with a mean and a variance, both above 0.
 fn quantile(mean: f64, variance: f64, part: f64) -> Option<f64> {
-    // The quantile is searched near 1, and scaled: a rate of 1e-9 is found as exactly as one of 0.1.
+    // The quantile is computed near 1, and scaled. So a rate of 1e-9 is as precise as one of 0.1.
     let scale = variance / mean;
     let gamma = Gamma::new(mean / scale, 1.0).ok()?;
     Some(scale * gamma.inverse_cdf(part))
@@ -95,7 +95,7 @@ mod tests {
         Part { share, rate }
     }
 
-    /// Without events, one stratum has a closed form: exp(-n·p) = 2.5 %.
+    /// If this fails, the upper end for a stratum without events is wrong. It has a closed form: exp(-n·p) = 2.5 %.
     #[test]
     fn no_events_have_a_bound_that_can_be_written_down() {
         for of in [1000_u64, 20_000, 1_000_000] {
@@ -106,7 +106,8 @@ mod tests {
         }
     }
 
-    /// Rare events of one stratum are Poisson events, so that both intervals of them are the same in the limit.
+    /// If this fails, the interval of a single stratum is wrong. Its rare events are nearly Poisson events, so both intervals agree in the
+    /// limit.
     #[test]
     fn one_stratum_has_nearly_its_clopper_pearson_interval() {
         for hits in [1, 5, 40] {
@@ -118,7 +119,8 @@ mod tests {
         }
     }
 
-    /// The example of the paper, births by age of the mother, as the R package dsrTest 1.0 prints its interval: 67.70212 to 188.30017 in 100,000.
+    /// If this fails, the interval is not that of the paper, whose example is births by age of the mother. The R package dsrTest 1.0 prints
+    /// the interval as 67.70212 to 188.30017 in 100,000.
     #[test]
     fn a_published_example_has_its_published_interval() {
         let events = [0, 8, 63, 112, 262, 295];
@@ -138,7 +140,7 @@ mod tests {
         }
     }
 
-    /// Two strata of equal weights are one.
+    /// If this fails, the interval depends on how equal strata are divided. Two strata of equal weights give the same interval as one.
     #[test]
     fn equal_strata_are_taken_together() {
         let two = sum(&[part(0.2, 3, 400), part(0.3, 5, 600)]).unwrap();
@@ -152,11 +154,11 @@ mod tests {
     fn a_stratum_without_runs_has_no_sum() {
         assert_eq!(sum(&[]), None);
         assert_eq!(sum(&[part(0.1, 0, 0), part(0.1, 1, 10)]), None);
-        // And no rate is larger than all runs together.
+        // The upper end is at most the sum of the shares, as if every run had the event.
         assert_eq!(sum(&[part(0.1, 1, 1)]).unwrap().high, 0.1);
     }
 
-    /// P(`hits` of `of`) at a rate, for all hits that matter.
+    /// Probabilities of 0, 1, … hits in `of` runs at a rate, up to 60 hits. More hits are negligible here.
     fn binomial(of: u64, rate: f64) -> Vec<f64> {
         let mut term = (of as f64 * (-rate).ln_1p()).exp();
         let mut terms = Vec::new();
@@ -167,8 +169,9 @@ mod tests {
         terms
     }
 
-    /// Coverage, summed over all counts of two strata: at least 95 %, and each side misses in 2.5 % at most. A small oversampled
-    /// stratum stands beside a large one with rare events, as in a campaign.
+    /// If this fails, a campaign states an interval that contains the true rate too rarely. The coverage, summed over all counts of two
+    /// strata, is at least 95 %. The rate lies above the interval in 2.5 % at most, and below it in 2.5 % at most. A small oversampled
+    /// stratum is combined with a large one with rare events, as in a campaign.
     #[test]
     fn the_interval_has_the_rate_in_it_as_often_as_stated() {
         let mut least = 1.0_f64;
@@ -197,7 +200,7 @@ mod tests {
                 least = least.min(1.0 - above - below);
             }
         }
-        // An interval that is far too wide would have the rate in it, too.
+        // An interval that is far too wide would contain the rate, too.
         assert!(least < 0.985, "{least}");
     }
 }

@@ -1,4 +1,4 @@
-//! Figures as a table, in Markdown that a terminal shows as well.
+//! Figures of a campaign as a Markdown table that is readable in a terminal, too.
 
 use std::fmt::Write as _;
 
@@ -8,10 +8,10 @@ use super::rates;
 use super::shards::Header;
 use super::tally::{Group, Tally};
 
-/// Most cases that are named for each thing that is not as claimed.
+/// Largest number of cases that are listed for each failure.
 const MOST_NAMED: usize = 12;
 
-/// All of it: what was run, the table, what is not as claimed.
+/// Returns the complete text: the runs, the table, and the failures.
 pub fn text(header: &Header, tally: &Tally) -> String {
     let mut text = String::new();
     let cases = header.numbers.end - header.numbers.start;
@@ -47,7 +47,7 @@ pub fn text(header: &Header, tally: &Tally) -> String {
     text
 }
 
-/// Rates of a campaign that simulates all cases.
+/// Writes the rates of a campaign that simulates all cases.
 fn rates_over_all(text: &mut String, tally: &Tally) {
     let _ = writeln!(
         text,
@@ -136,7 +136,7 @@ fn bounds(rate: Rate) -> String {
     )
 }
 
-/// What went wrong, each with cases to replay: what is not as claimed apart from wrong names within the claim.
+/// Writes the failures, each with cases to replay. Those that break a claim come first, and wrong names within the claim are listed apart.
 fn failures(text: &mut String, tally: &Tally) {
     let (mut broken, mut within) = (Vec::new(), Vec::new());
     for ((kind, encoder), group) in &tally.groups {
@@ -191,7 +191,7 @@ fn list(cases: &[u64]) -> String {
     format!("{} ({}{more})", cases.len(), shown.join(", "))
 }
 
-/// A Markdown table, its columns as wide as what is in them; numbers to the right.
+/// Returns a Markdown table whose columns are as wide as their contents. Numbers are aligned to the right.
 pub(super) fn in_columns(rows: &[Vec<String>]) -> String {
     let columns = rows.first().map_or(0, Vec::len);
     let width = |column: usize| {
@@ -229,7 +229,7 @@ mod tests {
     use super::*;
     use host_sim::scene::file::FaultName;
 
-    /// Were it wrong, a campaign would list as not as claimed what its exit status says is.
+    /// If this fails, the list of what is not as claimed contradicts the exit status of the campaign.
     #[test]
     fn wrong_names_within_the_claim_are_listed_apart() {
         let of = |named: u64, what: &'static str| {

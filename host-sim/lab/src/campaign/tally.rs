@@ -1,4 +1,4 @@
-//! What rows come to: counts, rates with their bounds, and quantiles; by kind of fault, with and without encoders.
+//! Summary of rows: counts, rates with their bounds, and quantiles, by kind of fault, with and without encoders.
 
 use std::collections::BTreeMap;
 
@@ -12,29 +12,29 @@ use host_sim::scene::file::FaultName;
 /// Faulty runs of one kind.
 #[derive(Clone, Debug, Default)]
 pub struct Group {
-    /// How many there were in all.
+    /// Number of all runs.
     pub runs: u64,
-    /// In how many a crank was beyond its limit.
+    /// Number of runs in which a crank was beyond its limit.
     pub beyond_limit: u64,
-    /// Runs of these that were detected in time.
+    /// Rate of detection in time, among those of these runs that are judged on it.
     pub in_time: Rate,
-    /// Right names among faults that were reported, or had to be.
+    /// Rate of right names, among faults that were reported or had to be.
     pub named: Rate,
-    /// Turns from the limit to the detection, smallest first.
+    /// Turns from the limit to N + 5 ticks before the detection, smallest first.
     pub turns: Vec<f64>,
-    /// Largest tilt over the limit, as the bound is on it.
+    /// Largest ratio of the tilt to the limit, for the tilt that the bound applies to.
     pub tilt_over_limit: f64,
-    /// The same after the drives were off.
+    /// Largest ratio of the tilt to the limit after the drives were off.
     pub off_over_limit: f64,
-    /// Tilt over its bound, smallest first.
+    /// Ratios of the tilt to its bound, smallest first.
     pub tilt_over_bound: Vec<f64>,
-    /// In how many an axis was left running.
+    /// Rate of runs in which an axis was left running.
     pub left_running: Rate,
-    /// Cases that went wrong, by verdict or reason. [`Tally::breaks_claim`] says which of it is not as claimed.
+    /// Numbers of the cases that failed, by verdict or reason. [`Tally::breaks_claim`] returns whether an entry breaks a claim.
     pub failed: BTreeMap<&'static str, Vec<u64>>,
 }
 
-/// Names of what went wrong, in the order in which it is listed.
+/// Names of failures, as the list of failures shows them.
 mod failed {
     pub const LATE: &str = "late";
     pub const LEFT_RUNNING: &str = "left running";
@@ -52,7 +52,7 @@ impl Group {
         self.beyond_limit += u64::from(row.is_beyond_limit());
         if let Some(in_time) = row.in_time {
             self.in_time.count(in_time);
-            // What was not detected at all is among the missed.
+            // A fault that was not detected at all counts as missed instead.
             if !in_time && row.verdict != Verdict::Missed {
                 self.fail(failed::LATE, row);
             }
@@ -99,31 +99,32 @@ impl Group {
         self.tilt_over_bound.sort_by(f64::total_cmp);
     }
 
-    /// The value that so large a part of sorted values is at most; the largest is that of 1.
+    /// Quantile of sorted values: the smallest value that at least a fraction `part` of them does not exceed. The quantile of 1 is the
+    /// largest.
     pub fn quantile(sorted: &[f64], part: f64) -> Option<f64> {
         let at = (part * sorted.len() as f64).ceil() as usize;
         sorted.get(at.clamp(1, sorted.len().max(1)) - 1).copied()
     }
 }
 
-/// All of a campaign's figures.
+/// Figures of a campaign.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Faulty runs by kind, with and without encoders, in the order of the kinds.
     pub groups: Vec<((FaultName, bool), Group)>,
-    /// All of them together.
+    /// All faulty runs together.
     pub all: Group,
-    /// Clean runs in which something was reported.
+    /// Rate of clean runs with any other verdict than clean. Moot runs are left out.
     pub false_trips: Rate,
-    /// Their cases.
+    /// Numbers of these cases.
     pub tripped: Vec<u64>,
     /// Simulated time of all runs, s.
     pub simulated_s: f64,
-    /// True if the rows are of chosen strata, so that [`Self::all`] has no rate over all cases.
+    /// True if the rows are from chosen strata. Then [`Self::all`] gives no rate over all cases.
     pub is_selected: bool,
 }
 
-/// The least part that must be named rightly.
+/// Smallest fraction of faults that must be named rightly.
 const LEAST_NAMED: f64 = 0.99;
 
 impl Tally {
@@ -163,14 +164,14 @@ impl Tally {
         tally
     }
 
-    /// Returns true if all is as claimed.
+    /// Returns true if all claims hold.
     pub fn is_kept(&self) -> bool {
         let breaks = |what: &&str| self.breaks_claim(what);
         self.false_trips.hits == 0 && !self.all.failed.keys().any(breaks)
     }
 
-    /// Returns true if an entry of [`Group::failed`] breaks a claim. Wrong names do so only if they are more than claimed. That claim is on all
-    /// cases, so that chosen strata cannot break it.
+    /// Returns true if an entry of [`Group::failed`] breaks a claim. Wrong names do so only if there are more of them than claimed. That
+    /// claim is on all cases, so chosen strata cannot break it.
     pub fn breaks_claim(&self, what: &str) -> bool {
         let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);
         what != failed::MISNAMED || !(named || self.is_selected)
@@ -181,7 +182,7 @@ impl Tally {
 mod tests {
     use super::*;
 
-    /// Were a quantile of the wrong one, the slowest fault events would be left out of the table.
+    /// If this fails, a quantile is that of a neighbouring value, and the table may leave out the slowest detection.
     #[test]
     fn quantiles_are_of_those_that_there_are() {
         let sorted: Vec<f64> = (1..=200).map(f64::from).collect();

@@ -1,8 +1,9 @@
-//! True phase errors of the cranks: where each truly is, against where the scene requires it.
+//! True phase errors of the cranks: the true position of each crank minus the position that the scene requires.
 //!
-//! The travel of a crank counts from power-up, whole turns included, and begins at the angle where it truly stands. The scene requires
-//! the master's travel, plus the axis's offset and trim. The master is common to all axes, and only differences between cranks tilt or
-//! warp the platform. So the error here leaves the master out, and nothing that the controller commands or computes enters it.
+//! The travel of a crank counts from power-up, including whole turns, and begins at the true angle of the crank. The scene requires the
+//! master's travel, plus the offset and trim of the axis. The master is common to all axes, and only differences between cranks tilt or
+//! warp the platform. So the error leaves the master out. Where all axes have the same constant ratio, no value that the controller
+//! commands or computes enters it.
 
 use host_sim::axes::{Axes, per_axis};
 use host_sim::scene::Checked;
@@ -11,8 +12,8 @@ use host_sim::sim::Moment;
 /// Requirements of a scene on the cranks.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// Travel that the scene requires of each crank beyond the master's, turns. None where axes have different ratios or cam tables: there
-    /// the required travel is the commanded one without corrections.
+    /// Travel that the scene requires of each crank beyond the master's, turns. None if axes have different ratios or cam tables: the
+    /// required travel is then the commanded one without corrections.
     required_turns: Option<Axes<f64>>,
 }
 
@@ -32,7 +33,7 @@ impl Truth {
         }
     }
 
-    /// True phase errors of the cranks in a tick, turns, less a part that is common to all.
+    /// Returns the true phase errors of the cranks in a tick, turns. They may contain a part that is common to all cranks.
     pub fn errors(&self, moment: &Moment<'_>) -> Axes<f64> {
         match &self.required_turns {
             Some(required) => {

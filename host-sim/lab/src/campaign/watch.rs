@@ -1,11 +1,11 @@
-//! Observer of a case: records what the case is judged by, which is where the cranks truly were, and what the loop reported when.
+//! Observer of a case. It records what the judge needs: the true positions of the cranks, and the times of the loop's reports.
 //!
-//! A *moment* is a tick that was played. What the loop made of a tick is played from the second moment after it on: one until the
-//! loop reads, and one until what it then writes is played. So a *fault event* counts from the beginning of the moment in which it is
+//! A *moment* is a tick that was played. The loop reads the sensors of a moment one moment later, and the outputs that it then computes are
+//! played one moment after that. So a *fault event* counts from the beginning of the moment in which the outputs computed with it are
 //! played.
 //!
-//! Reports are kept for their names. The outputs show what was done about the fault ([`super::response`]). What every run keeps,
-//! such as its largest tilt, is in [`host_sim::sim::Statistics`].
+//! Reports are kept for their names. The outputs show the response to the fault ([`super::response`]). [`host_sim::sim::Statistics`] has
+//! what every run records, such as its largest tilt.
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, FaultKind, State};
@@ -23,29 +23,29 @@ use host_sim::sim::event_watch::{EventWatch, NewEvents};
 use host_sim::sim::{Moment, Observer};
 use host_sim::units::{nearest, speed_hz};
 
-/// A place in a run.
+/// Place in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Moments before it.
+    /// Number of moments before it.
     pub moment: u64,
     /// Seconds since power-up.
     pub t_s: f64,
     /// Turns of the master.
     pub turns: f64,
-    /// Its speed, rev/s.
+    /// Speed of the master, rev/s.
     pub speed_hz: f64,
-    /// Its acceleration, rev/s².
+    /// Acceleration of the master, rev/s².
     pub acceleration_hz_per_s: f64,
-    /// What the machine was doing.
+    /// State of the machine.
     pub state: State,
 }
 
-/// What was reported.
+/// Fault that was reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReportedFault {
-    /// What.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// Of which axis.
+    /// Axis of the fault, if it has one.
     pub axis: Option<usize>,
 }
 
@@ -55,110 +55,110 @@ impl From<Fault> for ReportedFault {
     }
 }
 
-/// When something was reported.
+/// Report of a fault, and its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultEvent {
-    /// What.
+    /// Fault that was reported.
     pub reported: ReportedFault,
-    /// The beginning of the moment in which it was played.
+    /// Beginning of the moment in which the outputs computed with the report were played.
     pub place: Place,
-    /// Turns of the master so many ticks before that as detection may take.
+    /// Turns of the master N + 5 ticks before that. Detection may take as many ticks.
     pub turns: f64,
 }
 
-/// What was detected.
+/// Record of a run, from which it is judged.
 #[derive(Clone, Debug, Default)]
 pub struct Observation {
-    /// When what goes wrong began.
+    /// Beginning of the moment in which the fault came.
     pub injected: Option<Place>,
-    /// The end of the first moment since then in which the true cranks were beyond a limit, with the drives on.
+    /// End of the first moment since then in which the true cranks were beyond a limit, with the drives on.
     pub beyond_limit: Option<Place>,
-    /// The same, and on model levels where cranks without drives stand, with the drives off as well.
+    /// End of the first such moment with the drives on or, on model levels where cranks without drives stand, off.
     pub out: Option<Place>,
-    /// Whether they were in the last moment with the drives on.
+    /// True if they were beyond a limit in the last moment with the drives on.
     pub is_beyond_limit: bool,
-    /// The longest that they stayed so without a break, with the drives on, turns of the master; less the N + 5 ticks that detection
-    /// may take.
+    /// Longest stay beyond a limit without a break, with the drives on, turns of the master; less the N + 5 ticks that detection may take.
     pub stay_turns: f64,
-    /// The longest that they may: a turn, and the angle that one crank may be off. A crank that falls back by so much just after its flag
-    /// passes it so much more than a turn later.
+    /// Longest stay that is allowed, turns: one turn, and the angle that one crank may be off. If a crank falls back by that angle just
+    /// after its flag, it passes the flag again later than a turn, by the same angle.
     pub may_stay_turns: f64,
-    /// Reports since the fault, each once.
+    /// Reports since the fault, each once, including the latched fault.
     pub fault_events: Vec<FaultEvent>,
-    /// First event since the fault in which the outputs stop the machine, or switch its drives off, and those of the twin do not.
+    /// First event since the fault in which the outputs stop the machine or switch its drives off, and those of the twin do not.
     pub stopped: Option<Responded>,
     /// First correction since the fault, whether it suffices or not.
     pub corrected: Option<Responded>,
-    /// Before the fault, the drives went off or the machine came to rest, and its program was not over.
+    /// True if the drives went off or the machine came to rest before the fault, and before its program was over.
     pub stopped_early: bool,
     /// Tilt after a stop while the drives hold.
     pub hold: Hold,
-    /// Whether the axis it befell passed its index flag after the first of them.
+    /// True if the axis with the fault passed its index flag at the first report since the fault, or after it.
     pub passed_after: bool,
-    /// What was reported before the fault.
+    /// Reports before the fault, each once.
     pub early: Vec<ReportedFault>,
-    /// Events, each once.
+    /// Faults that were reported in the whole run, whatever the response, each once.
     pub reported_faults: Vec<ReportedFault>,
-    /// The pulse that no flag makes, if that is what went wrong, by the true crank.
+    /// Extra pulse, relative to the true crank, if the fault is one.
     pub extra: Option<Extra>,
-    /// The fault that latched, as it was called at last.
+    /// Latched fault, with its final name.
     pub fault: Option<ReportedFault>,
-    /// The most that an axis, or its crank, was moved by its drive while another had been stopped for over two ticks, turns. While all
-    /// commands stand, only what exceeds [`hold::runaway_turns`] counts of the axis with the fault.
+    /// Largest travel of an axis, commanded or made by its drive, while another had been stopped for over two ticks, turns. While all
+    /// commands stand, the travel of the axis with the fault counts only above [`hold::runaway_turns`].
     pub left_running_turns: f64,
-    /// The end of the run.
+    /// End of the run.
     pub end: Option<Place>,
 }
 
 impl Observation {
-    /// The first thing that was reported since the fault.
+    /// Returns the first report since the fault.
     pub fn first_reported(&self) -> Option<&FaultEvent> {
         self.fault_events.first()
     }
 }
 
-/// The observer.
+/// Observer of a case.
 #[derive(Clone)]
 pub struct Watch<'a> {
     geometry: Option<&'a Geometry>,
-    /// What goes wrong; nothing, in a clean run.
+    /// Injected fault. None in a clean run.
     fault: Option<FaultAt>,
-    /// The flag of the axis that it befalls.
+    /// Index flag of the axis with the fault.
     flag: Option<Flag>,
-    /// Of a crank that its drive does not move, or that torque moves, how far it goes says nothing.
+    /// True for axes whose cranks are compared as well as their commands. The travel of a crank shows nothing if its drive does not move
+    /// it, or if torque moves it.
     cranks_count: Axes<bool>,
     observation: Observation,
     truth: Truth,
     responses: Responses<'a>,
-    /// Scenes with commands or inputs of their own stop by themselves.
+    /// True if the scene has commands or inputs of its own. These may stop the machine.
     stops_itself: bool,
-    /// Ticks a second, each a whole number of microseconds long.
+    /// Ticks per second, each a whole number of microseconds long.
     tick_hz: u32,
     were_enabled: bool,
-    /// Turns of the master at which cranks went beyond a limit that they have not come back from.
+    /// Turns of the master when cranks went beyond a limit, while they are still beyond it.
     beyond_since: Option<f64>,
     moments: u64,
     event_watch: EventWatch,
-    /// Turns of the master at the end of the last moments, latest first: of as many as detection may take, and one.
+    /// Turns of the master at the ends of the last N + 6 moments, latest first. Detection may take N + 5 ticks.
     turns: Vec<f64>,
     before: Option<(Axes<f64>, Axes<f64>)>,
-    /// For how many moments an axis has stood while another was moved.
+    /// Number of moments in which an axis stood while another was moved.
     apart: u32,
-    /// How far each has been moved since that was over two, while another command went on, and while all stood.
+    /// Travel of each axis since that number was over two: while another command went on, and while all commands stood.
     run_on: Axes<f64>,
     held_on: Axes<f64>,
-    /// How far the axis with the fault may be moved while all stand: if it rests elsewhere, and if it rests at its flag.
+    /// Travel that the axis with the fault is allowed while all commands stand, turns: if it rests elsewhere, and if it rests at its flag.
     held_turns: [f64; 2],
-    /// The axis with the fault rested at its flag when all commands came to stand, as they do.
+    /// True if the axis with the fault rested at its flag when all commands came to stand. None while they have not.
     rests_at_flag: Option<bool>,
 }
 
-/// Most reported faults that are kept, and most fault events.
+/// Largest number of reported faults that are kept, and of fault events.
 const MOST_EVENTS: usize = 16;
 
 impl<'a> Watch<'a> {
-    /// Of a scene's run, and of the first fault in it, if there is one; `cranks_count` says of which axes not only the commands,
-    /// but the cranks themselves, must stop with the others.
+    /// Observer of a run of a scene, and of the first fault in it, if there is one. `cranks_count` is true for axes whose cranks must stop
+    /// with the others, and not only their commands.
     pub fn new(
         geometry: Option<&'a Geometry>,
         checked: &Checked,
@@ -195,7 +195,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// The same run up to now, of a scene that differs in its faults alone, which are all still to come.
+    /// Returns the same run up to now, for a scene that differs only in its faults. These must all be still to come.
     #[must_use]
     pub fn go_on_in(&self, checked: &Checked, cranks_count: Axes<bool>) -> Self {
         let Self {
@@ -214,14 +214,14 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// The same, which from the fault on compares the outputs with those of a twin.
+    /// Returns the same observer, which compares the outputs with those of a twin from the fault on.
     #[must_use]
     pub const fn compared_with(mut self, twin: &'a Twin) -> Self {
         self.responses.twin = Some(twin);
         self
     }
 
-    /// What was detected.
+    /// Returns the record of the run.
     pub fn observation(self) -> Observation {
         Observation {
             stopped: self.responses.stopped(),
@@ -230,12 +230,12 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Turns of the master as many ticks before this one as detection may take.
+    /// Returns the turns of the master N + 5 ticks before this one.
     fn turns_before(&self) -> f64 {
         self.turns.last().copied().unwrap_or_default()
     }
 
-    /// [`Observation::stay_turns`] at the beginning of this tick.
+    /// Returns [`Observation::stay_turns`] at the beginning of this tick.
     fn stay_turns(&self) -> f64 {
         let now = self.beyond_since.map(|since| self.turns_before() - since);
         self.observation.stay_turns.max(now.unwrap_or(0.0))
@@ -259,7 +259,7 @@ impl<'a> Watch<'a> {
         if let Some(fault) = latched {
             observation.fault = Some(fault.into());
         }
-        // What latches is reported as well: once is enough.
+        // A fault that latches is reported as well, and is recorded once.
         let reported = reported.filter(|reported| telemetry.fault != Some(*reported));
         for fault in latched.into_iter().chain(reported) {
             let reported = ReportedFault::from(fault);
@@ -280,12 +280,13 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Whether cranks are beyond a limit. What they do that the loop has let go is nothing that it could yet see, or stop for.
+    /// Records whether cranks are beyond a limit. With the drives off, the loop cannot stop cranks that torque moves, so these do not
+    /// count.
     fn cranks(&mut self, moment: &Moment<'_>, errors: &[f64], end: Place) {
         if !moment.drives_enabled && moment.machine.rotors().is_some() {
             return;
         }
-        // Cranks that are all alike neither tilt nor bend the platform.
+        // Cranks with equal errors neither tilt nor warp the platform.
         let differ = errors.iter().any(|error| *error != errors[0]);
         let is_beyond_limit = differ && self.geometry.is_some_and(|g| g.is_beyond_limit(errors));
         let since = is_beyond_limit && self.observation.injected.is_some();
@@ -302,7 +303,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Notes a stop before anything is wrong, and before the program is over.
+    /// Records a stop before the fault and before the end of the program.
     fn stops_early(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let went_off = self.were_enabled && !moment.drives_enabled;
@@ -313,7 +314,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Notes responses of the outputs to the fault.
+    /// Records responses of the outputs to the fault.
     fn responses(&mut self, moment: &Moment<'_>, errors: &[f64], place: Place) {
         let now = self.observation.injected.is_some().then(|| Now {
             place,
@@ -326,7 +327,7 @@ impl<'a> Watch<'a> {
         self.responses.tick(moment, now.as_ref());
     }
 
-    /// Where a pulse comes that no flag makes: each that follows comes a turn later, at the same place.
+    /// Returns the place of an extra pulse. Each further one comes a turn later, at the same place.
     fn extra(&self, moment: &Moment<'_>) -> Option<Extra> {
         let is_extra = |fault: &FaultAt| fault.kind == FaultName::IndexExtra;
         let fault = self.fault.filter(is_extra)?;
@@ -341,7 +342,7 @@ impl<'a> Watch<'a> {
         )
     }
 
-    /// Who is moved by its drive while another stands.
+    /// Records axes that their drives move while another stands.
     fn moves(&mut self, moment: &Moment<'_>) {
         let now = (moment.command_turns, moment.actual_turns);
         let kept = (

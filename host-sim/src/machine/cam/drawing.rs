@@ -1,4 +1,4 @@
-//! Drawing of a cam with its follower, and their symbols.
+//! Drawing of a cam with its follower, labelled with their symbols.
 
 use core::f64::consts::TAU;
 
@@ -6,7 +6,8 @@ use crate::drawing::{Drawing, FIRST, Place, SECOND};
 use crate::ink::{INK, MUTED};
 use crate::scene::check::Follower;
 
-/// Draws it, as SVG text: the cam of the law on a base circle as large as the stroke. A pusher on a screw has no cam: its lift is drawn over the turn.
+/// Draws a follower as SVG text, with the cam of its law on a base circle whose radius is the stroke. A pusher on a screw has no cam: the
+/// drawing shows its lift over a turn.
 pub fn draw(follower: &Follower) -> String {
     let stroke = follower.cam.stroke_m;
     match follower.screw_lead_m {
@@ -15,14 +16,14 @@ pub fn draw(follower: &Follower) -> String {
     }
 }
 
-/// Displacement at a part of the turn, m.
+/// Displacement at a fraction of the turn, m.
 fn displacement(follower: &Follower, part: f64) -> f64 {
     follower.cam.at_angle(part * TAU).displacement
 }
 
 fn cam(follower: &Follower, stroke: f64) -> String {
     const PIECES: u32 = 180;
-    // The cam stands so that its follower is half-way up its rise.
+    // The cam is turned so that its follower is half-way up the rise.
     let turned = 0.5 * follower.cam.rise_rad / TAU;
     let outline: Vec<Place> = (0..PIECES)
         .map(|i| {

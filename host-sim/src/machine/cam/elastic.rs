@@ -1,6 +1,6 @@
-//! What gives between cam and pusher, advanced a control tick at a time.
+//! Elastic chain between cam and pusher, advanced a control tick at a time.
 //!
-//! A chain is linear, so that exact discretisation is the method of choice: its step is chosen for what is to be seen.
+//! A chain is linear, so that exact discretisation is the default method. Its step is chosen to resolve the peaks.
 
 use cophase_core::units::MAX_AXES;
 use cophase_methods::problems::Chain;
@@ -10,33 +10,33 @@ use super::pusher::{Peaks, Pusher, Turned};
 use crate::machine::Chosen;
 use crate::machine::step::{MOST_STEPS, in_words};
 
-/// How far the slowest mode may turn in a step of exact discretisation, rad: a peak of the pusher lies within half a step of one that is
-/// looked at, where its cosine is 1 − (0.05/2)²/2, 0.03 % off. The cam side feels the cam's motion directly, which the method takes as
-/// straight within a step: its peak is off by up to ten times that, in proportion to the step squared.
+/// Largest phase advance of the slowest mode per step of exact discretisation, rad. A peak of the pusher lies within half a step of a
+/// sample, where its cosine is 1 − (0.05/2)²/2, an error of 0.03 %. The cam side follows the cam's motion directly, which the method
+/// takes as linear within a step. The error of its peak is up to ten times that, in proportion to the step squared.
 const RESOLVED_RAD_A_STEP: f64 = 0.05;
-/// How far the fastest mode may turn in a step of any other method, rad: RK4 is off by 3.3e-5 a radian there.
+/// Largest phase advance of the fastest mode per step of any other method, rad. The error of RK4 is 3.3e-5 per radian there.
 const FOLLOWED_RAD_A_STEP: f64 = 0.25;
-/// The shortest step whose stability is looked at, s: a thousandth of the shortest that a tick is ever cut into.
+/// Shortest step whose stability is checked, s: a thousandth of the shortest step that a tick is divided into.
 const SHORTEST_S: f64 = 1e-10;
 
-/// What gives.
+/// Elastic chains of all axes, with the method that integrates them.
 #[derive(Clone, Debug)]
 pub(super) struct Elastic {
     pub chain: Chain,
     pub scheme: Scheme,
     pub method: Box<dyn Method>,
     pub steps: u32,
-    /// Of each axis.
+    /// State of each axis.
     pub states: [[f64; 6]; MAX_AXES],
-    /// Why it went no further.
+    /// Reason why the chains could not be advanced further, if there is one.
     pub broken: Option<StepError>,
 }
 
 impl Elastic {
-    /// At rest at 0, as chosen.
+    /// Creates chains at rest at 0, with the chosen method and step.
     ///
     /// # Errors
-    /// The method is unstable at that step, or does not suit; in a sentence.
+    /// Fails, with a sentence, if the method is unstable at that step or does not suit the chain.
     pub fn new(chain: Chain, tick_s: f64, chosen: Chosen) -> Result<Self, String> {
         let scheme = chosen.scheme.unwrap_or(Scheme::Exact);
         let limit_s = scheme
@@ -60,7 +60,7 @@ impl Elastic {
         })
     }
 
-    /// A tick of one follower; `observe` is given its pusher after each step.
+    /// Plays a tick of one follower. `observe` receives its pusher after each step.
     pub fn play(
         &mut self,
         axis: usize,
@@ -98,8 +98,8 @@ impl Elastic {
     }
 }
 
-/// Steps a tick: of a linear method as many as show its peaks, of others as many as follow the fastest of it, and twice
-/// what is stable.
+/// Returns the steps per tick. Exact discretisation takes as many as resolve the peaks. Other methods take as many as resolve the
+/// fastest mode. All stay below half of the stability limit.
 fn steps_for(
     scheme: Scheme,
     chain: &Chain,

@@ -1,29 +1,30 @@
-//! How a follower moves, and what moves it.
+//! Motion of a follower, and of the cam that moves it.
 
-/// How a follower moves.
+/// Motion of a follower.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pusher {
-    /// Where the pusher is, m.
+    /// Position of the pusher, m.
     pub place_m: f64,
-    /// Its acceleration, m/s².
+    /// Acceleration of the pusher, m/s².
     pub accel_mps2: f64,
 }
 
-/// The greatest of what a follower did.
+/// Peak values of a follower.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Peaks {
-    /// How far the pusher was from its law, m.
+    /// Largest deviation of the pusher from its law, m.
     pub off_m: f64,
-    /// Acceleration of the pusher, m/s².
+    /// Largest acceleration of the pusher, m/s².
     pub pusher_mps2: f64,
-    /// Acceleration of the mass next to the cam, m/s²; of a pusher without a cam, that of its law.
+    /// Largest acceleration of the mass next to the cam, m/s²; for a pusher without a cam, that of
+    /// its law.
     pub cam_side_mps2: f64,
-    /// How far the acceleration of the pusher was from that of its law, m/s².
+    /// Largest deviation of the pusher's acceleration from that of its law, m/s².
     pub off_mps2: f64,
 }
 
 impl Peaks {
-    /// The greater of each.
+    /// Returns the greater of each pair of values.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -35,15 +36,15 @@ impl Peaks {
     }
 }
 
-/// Where a cam comes from and goes to in a tick.
+/// Motion of a cam in a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Turned {
     /// Turns since power-up, before the tick.
     pub from: f64,
-    /// After it.
+    /// Turns since power-up, after the tick.
     pub to: f64,
-    /// Speed at its end, as it was requested, rad/s.
+    /// Requested speed at the end of the tick, rad/s.
     pub omega_rad_s: f64,
-    /// Acceleration, rad/s².
+    /// Requested acceleration, rad/s².
     pub acceleration_rad_s2: f64,
 }

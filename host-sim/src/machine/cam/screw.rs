@@ -1,10 +1,11 @@
 //! Pushers on screws: the electronic cam.
 //!
-//! Each axis turns a screw whose nut carries the pusher, and follows a cam table. The machine compares the pusher with the one of a
-//! mechanical cam shaft that turns with the master: the same law, and a lobe that stands where the axis's table is shifted to.
+//! Each axis turns a screw whose nut carries the pusher, and follows a cam table. The machine compares the pusher with that of a mechanical
+//! cam shaft that turns with the master. Both have the same law, and the lobe is shifted by as much as the axis's table.
 //!
-//! The place of a pusher is that of its motor. Its acceleration is the second difference of the commanded place over two ticks, which belongs
-//! to the instant between them: whole steps have none that means anything. It is compared with the lobe's at that instant.
+//! The position of a pusher is that of its motor. Its acceleration is the second difference of the commanded position over two ticks,
+//! because that of whole steps has no meaning. It applies to the instant between the two ticks, and is compared with the acceleration of
+//! the lobe at this instant.
 
 use std::f64::consts::TAU;
 
@@ -13,21 +14,22 @@ use cophase_methods::problems::Cam;
 
 use super::pusher::{Peaks, Pusher};
 
-/// The screws of all axes.
+/// Screws of all axes.
 #[derive(Clone, Debug)]
 pub(super) struct Screws {
     lead_m: f64,
     /// Phase of each axis's table at the master's phase 0, turns.
     shifts: PerAxis<f64>,
-    /// Commanded places at the ends of the last two ticks, m.
+    /// Commanded positions at the ends of the last two ticks, m.
     commanded: Option<[PerAxis<f64>; 2]>,
-    /// Turns of the master since power-up, and those of the last tick.
+    /// Turns of the master since power-up.
     master_turns: f64,
+    /// Travel of the master in the last tick, turns.
     last_turns: f64,
 }
 
 impl Screws {
-    /// Screws of a lead, m a turn, with the shifts of the axes' tables, turns.
+    /// Creates screws of a lead, m per turn, with the shifts of the axes' tables, turns.
     pub fn new(lead_m: f64, shifts: impl IntoIterator<Item = f64>) -> Self {
         let mut all = [0.0; MAX_AXES];
         for (one, shift) in all.iter_mut().zip(shifts) {
@@ -42,13 +44,13 @@ impl Screws {
         }
     }
 
-    /// Place of a pusher whose axis stands at `turns`, m.
+    /// Returns the position of a pusher whose axis is at `turns`, m.
     pub fn place_m(&self, turns: f64) -> f64 {
         self.lead_m * turns
     }
 
-    /// Plays a tick of `tick_s` in which the master makes `master_turns`. At its end the axes stand at `turns`, and are commanded to
-    /// `command_turns`.
+    /// Plays a tick of `tick_s` in which the master travels `master_turns`. At its end `turns` are the positions of the axes, and
+    /// `command_turns` their commanded positions.
     pub fn play(
         &mut self,
         cam: &Cam,

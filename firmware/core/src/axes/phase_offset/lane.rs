@@ -68,8 +68,8 @@ impl Lane {
         }
     }
 
-    /// Whole number of steps nearest to `turns`, up to ±½, and how many steps of 2⁻⁴⁸ rounding added. If the nearest would
-    /// exceed the limit together with the `other` part, the one before.
+    /// Rounds `turns`, up to ±½, to the nearest whole number of steps. Returns it, and how many steps of 2⁻⁴⁸ rounding added. If the offset
+    /// with the `other` part would exceed the limit, the result is one step towards a smaller offset.
     pub(super) fn rounded(&self, turns: Turns, other: i32) -> (i32, i64) {
         let exact = multiply_long(turns.to_bits() as u64, self.steps_per_turn) as i64;
         let mut steps = ((exact >> (FRACTION_BITS - 1)) as i32 + 1) >> 1;

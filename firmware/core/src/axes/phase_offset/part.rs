@@ -7,10 +7,10 @@ use crate::units::{MAX_AXES, PerAxis};
 /// One part of the offsets of all axes, and its move. Steps.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
-    /// Offsets, with those of the present slot.
+    /// Offsets, including the steps of the present slot.
     pub(super) now: PerAxis<i32>,
     pub(super) target: PerAxis<i32>,
-    /// Length of the move, the rounds that are left of it, and the divisor for all of its rounds.
+    /// Length of the move, its remaining rounds, and the divisor for all of its rounds.
     pub(super) length: PerAxis<i32>,
     pub(super) rounds_left: u32,
     pub(super) per_round: Option<Divisor>,
@@ -65,7 +65,7 @@ impl Part {
         }
     }
 
-    /// Takes the steps of an axis in its slot, and this part of its offset before them; none if it does not move.
+    /// Takes the steps of an axis in its slot. Returns this part of its offset before them, and the steps; none if the axis does not move.
     pub(super) fn take(&mut self, axis: usize, lane: &Lane, offset: i32) -> Option<(i32, i32)> {
         let now = self.now.get_mut(axis)?;
         let (&target, &length) = (self.target.get(axis)?, self.length.get(axis)?);

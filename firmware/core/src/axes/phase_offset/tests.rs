@@ -30,7 +30,7 @@ fn finish(offsets: &mut PhaseOffsets) -> (PerAxis<f64>, u32) {
 }
 
 proptest! {
-    /// Every axis ends on the whole step nearest to its target, exactly, and axes of equal steps keep the sum zero.
+    /// If this fails, an axis does not end on the whole step nearest to its target, or axes of equal steps lose the sum zero.
     #[test]
     fn moves_end_on_whole_steps(
         count in 2_usize..=6,
@@ -58,7 +58,7 @@ proptest! {
         }
     }
 
-    /// The user's and the controller's part together stay within one limit, whatever their order and their rounding.
+    /// If this fails, the user's and the controller's part together exceed the limit of an axis, in some order or by rounding.
     #[test]
     fn both_parts_have_one_limit(
         user in -0.03_f64..0.03,
@@ -99,7 +99,7 @@ proptest! {
     }
 }
 
-/// Otherwise the planner would have a different plan for every axis in one tick.
+/// If this fails, several axes move by their offsets in one tick, and the planner needs a different plan for each.
 #[test]
 fn one_axis_moves_at_a_time_within_its_rate() {
     let (hz, rate_hz) = (2000.0, 0.05);
@@ -114,7 +114,7 @@ fn one_axis_moves_at_a_time_within_its_rate() {
         }
         positions.push(position);
     }
-    // No faster than its rate, from any tick to the same place in the next round.
+    // No axis is faster than its rate, from any tick to the same place in the next round.
     let round = 6 * offsets.slot_ticks as usize;
     let most = rate_hz / hz * 3200.0 * round as f64;
     for (first, second) in positions.iter().zip(positions.iter().skip(round)) {
@@ -125,7 +125,7 @@ fn one_axis_moves_at_a_time_within_its_rate() {
     let duration_s = positions.len() as f64 / hz;
     let least_s = 0.02 / rate_hz;
     assert!(duration_s < 1.3 * least_s, "{duration_s} s of {least_s} s");
-    // All are on the straight line, to the steps of a slot or two.
+    // All axes are on the straight line, within the steps of one or two slots.
     for (tick, position) in positions.iter().enumerate() {
         let part = tick as f64 / positions.len() as f64;
         for (steps, target) in position.iter().zip(&target) {

@@ -1,35 +1,36 @@
-//! Comparison of what cranks did when they were moved with their commands: which of them deviates, and whether it follows the
-//! command of another.
+//! Comparison of the motion of cranks with their commands: names the crank that deviates, and detects one that follows the command of
+//! another.
 
 use crate::controller::wiring_proof::APART;
 use crate::drift::AxisSet;
 use crate::units::{Turns, nearest};
 
-/// When cranks are looked at.
+/// Time of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum When {
-    /// While they move: one may be anywhere between.
+    /// Check while the cranks move. A crank may be anywhere between start and target.
     InTransit,
-    /// In homing, when all have been detected since.
+    /// Check in homing, after every crank has been detected since its move.
     Moved,
-    /// In run, before the next offsets. A swap makes each half as large again as the one before: it must be detected before it looks like
-    /// something else, so that less is allowed; and it shows in both cranks, where one that slips is alone.
+    /// Check in run, before the next offsets. With swapped wiring, each deviation is half as large again as the one before. It must be
+    /// detected before it looks like another fault, so a smaller deviation is allowed. A swap shows in both cranks; a slip shows in one
+    /// only.
     Corrected,
 }
 
-/// Cranks that were moved, or are on their way: a place for each in every slice.
+/// Cranks that were moved, or that are still moving. Every slice has an element for each of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moves<'a> {
     pub when: When,
-    /// Phase errors before, and now.
+    /// Phase errors before the move, and now.
     pub before: &'a [Turns],
     pub phase_error: &'a [Turns],
-    /// Trims before, and those that were commanded.
+    /// Trims before the move, and commanded trims.
     pub from: &'a [Turns],
     pub to: &'a [Turns],
-    /// What a reading may be off by.
+    /// Largest error of a reading, for each axis.
     pub tolerance: &'a [Turns],
-    /// How many axes there are.
+    /// Number of axes.
     pub count: usize,
 }
 
@@ -37,16 +38,16 @@ pub(super) struct Moves<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deviation {
     pub axis: usize,
-    /// By how much it is off.
+    /// Deviation from the command.
     pub off: Turns,
-    /// It follows the command of another.
+    /// True if the crank follows the command of another.
     pub is_swapped: bool,
-    /// The other follows this one's command, too.
+    /// True if the other also follows the command of this one.
     pub is_mutual: bool,
 }
 
 impl Moves<'_> {
-    /// Of a set of axes, the one that deviates most.
+    /// Returns the axis of a set that deviates most, if any deviates more than allowed.
     #[inline(never)]
     pub(super) fn deviation(&self, set: AxisSet) -> Option<Deviation> {
         let mut worst: Option<Deviation> = None;
@@ -72,13 +73,13 @@ impl Moves<'_> {
         Some(worst)
     }
 
-    /// Move of another, less this one's.
+    /// Returns the move of another axis, less the move of this one.
     fn between(&self, axis: usize, other: usize) -> Turns {
         let moved = |axis| difference(self.to, self.from, axis);
         moved(other).wrapping_sub(moved(axis))
     }
 
-    /// True if another is off the other way, by the difference of their moves.
+    /// True if another axis deviates in the opposite sense by the difference of the two moves.
     fn mirrors(&self, deviation: &Deviation, other: usize) -> bool {
         let between = self.between(deviation.axis, other);
         let back = nearest(difference(self.phase_error, self.before, other));
@@ -86,7 +87,8 @@ impl Moves<'_> {
         back.abs() > allowed && nearest(between.wrapping_add(back)).abs() <= allowed
     }
 
-    /// Whether a crank is as far off as another was moved further.
+    /// True if the deviation of a crank equals the difference of the moves of another crank and this one. In transit, a part of that
+    /// difference is enough.
     fn follows(&self, deviation: &Deviation, other: usize) -> bool {
         let between = self.between(deviation.axis, other);
         let allowed = self.allowed(deviation.axis);
@@ -108,7 +110,7 @@ impl Moves<'_> {
         let tolerance = self.tolerance.get(axis).copied().unwrap_or_default();
         match self.when {
             When::Corrected => tolerance,
-            // Half way to what a swap would make of a tilt.
+            // Half of the deviation that a swap causes in a tilt.
             When::InTransit | When::Moved => Turns::from_bits(tolerance.to_bits() * APART / 2),
         }
     }

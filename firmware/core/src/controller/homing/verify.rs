@@ -7,25 +7,25 @@ use crate::drift::DriftMonitor;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Turns, nearest};
 
-/// Checks after which a crank that deviates in each is believed to.
+/// Number of checks. A deviation is confirmed only if it shows in every one.
 const CHECKS: u8 = 3;
-/// Corrections after which it is believed in run: by the third, what a swap does may pass for a crank that runs away.
+/// Corrections in a row that confirm a swap in run. At the third, the effect of a swap can be mistaken for a crank that runs away.
 const CONFIRMED: u8 = 2;
-/// One of the looks, 16 fraction bits.
+/// Weight of one check in their mean, 16 fraction bits.
 const CHECK_SHARE: i64 = 65_536 / CHECKS as i64;
 
 /// Result of a check of cranks that were moved.
 pub(super) enum Verdict {
     /// All cranks followed their commands.
     Followed,
-    /// One deviates so far: it is to be checked again.
+    /// A crank deviates, but not yet in enough checks: it must be checked again.
     Unsure,
-    /// One deviated in every check. `is_mutual`: another shows its move, and it shows the other's.
+    /// A crank deviated in every check. `is_mutual` is true if another crank shows its move, and it shows the move of the other.
     Deviates { fault: Fault, is_mutual: bool },
 }
 
 impl Homing {
-    /// Fault of swapped wiring, if that is why cranks that were moved seem to exceed the homing range.
+    /// Returns a fault of swapped wiring, if that explains why cranks that were moved seem to exceed the homing range.
     #[inline(never)]
     pub(in crate::controller) fn explain(
         &self,
@@ -35,7 +35,7 @@ impl Homing {
         if !matches!(self.step, Step::Level | Step::Verify) {
             return None;
         }
-        // While they are on their way, each may show part of the other's command.
+        // While the cranks move, each may show a part of the command of the other.
         let deviation = self.in_transit(monitor.watched(), monitor, offsets)?;
         let fault = Fault::new(FaultKind::SwappedWiring).on_axis(deviation.axis);
         deviation
@@ -43,8 +43,9 @@ impl Homing {
             .then_some(fault.with_size(deviation.off))
     }
 
-    /// A crank was detected elsewhere than in the turn before, by so much: that is reported at once, unless it is no further than a rotor
-    /// swings, or another was commanded to go there, so that the checks have to decide.
+    /// Returns a fault at once if a crank is detected elsewhere than in the turn before, by `by`. There is none if the crank moved no
+    /// farther than a rotor swings. After the search there is also none for a crank within its tolerance, or for one that follows the
+    /// command of another: the later checks decide on it.
     #[inline(never)]
     pub(super) fn moved(
         &self,
@@ -63,9 +64,8 @@ impl Homing {
         Some(Fault::new(kind).on_axis(axis).with_size(by))
     }
 
-    /// The cranks are about to be corrected once more, in run: checks whether they followed their commands the last time. One that shows
-    /// in two corrections, one after the other, the command of another has its lines swapped with that one's, and the more is
-    /// corrected the further they go.
+    /// Checks, before the next correction in run, whether the cranks followed the last one. Two axes have swapped lines if each shows the
+    /// command of the other in two corrections in a row. Each further correction would move them farther apart.
     #[inline(never)]
     pub(in crate::controller) fn corrected(
         &mut self,
@@ -88,7 +88,7 @@ impl Homing {
         (self.checks >= CONFIRMED).then_some(fault.with_size(swapped.off))
     }
 
-    /// The cranks have been moved, and each detected once more.
+    /// Checks cranks that were moved, after each was detected once more.
     #[inline(never)]
     pub(super) fn checked(
         &mut self,

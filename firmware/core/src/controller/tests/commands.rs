@@ -4,7 +4,7 @@ use super::*;
 use crate::mechanism::Mechanism as _;
 use crate::supervisor::JOG_S;
 
-/// A machine that has homed on command stands at its parking phase and has not begun its program.
+/// If this fails, a host cannot home a machine without also starting its program.
 #[test]
 fn a_command_to_home_ends_parked_and_a_start_then_runs() {
     let mut settings = settings();
@@ -23,7 +23,7 @@ fn a_command_to_home_ends_parked_and_a_start_then_runs() {
     assert_eq!(controller.output.telemetry.state, State::Run);
 }
 
-/// If a jog went on by itself, a lost operator would leave a machine turning.
+/// If this fails, a machine goes on turning after its operator has gone.
 #[test]
 fn a_jog_turns_at_homing_speed_and_ends_unless_it_is_repeated() {
     let mut controller = running(100.0);
@@ -47,7 +47,7 @@ fn a_jog_turns_at_homing_speed_and_ends_unless_it_is_repeated() {
     );
 }
 
-/// The immediate stop takes the stop limits, and does not wait for the parking phase.
+/// If this fails, an immediate stop still waits for the parking phase and takes longer than needed.
 #[test]
 fn an_immediate_stop_is_no_longer_than_one_at_the_parking_phase() {
     let ticks_to_park = |command| {
@@ -60,7 +60,7 @@ fn an_immediate_stop_is_no_longer_than_one_at_the_parking_phase() {
             ticks += 1;
             assert!(ticks < 20_000, "it never parks");
         }
-        // It stays where it is.
+        // The machine stays where it stopped.
         let phase = controller.output.telemetry.phase;
         play(&mut controller, None, 1000, false);
         assert_eq!(controller.output.telemetry.phase, phase);
@@ -73,7 +73,7 @@ fn an_immediate_stop_is_no_longer_than_one_at_the_parking_phase() {
     assert!(now < at_phase, "{now} ticks, and {at_phase} at the phase");
 }
 
-/// Half the amplitude is reached at the speed that the mechanism has for it.
+/// If this fails, an override gives another amplitude than the one the operator set.
 #[test]
 fn an_override_scales_the_amplitude() {
     let mut controller = running(40.0);
@@ -106,7 +106,7 @@ fn an_override_scales_the_amplitude() {
     }
 }
 
-/// A program is loaded only while nothing runs, and then begins anew.
+/// If this fails, a program can change while the machine moves, or begins in the middle.
 #[test]
 fn a_program_is_loaded_while_the_machine_rests() {
     let mut other = crate::program::Program::new();

@@ -44,7 +44,7 @@ impl Owed {
             Self::Reset { may_hold } => may_hold,
             Self::Nothing | Self::Start => !before.has_brake,
         };
-        // A loss of the enable input is a fault of a machine that moves. One that holds must be let go, too.
+        // A loss of the enable input is a fault of a machine that moves. A machine that holds must switch its drives off, too.
         let lost = drives && !input.inputs.enable;
         let is_hard = fault.is_some() && input.observed.reaction >= Reaction::StopAndCut;
         let has_fault = fault.is_some() || lost && moving(before.state);

@@ -1,4 +1,4 @@
-//! What counts as the detection of a crank beyond its limit.
+//! Tests of what counts as the detection of a crank beyond its limit.
 
 use super::*;
 use crate::campaign::response::Response;
@@ -36,7 +36,8 @@ fn responded(response: Response, turns: f64) -> Responded {
     }
 }
 
-/// The default scene, axis 1 of which slips beyond its limit at [`BEYOND_TURNS`], stays there, and is reported so. It may stay for 1.1 turns.
+/// Default scene in which axis 1 slips beyond its limit at [`BEYOND_TURNS`], stays there, and is reported as a slip. It may stay for 1.1
+/// turns.
 fn slipped(responses: &[Responded]) -> (Scene, Observation) {
     let mut scene = library::find("default").unwrap().scene();
     scene.fault = vec![FaultAt {
@@ -76,8 +77,8 @@ fn judged(scene: &Scene, observation: &Observation) -> (Verdict, Option<f64>, Op
     (verdict, rounded, in_time)
 }
 
-/// If a report alone were a detection, a loop would be praised for a name while a crank goes on. If a stop without the right name were
-/// none, the judge would believe a name more than the outputs.
+/// If a report alone were a detection, a loop would pass that names the fault while the crank goes on. If a stop without the right name
+/// were none, the judge would trust a name more than the outputs.
 #[test]
 fn a_crank_is_detected_when_the_outputs_stop_it() {
     let (scene, reported) = slipped(&[]);
@@ -106,8 +107,8 @@ fn a_crank_is_detected_when_the_outputs_stop_it() {
     assert_eq!(judged(&scene, &late).0, Verdict::Misnamed);
 }
 
-/// If a correction that was enough were none, a machine would have to stop for what it corrects. If one counted that was not, a machine
-/// could go on beyond its limit for ever.
+/// If a sufficient correction did not count, a machine would have to stop for what it corrects. If an insufficient one counted, a machine
+/// could stay beyond its limit without end.
 #[test]
 fn a_correction_counts_where_it_suffices() {
     let corrected = responded(Response::Correction, 9.5);
@@ -119,23 +120,23 @@ fn a_correction_counts_where_it_suffices() {
         judged(&scene, &observation),
         (Verdict::Right, Some(-0.5), Some(true))
     );
-    // It goes on, and is stopped after all: that is when it was detected beyond its limit.
+    // The crank goes on, and is stopped later. It counts as detected beyond its limit from the stop.
     let stopped = responded(Response::Stop, 12.0);
     observation.stopped = Some(stopped);
     assert_eq!(judged(&scene, &observation).1, Some(2.0));
-    // It is stopped although the cranks are within their limits again.
+    // The machine is stopped although the cranks are within their limits again.
     observation.stopped = Some(Responded {
         is_beyond_limit: false,
         ..stopped
     });
     assert_eq!(judged(&scene, &observation).1, Some(-0.5));
-    // They were beyond them for too long.
+    // The cranks were beyond their limits for too long.
     observation.stay_turns = 1.7;
     assert_eq!(judged(&scene, &observation).1, Some(2.0));
 }
 
-/// If it were counted late, a loop would have to detect a crank that comes back before its index shows it. If it were in time, a crank that
-/// stays beyond its limit for turns would pass.
+/// If it counted as late, a loop would have to detect a crank that comes back before its index shows it. If it counted as in time, a crank
+/// that stays beyond its limit for turns would pass.
 #[test]
 fn a_crank_that_does_not_stay_beyond_its_limit_need_not_be_detected() {
     let (scene, mut observation) = slipped(&[responded(Response::Correction, 9.5)]);
@@ -148,7 +149,7 @@ fn a_crank_that_does_not_stay_beyond_its_limit_need_not_be_detected() {
     assert_eq!(judged(&scene, &observation).0, Verdict::Missed);
 }
 
-/// If only reports counted, a controller that stops without one would make no false trip.
+/// If only reports counted, a controller that stops without one would cause no false trip.
 #[test]
 fn a_stop_before_the_fault_is_a_false_trip() {
     let (scene, mut observation) = slipped(&[responded(Response::Stop, 10.6)]);

@@ -1,4 +1,4 @@
-//! What goes wrong in a case: the kind is drawn first, each as often as any other, then the machine, then how large and when.
+//! Faults of cases. The kind is drawn first, each with equal probability, then the machine, then the size and the time of the fault.
 
 use super::machines::Driven;
 use super::stream::{Stream, rounded};
@@ -6,7 +6,7 @@ use crate::campaign::geometry::Geometry;
 use host_sim::scene::Scene;
 use host_sim::scene::file::{Drive, FaultAt, FaultName, Lines};
 
-/// All kinds.
+/// Kinds of faults that are drawn.
 pub const KINDS: [FaultName; 15] = [
     FaultName::LostSteps,
     FaultName::Slip,
@@ -25,44 +25,44 @@ pub const KINDS: [FaultName; 15] = [
     FaultName::LoadStep,
 ];
 
-/// Whether a kind makes sense for axes that are driven so.
+/// Returns true if a kind is possible on axes with these drives and sensors.
 pub const fn befalls(kind: FaultName, driven: Driven) -> bool {
     match kind {
         FaultName::LostSteps => matches!(driven, Driven::Stepper | Driven::WatchedStepper),
         FaultName::StepFifoUnderrun => !matches!(driven, Driven::Servo),
-        // Of an axis with an index alone, which way round it turns cannot be detected: its pulses come once a turn either way.
+        // An index alone cannot show the direction of rotation: its pulses come once a turn in either direction.
         FaultName::Reversed | FaultName::EncoderGlitch => driven.has_encoder(),
         _ => true,
     }
 }
 
-/// Whether a kind can be detected only where homing proves which wire goes where.
+/// Returns true if a kind can be detected only where homing proves the wiring.
 pub const fn needs_proof(kind: FaultName) -> bool {
     matches!(kind, FaultName::SwappedWiring)
 }
 
-/// Whether a kind needs cranks that torque moves.
+/// Returns true if a kind needs cranks that torque moves.
 pub const fn needs_torque(kind: FaultName) -> bool {
     matches!(kind, FaultName::LoadStep)
 }
 
-/// When faults may come, s since power-up, and how the machine turns then.
+/// Times at which a fault may come, s since power-up, and the speed of the machine then.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// In *homing*: from here,
+    /// Earliest time of a fault in *homing*.
     pub homing_s: f64,
-    /// and in *run* from about here,
+    /// Latest time of a fault in *homing*, and earliest in *run*: about when homing ends.
     pub run_s: f64,
-    /// to here, with time left for what was done to be detected.
+    /// Latest time of a fault. What is left of the program is long enough to detect it.
     pub end_s: f64,
     /// Speed of the highest level, rev/s.
     pub level_hz: f64,
 }
 
-/// So many standard deviations of what two readings differ by are no chance.
+/// Number of standard deviations of the difference between two readings that noise does not exceed.
 const NOISES: f64 = 5.0;
 
-/// One in so many hundred comes during homing.
+/// Faults that come during homing, percent.
 const IN_HOMING_PERCENT: u32 = 10;
 
 /// Draws a fault of a kind for a machine.
@@ -75,7 +75,7 @@ pub fn draw(
 ) -> FaultAt {
     let axes = scene.axes.count;
     let axis = one_of(stream, axes_for(scene, kind).as_slice());
-    // How far a crank goes until it is detected by its platform, degrees.
+    // Error of one crank at which the platform reaches its limits, degrees.
     let limit_deg = geometry.map_or(scene.drift.warp_limit_deg, |geometry| {
         geometry.single_limit_turns() * 360.0
     });
@@ -87,7 +87,7 @@ pub fn draw(
             fault.cycles = Some(if stream.percent(75) { cycles } else { -cycles });
         }
         FaultName::Slip => {
-            // The limit is reached after 20 ms to a second, if the slip goes on for so long.
+            // The slip reaches the limit after 20 ms to 1 s, if it lasts so long.
             let until_s = stream.log_between(0.02, 1.0);
             let rate = stream.sign() * limit_deg / until_s;
             fault.rate_deg_per_s = Some(rounded(rate, 3));
@@ -97,7 +97,7 @@ pub fn draw(
         FaultName::Runaway => {
             let mut ratio = stream.between(1.1, 2.0);
             fault.for_s = seldom_for(stream, 0.05, 0.5);
-            // Of an axis with an index alone, which way round it turns cannot be detected.
+            // An index alone cannot show the direction of rotation.
             if driven(scene, axis).has_encoder() && stream.percent(50) {
                 ratio = -stream.log_between(0.05, 2.0);
             }
@@ -117,7 +117,8 @@ pub fn draw(
         }
         FaultName::Reversed => fault.at_s = 0.0,
         FaultName::EncoderGlitch => {
-            // From what no reading is off by (four tolerances, each of two steps besides), and no tick goes, to half a turn.
+            // The smallest glitch is more than the error of a reading and the travel of two ticks. The error of a reading is four
+            // tolerances, each with two steps, and noise. The largest glitch is half a turn.
             let per_turn = f64::from(scene.axes.steps_per_turn);
             let tick_turns = window.level_hz / f64::from(scene.control.tick_hz);
             let tolerance = scene.drift.reading_error_deg / 360.0 + 2.0 / per_turn;
@@ -140,7 +141,8 @@ pub fn draw(
             fault.for_s = seldom_for(stream, 0.01, 0.5);
         }
         FaultName::LoadStep => {
-            // Up to half as much again as the most that is required of the motor; what is left of its torque is as much.
+            // The load is 5 to 50 % of the largest torque that is required of the motor. The motors of drawn machines have more than that
+            // in reserve.
             let required_nm = geometry.map_or(1.0, |geometry| {
                 let omega = std::f64::consts::TAU * window.level_hz;
                 geometry.most_torque_nm(omega, 0.0) / axes as f64
@@ -155,7 +157,7 @@ pub fn draw(
     fault
 }
 
-/// For good, or in one of two cases for a time.
+/// Draws a duration, s, in one of two cases. In the other the fault is permanent.
 fn seldom_for(stream: &mut Stream, low_s: f64, high_s: f64) -> Option<f64> {
     let for_s = rounded(stream.log_between(low_s, high_s), 4);
     stream.percent(50).then_some(for_s)
@@ -170,11 +172,11 @@ fn at_s(stream: &mut Stream, window: &Window) -> f64 {
     rounded(at_s, 6)
 }
 
-/// How an axis is driven and watched.
+/// Returns the drive and the sensors of an axis.
 pub fn driven(scene: &Scene, axis: usize) -> Driven {
     match scene.drive(axis) {
         Drive::Servo => Driven::Servo,
-        // Two wires more give it what a servo on a fieldbus has.
+        // With the two wires of an encoder, it has the same sensors as a servo on a fieldbus.
         Drive::PulseServo | Drive::Induction if scene.axes.encoder => Driven::Servo,
         Drive::PulseServo | Drive::Induction => Driven::PulseServo,
         Drive::Stepper if scene.axes.encoder => Driven::WatchedStepper,
@@ -182,14 +184,14 @@ pub fn driven(scene: &Scene, axis: usize) -> Driven {
     }
 }
 
-/// Axes that a kind can befall.
+/// Returns the axes on which a kind is possible.
 pub fn axes_for(scene: &Scene, kind: FaultName) -> Vec<usize> {
     (0..scene.axes.count)
         .filter(|&axis| befalls(kind, driven(scene, axis)))
         .collect()
 }
 
-/// One of several axes; the first axis, of none, for which nothing is drawn in the end.
+/// Draws one of several axes. Returns axis 0 if there are none; no case has such a fault in the end.
 fn one_of(stream: &mut Stream, axes: &[usize]) -> usize {
     match axes {
         [] => 0,

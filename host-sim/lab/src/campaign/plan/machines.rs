@@ -1,7 +1,7 @@
-//! The machines that are drawn where no scene is given: three mechanisms out of the built-in scenes, with two to six axes.
+//! Machines that are drawn if no scene is given: three mechanisms of built-in scenes, with two to six axes.
 //!
-//! What is a mechanism's own is taken from its scene: crank, load, mount, limits of the shaft. The motors are made to fit, so that
-//! nothing slips, or lags, of itself: how, is said where it is done.
+//! The built-in scene gives the properties of the mechanism: crank, load, mount, limits of the shaft. The motors are sized so that nothing
+//! slips or lags without a fault. The constants and functions below state how.
 
 use std::f64::consts::TAU;
 
@@ -15,10 +15,10 @@ use host_sim::scene::file::{
 };
 use host_sim::scene::library;
 
-/// The scenes that they are taken from: 10 mm cranks at up to 60 rev/s, 20 mm at up to 20, 76 mm at up to 6.
+/// Built-in scenes of the mechanisms: 10 mm cranks at up to 60 rev/s, 20 mm at up to 20 rev/s, and 76 mm at up to 6 rev/s.
 pub const MECHANISMS: [&str; 3] = ["default", "lost-steps", "patent-4"];
 
-/// The stated level of noise: standard deviations of an index edge's place and time, and of an encoder's reading.
+/// Stated level of noise: standard deviations of the place and the time of an index edge, and of the reading of an encoder.
 pub const NOISE: Noise = Noise {
     seed: 0,
     index_deg: 0.05,
@@ -27,46 +27,46 @@ pub const NOISE: Noise = Noise {
     load_nm: 0.0,
 };
 
-/// How the axes of a machine are driven and watched.
+/// Drives and sensors of the axes of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Driven {
     /// Steppers, each with an index sensor.
     Stepper,
     /// Steppers, each with an index sensor and an encoder.
     WatchedStepper,
-    /// Servos, with their encoders and index sensors.
+    /// Servos, each with an encoder and an index sensor.
     Servo,
     /// Servos that take pulses, each with an index sensor. Drawn only from a scene that has them.
     PulseServo,
 }
 
 impl Driven {
-    /// Those that are drawn where no scene is given.
+    /// Variants that are drawn if no scene is given.
     pub const ALL: [Self; 3] = [Self::Stepper, Self::WatchedStepper, Self::Servo];
 
-    /// Whether it has encoders.
+    /// Returns true if the axes have encoders.
     pub const fn has_encoder(self) -> bool {
         matches!(self, Self::WatchedStepper | Self::Servo)
     }
 }
 
-/// A motor gives so many times what is required of it: at 3, a stepper's rotor is 20° of its electrical cycle behind at most, and
-/// may swing by three times as much.
+/// Torque of a motor, as a multiple of the torque that is required of it. At 3, a stepper's rotor is at most 20° of its electrical cycle
+/// behind, and may swing by three times as much.
 const PLENTY: f64 = 3.0;
 
-/// Damping of a stepper's rotor in its field, with its share of the load, as a part of what is critical.
+/// Damping of a stepper's rotor in its field, with its share of the load, as a fraction of critical damping.
 const FIELD_ZETA: f64 = 0.2;
 
-/// Motors keep their torque up to so many times the machine's greatest speed.
+/// Speed up to which motors keep their torque, as a multiple of the machine's greatest speed.
 const PULL_OUT_SPEEDS: f64 = 1.5;
 
-/// Electrical cycles to a turn: 200 full steps, four a cycle.
+/// Electrical cycles per turn: 200 full steps, four per cycle.
 const CYCLES: f64 = 50.0;
 
-/// A servo's velocity loop follows so many radians a second; its position loop a quarter of that, which is critical.
+/// Bandwidth of a servo's velocity loop, rad/s. That of its position loop is a quarter of it, which gives critical damping.
 const VELOCITY_RAD_S: f64 = 500.0;
 
-/// Draws a machine with a program of one level: homing, ramp, hold; and which mechanism it is.
+/// Draws a machine with a program of one level: homing, ramp, hold. Returns the name of its mechanism, too.
 pub fn draw(
     stream: &mut Stream,
     driven: Driven,
@@ -110,7 +110,7 @@ pub fn draw(
             0.0
         },
         load_nm: if on_rotors {
-            // A twentieth of the torque required of a motor at most.
+            // At most a twentieth of the torque that is required of a motor.
             rounded(stream.between(0.0, 0.05) * required_nm(&scene), 4)
         } else {
             0.0
@@ -127,14 +127,14 @@ fn apart(number: usize, reversed: bool) -> AxisOverrides {
     }
 }
 
-/// The loop, its homing speed, how fast it stops, and where index flags and cranks stand.
+/// Draws the control loop, the homing speed, the limits of a stop, and the places of index flags and cranks.
 fn control(stream: &mut Stream, scene: &mut Scene) {
     scene.control.tick_hz = stream.one_of(&[1000, 2000, 2000, 4000]);
     scene.control.settle_s = 0.02;
     scene.control.park_deg = rounded(stream.between(0.0, 360.0), 1);
     let limits = &mut scene.limits;
     limits.homing_speed_hz = rounded(stream.between(1.5, 3.0), 2);
-    // A stop that motors of such plenty can make; twice the acceleration in half the time is eight times the jerk.
+    // The motors have enough torque for such a stop. Twice the acceleration, built up in a quarter of the time, is eight times the jerk.
     let factor = stream.one_of(&[1.0, 2.0, 3.0]);
     limits.stop_acceleration_hz_per_s = Some(limits.acceleration_hz_per_s * factor);
     limits.stop_jerk_hz_per_s2 = Some(limits.jerk_hz_per_s2 * factor.powi(3));
@@ -147,7 +147,7 @@ fn control(stream: &mut Stream, scene: &mut Scene) {
         apart.index_deg = Some(if together { common_deg } else { own_deg });
     }
     draw_limits(stream, scene);
-    // After power-up cranks stand a little apart: a quarter of the way to the limits, at most.
+    // After power-up, the cranks are slightly apart: each by at most a quarter of the error that one crank may have.
     if stream.percent(50) {
         let most_deg = Geometry::new(scene)
             .map_or(0.0, |geometry| 0.25 * 360.0 * geometry.single_limit_turns());
@@ -158,11 +158,11 @@ fn control(stream: &mut Stream, scene: &mut Scene) {
     scene.axes.trim_rate_deg_per_s = 10.0;
 }
 
-/// How far one crank alone may be off, degrees: from half an electrical cycle, so that the first that is lost is beyond it, to nearly
-/// two.
+/// Smallest and largest error that one crank alone may have, degrees. The smallest is about half an electrical cycle (3.6°), so that the
+/// first lost cycle is beyond the limit. The largest is nearly two cycles.
 const ALONE_DEG: (f64, f64) = (4.0, 12.0);
 
-/// Limits on tilt and warp: one of them as tight as a drawn error of one crank makes it, the other up to twice as wide.
+/// Draws the limits on tilt and warp. A drawn error of one crank reaches one of them exactly. The other is up to twice as wide.
 fn draw_limits(stream: &mut Stream, scene: &mut Scene) {
     let alone_deg = stream.between(ALONE_DEG.0, ALONE_DEG.1);
     let wider = stream.between(1.0, 2.0);
@@ -182,7 +182,7 @@ fn draw_limits(stream: &mut Stream, scene: &mut Scene) {
     }
 }
 
-/// Motors that give [`PLENTY`] times what the machine asks at its greatest speed.
+/// Draws motors that give [`PLENTY`] times the torque that the machine requires at its greatest speed.
 fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
     let required_nm = required_nm(scene);
     let load = Geometry::new(scene).map_or(0.0, |geometry| geometry.most_inertia_kgm2());
@@ -210,18 +210,18 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
     axes.drive = Drive::Stepper;
     axes.steps_per_turn = stream.one_of(&[3200, 6400]);
     let most_nm = rounded(PLENTY * required_nm, 3);
-    // A rotor that swings is faster than its field for a while: the torque must not end at the field's greatest speed.
+    // A rotor that swings is faster than its field for a while, so the torque must not end at the greatest speed of the field.
     let most_hz = PULL_OUT_SPEEDS * scene.limits.speed_hz;
     axes.pull_out = vec![(0.0, most_nm), (most_hz, most_nm)];
     let stiffness = most_nm * CYCLES;
     axes.damping_nms = rounded(2.0 * FIELD_ZETA * (stiffness * inertia).sqrt(), 4);
 }
 
-/// A motor bends the rods by an error of its crank with so much of its torque, where one crank alone is at the limit.
+/// Fraction of a motor's torque that bends the rods where one crank alone is at the limit.
 const BENDS: f64 = 0.25;
 
-/// Rods that the motors of four and more cranks can bend as far as the limits let them be apart: with stiffer ones no motor could
-/// move its crank to there, whatever its command was. A crank that is off by e pulls on its rod with at most k R e, a lever R away.
+/// Makes rods that the motors of four and more cranks can bend as far as the limits allow cranks to be apart. With stiffer rods no motor
+/// could move its crank so far, whatever its command. A crank that is off by e pulls on its rod with at most k R e, at a lever of R.
 fn rods(scene: &mut Scene) {
     let required_nm = PLENTY * required_nm(scene);
     let Some(geometry) = Geometry::new(scene).filter(|_| scene.axes.count > 3) else {
@@ -235,7 +235,7 @@ fn rods(scene: &mut Scene) {
     }
 }
 
-/// The most that the machine asks of one motor: at full speed and at rest, at any crank angle.
+/// Largest torque that the machine requires of one motor, at full speed or at rest, at any crank angle, N·m.
 fn required_nm(scene: &Scene) -> f64 {
     let limits = &scene.limits;
     let usual = limits.acceleration_hz_per_s;
@@ -247,7 +247,7 @@ fn required_nm(scene: &Scene) -> f64 {
     most_nm / axes.count as f64 + axes.friction_nm + axes.rotor_inertia_kgm2 * acceleration
 }
 
-/// One level, held for as long as what may go wrong takes to be detected.
+/// Sets a program of one level, which is held for long enough to detect a fault.
 fn program(stream: &mut Stream, scene: &mut Scene, level_hz: f64) {
     let amax_mps2 = Geometry::new(scene).map_or(0.0, |geometry| {
         geometry.mechanism().amax_mps2(level_hz * TAU)

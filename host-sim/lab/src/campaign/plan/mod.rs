@@ -1,7 +1,7 @@
-//! What is drawn for a case: its machine, its program, its noise, and what goes wrong.
+//! Drawing of cases: the machine, its program, its noise, and its fault.
 //!
-//! A *case* has a number; all of it is drawn from a stream of its own ([`stream`]), and [`VERSION`] says which way. It is run
-//! twice: as it is, its *faulty* run; and without its fault, its *clean* run, in which noise is all there is.
+//! A *case* has a number. All of it is drawn from a random stream of its own ([`stream`]), and [`VERSION`] identifies the method. A case is
+//! run twice: with its fault (the *faulty* run), and without it, with noise alone (the *clean* run).
 
 pub mod faults;
 pub mod machines;
@@ -21,18 +21,18 @@ use super::geometry::Geometry;
 /// Version of the plan. A seed draws the same cases as long as this is the same.
 pub const VERSION: u32 = 3;
 
-/// One in so many hundred machines is on the phased model level, where torque moves the cranks.
+/// Machines on the phased model level, where torque moves the cranks, percent.
 const ON_ROTORS_PERCENT: u32 = 10;
 
-/// One case.
+/// Case of a campaign.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its number, and the seed of its campaign.
+    /// Number of the case, and the seed of its campaign.
     pub number: u64,
     seed: u64,
     /// Name of the machine.
     pub machine: String,
-    /// Its scene, with its fault.
+    /// Scene of the machine, with its fault.
     pub scene: Scene,
 }
 
@@ -42,7 +42,7 @@ impl Case {
         &self.scene.fault[0]
     }
 
-    /// The scene of one of its two runs.
+    /// Returns the scene of the faulty or of the clean run.
     pub fn scene_of(&self, clean: bool) -> Scene {
         let mut scene = self.scene.clone();
         if clean {
@@ -58,16 +58,16 @@ impl Case {
 #[derive(Clone, Debug)]
 pub struct Plan {
     seed: u64,
-    /// The user's scene; without it machines are drawn.
+    /// Scene of the user. Without it, machines are drawn.
     scene: Option<Checked>,
     kinds: Vec<FaultName>,
 }
 
 impl Plan {
-    /// Plan for a seed, and for a scene or the machines of [`machines`].
+    /// Plan for a seed, with a given scene or with the machines of [`machines`].
     ///
     /// # Errors
-    /// The scene has faults already, or is one that nothing could go wrong with.
+    /// The scene has faults already, or no fault is possible in it.
     pub fn new(seed: u64, scene: Option<Checked>) -> Result<Self, SceneError> {
         let Some(checked) = &scene else {
             let kinds = faults::KINDS.to_vec();
@@ -99,7 +99,7 @@ impl Plan {
         self.scene.as_ref().map(|checked| &checked.scene)
     }
 
-    /// Strata that cases are of, and the share of each, in the order of the kinds.
+    /// Returns the strata of the cases, and the share of each, in the order of the kinds.
     pub fn strata(&self) -> Vec<(Stratum, Share)> {
         let mut strata = Vec::new();
         for &kind in &self.kinds {
@@ -121,7 +121,7 @@ impl Plan {
         strata
     }
 
-    /// The stratum of a case: as in [`Plan::case`], at a small part of the cost.
+    /// Returns the stratum of a case. It is that of [`Plan::case`], at a small part of the cost.
     pub fn stratum(&self, number: u64) -> Stratum {
         let (kind, source) = self.begin(&mut Stream::new(self.seed, number));
         let encoder = match source {
@@ -141,7 +141,7 @@ impl Plan {
         (kind, source)
     }
 
-    /// A case by its number.
+    /// Draws the case with a number.
     pub fn case(&self, number: u64) -> Case {
         let mut stream = Stream::new(self.seed, number);
         let (kind, source) = self.begin(&mut stream);
@@ -172,7 +172,7 @@ impl Plan {
     }
 }
 
-/// The description of a case's scene.
+/// Description of a case's scene.
 fn title(number: u64, seed: u64, what: &str, machine: &str) -> String {
     format!("case {number} of seed {seed}: {what} on the machine {machine}")
 }
@@ -182,21 +182,21 @@ fn title(number: u64, seed: u64, what: &str, machine: &str) -> String {
 enum Source<'a> {
     /// The user's scene.
     Given(&'a Checked),
-    /// A machine that is drawn, with these drives.
+    /// A drawn machine, with these drives.
     Drawn(Driven),
 }
 
-/// Drives of the machines that are drawn for a kind of fault.
+/// Returns the variants of drives that are drawn for a kind of fault.
 fn fit(kind: FaultName) -> Vec<Driven> {
     let befalls = |driven: &Driven| faults::befalls(kind, *driven);
     Driven::ALL.into_iter().filter(befalls).collect()
 }
 
-/// A machine for a kind of fault.
+/// Draws a machine for a kind of fault.
 fn drawn(stream: &mut Stream, kind: FaultName, driven: Driven) -> (String, Scene) {
     let on_rotors = stream.percent(ON_ROTORS_PERCENT) || faults::needs_torque(kind);
     let prove = stream.percent(50) || faults::needs_proof(kind);
-    // A pattern that proves the wiring needs room within the limits, of which a few machines have none: the next is drawn.
+    // A pattern that proves the wiring needs room within the limits. A few machines have none, and the next one is drawn instead.
     let mut machine = machines::draw(stream, driven, on_rotors, prove);
     for _ in 0..MOST_DRAWN {
         if Checked::new(machine.1.clone()).is_ok() {
@@ -207,10 +207,10 @@ fn drawn(stream: &mut Stream, kind: FaultName, driven: Driven) -> (String, Scene
     (machine.0.to_owned(), machine.1)
 }
 
-/// How often at most; one in two has room at least.
+/// Largest number of further draws. At least one machine in two has room.
 const MOST_DRAWN: usize = 50;
 
-/// The user's machine, with noise at the stated level unless it has its own, from a seed of the case's.
+/// Returns the user's machine. It gets noise at the stated level unless it has its own. The seed of the noise is drawn for the case.
 fn given(stream: &mut Stream, checked: &Checked) -> (String, Scene) {
     let mut scene = checked.scene.clone();
     if scene.noise.is_none() {
@@ -224,13 +224,13 @@ fn given(stream: &mut Stream, checked: &Checked) -> (String, Scene) {
         };
     }
     scene.noise.seed = stream.seed();
-    // A replay's file is run as this was: on the model level that was chosen, and chosen once.
+    // A replay of the file must use the same model level. So the scene stores the level that was chosen, and no questions that choose one.
     scene.fidelity = checked.fidelity;
     scene.questions = Default::default();
     (checked.scene.name.clone(), scene)
 }
 
-/// What can go wrong with a scene: what makes sense for its axes, can be detected, and is not refused by its check.
+/// Returns the kinds of faults that suit the axes of a scene, can be detected, and pass its check.
 fn kinds_of(checked: &Checked) -> Vec<FaultName> {
     let scene = &checked.scene;
     let geometry = Geometry::new(scene);
@@ -258,8 +258,8 @@ fn kinds_of(checked: &Checked) -> Vec<FaultName> {
     faults::KINDS.into_iter().filter(fits).collect()
 }
 
-/// Of a drawn machine. Align takes a turn and what correcting takes, which is not known here; so *run* begins about then, and the
-/// hold is long enough for it not to matter.
+/// Window of a drawn machine. Homing takes one turn and the time of the corrections, which is not known here. So `run_s` is about the
+/// beginning of *run*, and the hold is long enough for the difference not to matter.
 fn window(scene: &Scene, geometry: Option<&Geometry>) -> Window {
     let amax_mps2 =
         scene.program[0].amax_g.unwrap_or_default() * host_sim::design::STANDARD_GRAVITY_MPS2;
@@ -284,7 +284,7 @@ fn window(scene: &Scene, geometry: Option<&Geometry>) -> Window {
     }
 }
 
-/// Of the user's scene: over all of its program but the last twentieth.
+/// Window of the user's scene: all of its program but the last twentieth.
 fn window_of_given(checked: &Checked) -> Window {
     let scene = &checked.scene;
     let controller = checked.controller();

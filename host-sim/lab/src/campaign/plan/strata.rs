@@ -1,7 +1,6 @@
-//! Strata of a plan: its cases by kind of fault and by sensor, as the campaign's table has them, and the share of each.
+//! Strata of a plan: its cases by kind of fault and by sensor, as in the campaign's table, and the share of each.
 //!
-//! A share is exact. Kind and drives are the first things that are drawn for a case, each with equal probabilities, and nothing
-//! that is drawn later changes them.
+//! A share is exact. Kind and drives are drawn first for a case, each with equal probabilities, and later draws do not change them.
 
 use std::fmt;
 
@@ -17,12 +16,12 @@ pub struct Stratum {
     pub encoder: bool,
 }
 
-/// The name of the best sensor of an axis, as the table has it.
+/// Returns the name of the best sensor of an axis, as in the table.
 pub const fn sensor(encoder: bool) -> &'static str {
     if encoder { "encoder" } else { "index" }
 }
 
-/// A kind by its name.
+/// Returns the kind with a name.
 pub fn kind(name: &str) -> Option<FaultName> {
     KINDS.into_iter().find(|kind| kind.name() == name)
 }
@@ -47,7 +46,7 @@ impl fmt::Display for Stratum {
     }
 }
 
-/// Probability that a case is of a stratum, as a fraction: `of` in `among`.
+/// Probability that a case is of a stratum, as a fraction: `of` / `among`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
     /// Numerator.
@@ -64,7 +63,7 @@ impl Share {
         (0 < of && of <= among).then_some(Self { of, among })
     }
 
-    /// The fraction as a number.
+    /// Returns the fraction as a number.
     pub fn part(self) -> f64 {
         self.of as f64 / self.among as f64
     }
@@ -87,7 +86,7 @@ mod tests {
         [None, Some(Checked::new(scene).unwrap())].map(|checked| Plan::new(9, checked).unwrap())
     }
 
-    /// If this fails, a campaign of chosen strata simulates cases of others.
+    /// If this fails, a campaign of chosen strata simulates cases of other strata.
     #[test]
     fn the_stratum_of_a_number_is_that_of_its_case() {
         for plan in plans() {
@@ -116,7 +115,8 @@ mod tests {
             }
             for ((stratum, share), count) in strata.iter().zip(counts) {
                 let expected = share.part() * CASES as f64;
-                // Four standard deviations: of thirty counts, one in 500 plans has one outside, and this plan is always the same.
+                // The margin is four standard deviations. With thirty counts, one in 500 plans has a count outside, and the seed of this
+                // plan is fixed.
                 let margin = 4.0 * (expected * (1.0 - share.part())).sqrt();
                 let difference = (count as f64 - expected).abs();
                 assert!(difference < margin, "{stratum}: {count}, not {expected}");
