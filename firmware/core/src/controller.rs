@@ -1,9 +1,8 @@
-//! One tick of the whole path: program, mechanism, master shaft, axes, pulses and setpoints; and back
-//! from the index pulses through the drift monitor to the supervisor.
+//! Control loop: one tick of the whole path. It leads from program and mechanism through master shaft and axes to pulses and setpoints. It
+//! leads back from the index pulses through the drift monitor to the supervisor.
 //!
-//! **Times.** What [`Controller::tick`] returns at one deadline is played from the next deadline on,
-//! for one tick. The index pulses handed to it came between the deadline before and this one, while
-//! the output of two ticks ago was played.
+//! **Times.** The output that [`Controller::tick`] returns at one deadline is played for one tick from the next deadline on. The index
+//! pulses that it takes came between the previous deadline and this one, while the output of two ticks ago was played.
 
 mod channel;
 mod configure;
@@ -37,39 +36,39 @@ use punctuality::Punctuality;
 #[derive(Clone, Debug)]
 #[repr(C)] // What every tick needs comes first: the board's instructions reach 32 bytes, or 128 by words.
 pub struct Controller {
-    /// This tick has done work that is not due in every tick.
+    /// True if this tick has done work that is not due in every tick.
     is_busy: bool,
-    /// Ticks in a row that were busy.
+    /// Number of busy ticks in a row.
     busy_ticks: u8,
-    /// Deadlines were missed: what the index sensors said since belongs to no known phase.
+    /// True if deadlines were missed: index pulses since then belong to no known phase.
     was_late: bool,
-    /// The stop input's level in the last tick.
+    /// Level of the stop input in the last tick.
     stop_input: bool,
     has_servos: bool,
     /// Axes that do not make the master's own turns.
     followers: AxisSet,
-    /// Axis that has a plan of its own because its phase offset moves.
+    /// Axis that has a plan of its own, because its phase offset moves.
     apart: Option<usize>,
     punctuality: Punctuality,
     tick_hz: u32,
     motion: Motion,
     target: Target,
     ticks: u64,
-    /// The tick in which the drives were on last, before a fault state in which they may hold.
+    /// Last tick in which the drives were on, outside the fault state in which they may hold.
     driven: u64,
-    /// The level towards which the program goes, and the speed that belongs to it.
+    /// Level toward which the program moves, and the speed for it.
     end: (Amax, Turns),
-    /// Phase at which the cranks park, as they stand, and as the master counts it.
+    /// Phase at which the cranks park: phase of the cranks, and phase of the master.
     park_crank: Turns,
     park: Turns,
     amplitude: AmplitudeOverride,
     supervisor: Supervisor,
-    /// Event that is published a tick later, as another was published in this one.
+    /// Event that is published in the next tick, as another one was published in this tick.
     unpublished: Option<Fault>,
     overrun: Option<Fault>,
     shaft: Shaft,
     step_rate: StepRates,
-    /// Turns that the axes were commanded in the last outputs.
+    /// Turns that were commanded in the last outputs.
     history: History,
     cursor: Cursor,
     program: Program,
@@ -86,33 +85,33 @@ pub struct Controller {
     output: Output,
 }
 
-/// Busy ticks in a row after which further work is no longer postponed: more than the pulses of all axes and a correction take.
+/// Number of busy ticks in a row after which work is no longer postponed. The pulses of all axes and a correction take fewer.
 const MOST_BUSY_TICKS: u8 = MAX_AXES as u8 + 12;
 
 impl Controller {
-    /// How many axes there are.
+    /// Number of axes.
     pub fn axis_count(&self) -> usize {
         self.channels.len()
     }
 
-    /// Control ticks a second.
+    /// Control ticks per second.
     pub const fn tick_hz(&self) -> u32 {
         self.tick_hz
     }
 
-    /// Whether an axis is mounted the other way round: its DIR is to be turned. One that is not there is not.
+    /// True if an axis is mounted in reverse, so that its DIR must be inverted. False for an axis that does not exist.
     pub fn is_reversed(&self, axis: usize) -> bool {
         self.channels
             .get(axis)
             .is_some_and(|channel| channel.reversed)
     }
 
-    /// The program, and the place in it.
+    /// Program and the position in it.
     pub const fn program(&self) -> (&Program, &Cursor) {
         (&self.program, &self.cursor)
     }
 
-    /// Replaces the program of a machine that is idle or parked, and begins it anew. Returns false in any other state.
+    /// Replaces the program and its position, if the machine is idle or parked. Returns false in any other state.
     ///
     /// The program must have been made for this controller's tick rate, mechanism and greatest speed.
     #[inline(never)]
@@ -125,29 +124,28 @@ impl Controller {
         true
     }
 
-    /// Goes to a place in the program, ticks from its start. Takes effect like a jump of the level:
-    /// the shaft follows within its limits.
+    /// Moves to a position in the program, in ticks from its start. This acts like a jump of the level: the shaft follows within its
+    /// limits.
     pub fn seek(&mut self, elapsed: u64) {
         self.cursor.seek(&self.program, elapsed);
     }
 
-    /// The mechanism, for converting between speed and amax.
+    /// Mechanism, which converts between speed and amax.
     pub const fn mechanism(&self) -> &AnyMechanism {
         &self.mechanism
     }
 
-    /// Sets the user's part of an axis's phase offset, rounded to whole steps. Returns false if the axis's limit cut it, or if
-    /// there is no such axis.
+    /// Sets the user's part of an axis's phase offset, rounded to whole steps. Returns false if the limit of the axis cut it, or if the
+    /// axis does not exist.
     pub fn set_trim(&mut self, axis: usize, turns: Turns) -> bool {
         self.offsets.set_user(axis, turns)
     }
 
-    /// Takes note of a deadline that was met late, by over half a tick or not, after `missed` deadlines
-    /// that were not met at all.
+    /// Records a deadline that was met late, after `missed` deadlines that were not met at all. `over_half` is true if it was late by more
+    /// than half a tick.
     ///
-    /// While deadlines are missed the step hardware has nothing to play: all axes stand, and go on
-    /// from where they stood. No phase is lost by that, and none is made up for: the machine's time
-    /// is behind by as many ticks.
+    /// While deadlines are missed, the step hardware has nothing to play. All axes stand still, and continue from the same phases. No phase
+    /// is lost and none is caught up: the time of the machine lags by as many ticks.
     pub fn late(&mut self, missed: u32, over_half: bool) {
         let limits = &mut self.output.telemetry.limits;
         limits.late_deadlines = limits.late_deadlines.saturating_add(u32::from(over_half));
@@ -159,8 +157,8 @@ impl Controller {
         self.stood(missed);
     }
 
-    /// Takes note that the last output was handed over `missed` ticks late, and is played by that much
-    /// later. As with [`Self::late`], the machine stands meanwhile, and is behind.
+    /// Records that the last output was handed over `missed` ticks late and is played that much later. As with [`Self::late`], the machine
+    /// stands still meanwhile, and its time lags.
     pub const fn held_over(&mut self, missed: u32) {
         let limits = &mut self.output.telemetry.limits;
         limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
@@ -174,17 +172,17 @@ impl Controller {
         }
     }
 
-    /// Begins in the fault state: for what is known before the first tick.
+    /// Begins in the fault state, for faults that are known before the first tick.
     pub const fn begin_with(&mut self, fault: Fault) {
         self.supervisor.begin_with(fault);
     }
 
-    /// True if work that can wait may be done in this tick: in one that is not busy, or after too many that were.
+    /// True if work that can wait may be done in this tick: the tick is not busy, or too many busy ones came before.
     const fn has_time(&self) -> bool {
         !self.is_busy || self.busy_ticks >= MOST_BUSY_TICKS
     }
 
-    /// The master's phase as the cranks stand.
+    /// Phase of the master plus the home offset: the phase at which the cranks are.
     fn crank_phase(&self) -> Phase {
         self.shaft.phase().advanced(self.homing.home_offset())
     }

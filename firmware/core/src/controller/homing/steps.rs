@@ -1,4 +1,4 @@
-//! Steps of homing: find every index, bring the cranks together, tilt them, take that back.
+//! Steps of homing: find every index, level the cranks, tilt them, and take the tilt back.
 
 use super::verify::Verdict;
 use super::{Homing, Step, errors};
@@ -7,11 +7,11 @@ use crate::drift::DriftMonitor;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 
-/// Turns of the master in one step after which something is wrong that nothing else has a name for.
+/// Largest number of turns of the master in one step. Beyond it, homing ends with an index timeout, as no other check has found a cause.
 const MOST_WAITED: Turns = Turns::lit("8");
 
 impl Homing {
-    /// Plays one tick of the search, after one in which the master made `speed` turns.
+    /// Plays one tick of homing. The master made `speed` turns in the tick before.
     #[inline]
     pub(in crate::controller) fn advance(
         &mut self,
@@ -25,7 +25,7 @@ impl Homing {
         {
             return Some(fault);
         }
-        // To evaluate pulses takes as long as a step of homing.
+        // Evaluating pulses takes as long as a step of homing, so a tick does only one of them.
         let fault = if monitor.is_busy() {
             None
         } else {
@@ -36,7 +36,7 @@ impl Homing {
         } else if !self.is_done() {
             self.waited = self.waited.saturating_add(speed);
         }
-        // Every index is detected, or missed, within a turn or two, and looked for no more than some times.
+        // Each index is detected or reported as missing within one or two turns, and the number of attempts is limited.
         if fault.is_none() && self.waited > MOST_WAITED {
             self.waited = Turns::ZERO;
             return Some(Fault::new(FaultKind::IndexTimeout));
@@ -71,7 +71,7 @@ impl Homing {
         None
     }
 
-    /// True once all is known that the cranks are compared with after they were moved.
+    /// True if all readings are available with which the cranks are compared after their move.
     fn may_move(&self, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> bool {
         monitor.is_turn_over() || !(self.proves() || offsets.corrects())
     }
@@ -84,20 +84,20 @@ impl Homing {
         self.from = *offsets.now();
     }
 
-    /// Every index has been detected.
+    /// Levels the cranks, after every index has been detected.
     #[inline(never)]
     fn found(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         self.find_home_offset(monitor, offsets);
         self.level(monitor, offsets)
     }
 
-    /// True if the cranks may be brought together once more. Cranks that are apart bend the rods, which pull soft drives away from their
-    /// commands, and let go once the cranks are together.
+    /// True if the cranks may be levelled a second time. Cranks that are apart bend the rods, which pull soft drives away from their
+    /// commands. Once the cranks are level, the rods no longer pull.
     fn may_level_again(&self, offsets: &PhaseOffsets) -> bool {
         self.proven == 0 && !self.has_levelled_again && offsets.corrects()
     }
 
-    /// Brings the cranks together.
+    /// Levels the cranks.
     #[inline(never)]
     fn level(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         let mut target = *offsets.now();
@@ -105,7 +105,7 @@ impl Homing {
             let error = errors(monitor, offsets);
             target = offsets.against(&error, monitor.watched(), true);
         } else if self.proves() {
-            // What a homing run that was cut short left of its pattern is taken back.
+            // Takes back the part of a tilt that an interrupted homing run left.
             target = [Turns::ZERO; MAX_AXES];
         }
         let differs = (0..MAX_AXES).any(|axis| {
@@ -122,10 +122,10 @@ impl Homing {
         is_pattern(&self.patterns[0])
     }
 
-    /// The cranks are together: it is proved that each is its own, or all is done.
+    /// Continues with levelled cranks: starts the next tilt that proves the wiring, or ends homing.
     fn go_on(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         if self.proven == 0 {
-            // Where nothing is corrected, the little that a homing run that was cut short left goes with the tilts.
+            // Without a correction, the small trims that an interrupted homing run left are taken back with the tilts.
             self.base = if offsets.corrects() {
                 *offsets.now()
             } else {
@@ -146,20 +146,20 @@ impl Homing {
             return None;
         };
         self.proven += 1;
-        // Tilted the other way it proves as much. Where readings alone could be beyond a limit, there may be more room that way.
-        let [trims, over] = [false, true].map(|over| self.tilted(&pattern, over));
-        let choices = [(&trims, true), (&over, false), (&trims, false)];
-        let chosen = choices
+        // The opposite tilt proves as much. It may have more room where the error of a reading alone could exceed a limit.
+        let tolerances = (0..MAX_AXES).map(|axis| monitor.tolerance(axis));
+        let spare = tolerances.max().unwrap_or_default();
+        let choice = [(false, spare), (true, Turns::ZERO), (false, Turns::ZERO)]
             .into_iter()
-            .find(|&(trims, spare)| has_room(trims, spare, monitor, offsets));
-        let Some((&trims, _)) = chosen else {
+            .find(|&(over, spare)| has_room(&self.tilted(&pattern, over), spare, monitor, offsets));
+        let Some((over, _)) = choice else {
             let fault = Fault::new(FaultKind::HomingRangeExceeded);
             return Some(fault.on_axis(monitor.furthest(&errors(monitor, offsets))));
         };
-        self.move_to(trims, monitor, offsets)
+        self.move_to(self.tilted(&pattern, over), monitor, offsets)
     }
 
-    /// The trims without a tilt, and one on top, this way or the other.
+    /// Returns the trims without a tilt plus `pattern`, or minus it if `over`.
     #[inline(never)]
     fn tilted(&self, pattern: &PerAxis<Turns>, over: bool) -> PerAxis<Turns> {
         let mut trims = self.base;
@@ -170,7 +170,7 @@ impl Homing {
         trims
     }
 
-    /// Moves the cranks to other trims, straight and together: the platform tilts no further than at one of the two ends.
+    /// Moves the cranks to other trims, linearly and at the same time. So the largest tilt of the platform is that at one of the two ends.
     #[inline(never)]
     fn move_to(
         &mut self,
@@ -183,7 +183,7 @@ impl Homing {
             let fault = Fault::new(FaultKind::HomingRangeExceeded);
             return Some(fault.on_axis(axis).with_size(size));
         }
-        // Both tilts are looked at against the cranks without any: from one to the other two may be moved alike.
+        // Both tilts are compared with the cranks before the first one. From one tilt to the other, two cranks may move alike.
         if self.proven <= 1 {
             self.before = monitor.turn_errors();
             self.from = *offsets.now();
@@ -195,12 +195,12 @@ impl Homing {
         None
     }
 
-    /// The error that all cranks have in common is the place of the machine's zero.
+    /// Moves the zero of the machine by the phase error that all cranks have in common.
     fn find_home_offset(&mut self, monitor: &mut DriftMonitor, offsets: &PhaseOffsets) {
         if !self.has_home_offset {
             return;
         }
-        // Drifts may lie around half a turn: their differences have a mean.
+        // Phase errors may lie near half a turn, where they wrap. Their differences have a mean.
         let watched = monitor.watched();
         let first = watched.trailing_zeros() as usize;
         let base = monitor
@@ -219,29 +219,25 @@ impl Homing {
     }
 }
 
-/// True if trims are within their limits, and leave the platform within its own; with `spare`, even if each reading errs as far as it may.
+/// True if the trims are within their limits and keep the platform within its own, even if each reading errs by `spare`.
+#[inline(never)]
 fn has_room(
     trims: &PerAxis<Turns>,
-    spare: bool,
+    spare: Turns,
     monitor: &DriftMonitor,
     offsets: &PhaseOffsets,
 ) -> bool {
     let mut after = errors(monitor, offsets);
     let moves = trims.iter().zip(offsets.now());
-    for (axis, (after, (to, &from))) in after.iter_mut().zip(moves).enumerate() {
+    for (after, (to, &from)) in after.iter_mut().zip(moves) {
         let by = to.wrapping_sub(from);
-        let most = if spare {
-            monitor.tolerance(axis)
-        } else {
-            Turns::ZERO
-        };
-        let error = if by < 0 { most.wrapping_neg() } else { most };
-        *after = nearest(after.wrapping_add(by).wrapping_add(error));
+        let further = if by < 0 { spare.wrapping_neg() } else { spare };
+        *after = nearest(after.wrapping_add(by).wrapping_add(further));
     }
     offsets.beyond_limit(trims).is_none() && monitor.allows(&after)
 }
 
-/// Whether it tilts anything.
+/// True if a pattern tilts the platform.
 fn is_pattern(levels: &[Turns]) -> bool {
     levels.iter().any(|&level| level != 0)
 }
