@@ -116,14 +116,14 @@ def check_led(text):
 def cause_rows(counted):
     """Rows of the table of causes: names by one sensor with at least 50 runs, of which less than 98 % had one cause."""
     runs = {}
-    for row in csv.DictReader(counted.splitlines()):
-        runs.setdefault((row['name'], row['seen_by']), []).append((row['cause'], int(row['runs'])))
-    for (name, seen_by), causes in runs.items():
+    for name, sensor, cause, count, _ in list(csv.reader(counted.splitlines()))[1:]:
+        runs.setdefault((name, sensor), []).append((cause, int(count)))
+    for (name, sensor), causes in runs.items():
         total = sum(count for _, count in causes)
         shares = [(cause, math.floor(100 * count / total + 0.5)) for cause, count in causes]
         if total >= 50 and max(share for _, share in shares) < 98:
             listed = ', '.join(f'`{cause}` {share}' for cause, share in shares if share)
-            yield f'| `{name}` | {seen_by} | {total:,} | {listed} |'
+            yield f'| `{name}` | {sensor} | {total:,} | {listed} |'
 
 
 def check_causes(text):

@@ -6,7 +6,7 @@ const MOST_AT_ONCE: u32 = 2;
 /// Number of ticks after which a missed deadline no longer counts.
 const FORGIVEN_AFTER: u32 = 8;
 
-/// Counts missed deadlines. Each adds [`FORGIVEN_AFTER`] to the count, and each tick subtracts one.
+/// Counts missed deadlines. Each adds [`FORGIVEN_AFTER`], and each tick subtracts one.
 ///
 /// Two at once are no fault, and three are one. An overloaded loop that misses one deadline after every few ticks is a fault, too, once it
 /// misses more than one in nine for long.
