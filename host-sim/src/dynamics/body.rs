@@ -1,4 +1,4 @@
-//! What all model levels of the ladder share: the mechanism, what it carries, and what turns.
+//! The parts that all model levels share: the mechanism, the load it carries, and the rotors.
 
 use super::corners::FREEDOMS;
 use cophase_core::mechanism::ScotchYokeSettings;
@@ -6,21 +6,21 @@ use cophase_core::mechanism::ScotchYokeSettings;
 use crate::mechanism::scotch_yoke::ScotchYoke;
 use crate::mechanism::{AnyMechanism, Configured, Load, Mechanism, Platform};
 
-/// Where a plane is, and how it moves: heave in m, tilts in rad.
+/// Position and motion of a plane: heave in m, tilts in rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaneMotion {
-    /// Heave, tilts.
+    /// Heave and tilts.
     pub place: [f64; FREEDOMS],
-    /// Their rates.
+    /// First time derivatives of `place`.
     pub rate: [f64; FREEDOMS],
-    /// The rates of those.
+    /// Second time derivatives of `place`.
     pub acceleration: [f64; FREEDOMS],
 }
 
-/// What a crank does at an angle.
+/// Geometry of a crank at one angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Crank {
-    /// Height of its corner over its axis, m, upwards.
+    /// Height of the corner above the crank's axis, m, upwards.
     pub height_m: f64,
     /// dh/dα, m.
     pub lever_m: f64,
@@ -28,16 +28,16 @@ pub struct Crank {
     pub lever_rate_m: f64,
 }
 
-/// What all model levels share: the mechanism, what it carries, and what turns.
+/// The parts that all model levels share: the mechanism, the load it carries, and the rotors.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// Mechanism between crank and platform, alike on all axes.
+    /// Mechanism between crank and platform. All axes have the same one.
     pub mechanism: AnyMechanism,
-    /// Platform and what stands on it, as one mass.
+    /// Platform and its payload, as one mass.
     pub load: Load,
     /// Inertia of the platform about either tilt axis, kg·m².
     pub tilt_inertia_kgm2: f64,
-    /// Inertia of each rotor, kg·m²; its length is the number of axes.
+    /// Inertia of each rotor, kg·m². The length of the list is the number of axes.
     pub rotors_kgm2: Vec<f64>,
     /// Radius of the circle on which the cranks stand, m.
     pub mount_radius_m: f64,
@@ -47,11 +47,11 @@ pub struct Body {
     pub friction_nm: Vec<f64>,
 }
 
-/// Speed over which dry friction turns round, rad/s: a hundredth of a turn a second is as good as standing.
+/// Speed scale over which dry friction reverses, rad/s. It is about a hundredth of a turn per second, which counts as standstill.
 pub const STICTION_RAD_S: f64 = 0.06;
 
 impl Body {
-    /// Shafts with rotors of these inertias, kg·m², without friction, that carry no platform.
+    /// Creates shafts that carry no platform, with these rotor inertias, kg·m², and no friction.
     pub fn of_shafts(rotors_kgm2: Vec<f64>) -> Self {
         Self {
             mechanism: ScotchYoke::of(&ScotchYokeSettings {}, 0.01).into(),
@@ -73,12 +73,12 @@ impl Body {
         self.rotors_kgm2.len()
     }
 
-    /// +1 where a crank at angle 0 holds its corner up, −1 where it lets it down.
+    /// Returns +1 if a crank at angle 0 holds its corner at the top, −1 if it holds it at the bottom.
     pub fn upwards(&self) -> f64 {
         -self.load.platform.gravity_sign()
     }
 
-    /// What a crank does at an angle.
+    /// Geometry of a crank at an angle.
     pub fn crank(&self, alpha_rad: f64) -> Crank {
         let up = self.upwards();
         let radius_m = up * self.mechanism.crank_radius_m();
@@ -96,7 +96,7 @@ impl Body {
         [self.load.mass_kg, tilt, tilt]
     }
 
-    /// The longest lever that a crank gets to, m, or more.
+    /// Upper bound of a crank's lever, m.
     pub fn longest_lever_m(&self) -> f64 {
         let mechanism = &self.mechanism;
         mechanism.crank_radius_m() * mechanism.greatest_h().max(mechanism.greatest_s())
@@ -107,7 +107,7 @@ impl Body {
         drag_nm(self.friction_nm[i], omega_rad_s)
     }
 
-    /// How fast friction changes a crank's speed about standstill at most, 1/s.
+    /// Upper bound of the rate at which friction changes a crank's speed near standstill, 1/s.
     pub fn fastest_friction_per_s(&self) -> f64 {
         let each = self.friction_nm.iter().zip(&self.rotors_kgm2);
         each.map(|(friction, rotor)| friction / (rotor * STICTION_RAD_S))
@@ -120,17 +120,17 @@ impl Body {
     }
 }
 
-/// Beyond this, tanh is 1: it is less by 2 exp(−2 x), which a double does not show from 19 on.
+/// Argument above which tanh equals 1 in double precision. The difference is 2 exp(−2 x), which a double does not resolve from 19 on.
 const SURELY_1: f64 = 22.0;
 
-/// Torque of dry friction, N·m. It turns round smoothly, so that methods keep their order: what stands under a load below
-/// it turns slowly, by less than a turn in a hundred seconds.
+/// Torque of dry friction, N·m. It reverses smoothly, so that integration methods keep their order. A rotor under a load
+/// smaller than the friction therefore does not stand still. It turns slowly, by less than a turn in a hundred seconds.
 pub(super) fn drag_nm(friction_nm: f64, omega_rad_s: f64) -> f64 {
     if friction_nm == 0.0 {
         return 0.0;
     }
     let speeds = omega_rad_s / STICTION_RAD_S;
-    // Its tanh is 1 then, and nearly all speeds of a machine are so high.
+    // At nearly all speeds of a machine the tanh is 1, so it need not be computed.
     if speeds.abs() > SURELY_1 {
         return -friction_nm * speeds.signum();
     }
@@ -141,7 +141,7 @@ pub(super) fn drag_nm(friction_nm: f64, omega_rad_s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// If tanh were not 1 there, friction would differ from its formula.
+    /// If this fails, friction at high speed differs from its formula, because tanh is not 1 there.
     #[test]
     fn friction_at_high_speed_is_that_of_its_formula() {
         for speeds in [

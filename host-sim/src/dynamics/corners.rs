@@ -1,26 +1,26 @@
-//! Where the corners are around the circle, and the plane through them.
+//! Positions of the corners around the circle, and the plane through them.
 
-/// Most axes.
+/// Largest number of axes.
 pub const MOST: usize = 6;
 
-/// Heave and two tilts: what a plane has, and so a platform on it.
+/// Degrees of freedom of a plane, and of a platform that lies in it: heave and two tilts.
 pub const FREEDOMS: usize = 3;
 
-/// N corners, evenly around a circle.
+/// N corners at equal angles on a circle.
 ///
-/// The plane closest to their heights has the mean height, and along two axes the slopes
-/// `share/ρ · Σ height · cos` (or sin). Two corners give it a slope along one axis only, and one corner none.
+/// The plane closest to their heights has the mean height. Its slope along each of two axes is `share/ρ · Σ height · cos`
+/// (or sin). Two corners define a slope along one axis only, and one corner defines none.
 #[derive(Clone, Debug)]
 pub struct Corners {
     count: usize,
-    /// What a metre at corner i adds to each freedom.
+    /// Contribution of a metre at corner i to each freedom.
     share: [[f64; FREEDOMS]; MOST],
-    /// What each freedom adds to the height of corner i.
+    /// Contribution of each freedom to the height of corner i.
     height: [[f64; FREEDOMS]; MOST],
 }
 
 impl Corners {
-    /// `count` corners, 1 to 6, on a circle of `radius_m`.
+    /// Creates `count` corners, 1 to 6, on a circle of `radius_m`.
     pub fn new(count: usize, radius_m: f64) -> Self {
         assert!((1..=MOST).contains(&count), "1 to {MOST} corners");
         let mut corners = Self {
@@ -46,12 +46,12 @@ impl Corners {
         corners
     }
 
-    /// How many there are.
+    /// Number of corners.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Heave (m, or m/s …) and slopes (rad …) of the plane closest to corners of these heights.
+    /// Returns the heave (m, or m/s …) and slopes (rad …) of the plane closest to corners of these heights.
     pub fn plane(&self, heights: &[f64]) -> [f64; FREEDOMS] {
         let mut plane = [0.0; FREEDOMS];
         for (share, height) in self.share.iter().zip(heights) {
@@ -62,18 +62,18 @@ impl Corners {
         plane
     }
 
-    /// Height of corner `i` on a plane.
+    /// Returns the height of corner `i` on a plane.
     pub fn height(&self, plane: &[f64; FREEDOMS], i: usize) -> f64 {
         let of = &self.height[i];
         of[0] * plane[0] + of[1] * plane[1] + of[2] * plane[2]
     }
 
-    /// What corner `i` adds to each freedom of the plane, by metre.
+    /// Contribution of corner `i` to each freedom of the plane, per metre.
     pub fn share(&self, i: usize) -> [f64; FREEDOMS] {
         self.share[i]
     }
 
-    /// Heave and tilting moments of a force of 1 N at corner `i`.
+    /// Heave force and tilting moments of a force of 1 N at corner `i`.
     pub fn force(&self, i: usize) -> [f64; FREEDOMS] {
         self.height[i]
     }
@@ -83,7 +83,7 @@ impl Corners {
 mod tests {
     use super::*;
 
-    /// Were it wrong, corners that lie in a plane would be taken to be bent, or bent ones to lie in it.
+    /// If this fails, corners in one plane appear warped, or warped corners appear to lie in one plane.
     #[test]
     fn what_a_plane_makes_of_corners_gives_the_plane() {
         for count in 2..=MOST {
@@ -97,7 +97,7 @@ mod tests {
         }
     }
 
-    /// The plane is the closest: what is left over is at right angles to every plane.
+    /// If this fails, the fitted plane is not the closest one: the residual heights must be orthogonal to every plane.
     #[test]
     fn what_is_left_over_has_no_plane_in_it() {
         for count in 4..=MOST {

@@ -1,7 +1,7 @@
-//! A machine with its motors, as equations that a method can advance.
+//! A machine with its motors, as equations that an integration method can advance.
 //!
-//! The command of the drives to the motors advances evenly within a control tick: a field at an angle, turning at a speed.
-//! Microsteps, which are smaller than anything here resolves, are not modelled.
+//! Within a control tick the drives' command to the motors advances evenly: a field at an angle turns at a constant speed.
+//! Microsteps are not modelled, because they are smaller than anything that this model resolves.
 
 use std::sync::Arc;
 
@@ -12,32 +12,32 @@ use super::modes::{Bound, Mode};
 use super::{Body, Elastic, Field, Frame, FrameMotion, Motor, Phased, PlaneMotion, Rigid};
 use crate::plant::{Memory, Plant, Shafts};
 
-/// How much freedom the machine has.
+/// Degrees of freedom of the machine, by model level.
 #[derive(Clone, Debug)]
 pub enum Freedom {
-    /// All cranks on one shaft: one angle.
+    /// All cranks on one shaft, with one angle.
     Rigid(Rigid),
-    /// Each its own rotor, rods settled: N angles, and the frame's plane if it moves.
+    /// One rotor per crank, with quasi-static rods. N angles, and the frame's plane if the frame moves.
     Phased(Box<Phased>),
-    /// Rods as springs: N angles, the platform's plane, and the frame's if it moves.
+    /// Rods as springs. N angles, the platform's plane, and the frame's plane if the frame moves.
     Elastic(Box<Elastic>),
-    /// A machine of its own kind: N angles, and what it adds to them.
+    /// A plant with equations of its own. N angles, and the positions that the plant adds.
     Plant(Box<OnPlant>),
 }
 
-/// Rotors on the shafts of a machine of its own kind.
+/// Rotors on the shafts of a plant.
 #[derive(Clone, Debug)]
 pub struct OnPlant {
     body: Body,
     plant: Arc<dyn Plant>,
     held: [bool; MOST],
     memory: Memory,
-    /// Torques that the machine's drive law gives in this tick, N·m; none if it has no such law.
+    /// Torques that the plant's drive law gives in this tick, N·m. `None` if the plant has no such law.
     law_nm: Option<[f64; MOST]>,
 }
 
 impl OnPlant {
-    /// Rotors of a body, free to turn.
+    /// Creates rotors of a body, free to turn.
     pub fn new(body: Body, plant: Arc<dyn Plant>) -> Self {
         Self {
             body,
@@ -49,25 +49,25 @@ impl OnPlant {
     }
 }
 
-/// Motors on a machine. Time counts from the control tick's beginning.
+/// Motors on a machine. Time counts from the start of the control tick.
 #[derive(Clone, Debug)]
 pub struct Driven {
     freedom: Freedom,
     motors: Vec<Motor>,
-    /// For each motor, the first that is equal to it.
+    /// For each motor, the index of the first motor that is equal to it.
     equal_to: [usize; MOST],
-    /// For each motor that integrates, its number and its integral time, s: in the order of the state.
+    /// Index and integral time, s, of each motor that integrates, in the order of the state.
     integrals: Vec<(usize, f64)>,
-    /// Where each field is at the tick's beginning, and its speed through the tick.
+    /// Angle of each field at the start of the tick, and its speed during the tick.
     pub fields: Vec<Field>,
-    /// What each crank is loaded with beyond its share of the machine, against its turning forward, N·m.
+    /// Load torque on each crank in addition to its share of the machine, N·m. Positive against forward rotation.
     pub loads_nm: [f64; MOST],
-    /// Whether the drives are on; without them only friction and the load act.
+    /// True if the drives are on. Without them only friction and the load act.
     pub energised: bool,
 }
 
 impl Driven {
-    /// A machine with one motor an axis, drives off.
+    /// Creates a machine with one motor per axis and the drives off.
     pub fn new(freedom: Freedom, motors: Vec<Motor>) -> Self {
         let integral = |(i, motor): (usize, &Motor)| Some((i, motor.integral_s()?));
         let first = |i: usize| motors.iter().position(|motor| Some(motor) == motors.get(i));
@@ -94,12 +94,12 @@ impl Driven {
         }
     }
 
-    /// A motor an axis.
+    /// Motors, one per axis.
     pub fn motors(&self) -> &[Motor] {
         &self.motors
     }
 
-    /// How many angles its state begins with.
+    /// Number of angles at the start of the state.
     pub fn angles(&self) -> usize {
         match self.freedom {
             Freedom::Rigid(_) => 1,
@@ -107,7 +107,7 @@ impl Driven {
         }
     }
 
-    /// How many positions its state has, the angles among them; as many speeds come after.
+    /// Number of positions in the state, including the angles. The same number of speeds follows.
     pub fn positions(&self) -> usize {
         match &self.freedom {
             Freedom::Rigid(_) => 1,
@@ -117,7 +117,7 @@ impl Driven {
         }
     }
 
-    /// True if the platform has no equations of its own: where it is follows from the cranks.
+    /// True if the platform has no equations of its own, because its position follows from the cranks.
     pub fn is_geometric(&self) -> bool {
         matches!(self.freedom, Freedom::Rigid(_) | Freedom::Phased(_)) && self.frame().is_none()
     }
@@ -131,7 +131,7 @@ impl Driven {
         }
     }
 
-    /// The state in which cranks stand at these angles, one an axis, and all they carry and stand on has come to rest.
+    /// Returns the state in which the cranks stand at these angles, one per axis, and platform and frame are at rest.
     pub fn at_rest(&self, alpha_rad: &[f64]) -> Vec<f64> {
         let mut state = vec![0.0; self.dimension()];
         let angles = self.angles();
@@ -152,7 +152,7 @@ impl Driven {
         state[self.angle(i)]
     }
 
-    /// Where the angle of crank `i` is among the positions.
+    /// Index of the angle of crank `i` among the positions.
     pub(crate) fn angle(&self, i: usize) -> usize {
         match self.freedom {
             Freedom::Rigid(_) => 0,
@@ -160,7 +160,7 @@ impl Driven {
         }
     }
 
-    /// Has rotor `i` stand whatever pushes it, as if its inertia were without end, or lets it go; on one shaft it has no effect.
+    /// Locks rotor `i` as if its inertia were infinite, or releases it. On a single shaft this has no effect.
     pub fn hold(&mut self, i: usize, held: bool) {
         match &mut self.freedom {
             Freedom::Rigid(_) => {}
@@ -170,7 +170,7 @@ impl Driven {
         }
     }
 
-    /// Begins a control tick of `tick_s` in a state: drive laws that are sampled give their torques for it.
+    /// Starts a control tick of `tick_s` in a state. Sampled drive laws compute their torques for the tick.
     pub fn begin_tick(&mut self, state: &[f64], tick_s: f64) {
         let positions = self.positions();
         if let Freedom::Plant(on) = &mut self.freedom {
@@ -185,7 +185,7 @@ impl Driven {
         }
     }
 
-    /// A bound on the fastest mode.
+    /// Upper bound of the fastest mode.
     pub fn fastest_mode(&self) -> Mode {
         let body = self.body();
         let rotors = Bound::of_rotors(&self.motors, &body.rotors_kgm2);
@@ -206,8 +206,8 @@ impl Driven {
         bound.mode()
     }
 
-    /// Modes that parts of it have by themselves: slower than [`Driven::fastest_mode`], and damped less it may be. A method
-    /// that damping alone keeps stable has to be asked about these as well.
+    /// Modes of individual parts. They are slower than [`Driven::fastest_mode`], and may be damped less. A method that is
+    /// stable only because of damping must be checked against these as well.
     pub fn own_modes(&self) -> Vec<Mode> {
         let mut modes = Bound::rotors(&self.motors, &self.body().rotors_kgm2);
         modes.extend(self.frame().into_iter().flat_map(Bound::layers));
@@ -241,7 +241,7 @@ impl Driven {
         };
         for (i, (motor, field)) in self.motors.iter().zip(&self.fields).enumerate().take(MOST) {
             let (alpha_rad, omega_rad_s, integral_nm) = rotor(i);
-            // Equal motors under equal commands give equal torques: on one shaft, most do.
+            // Equal motors under equal commands give equal torques. On a single shaft most motors are equal.
             let first = self.equal_to[i];
             torques[i] = if first < i
                 && rotor(first) == (alpha_rad, omega_rad_s, integral_nm)
@@ -259,7 +259,7 @@ impl Driven {
         torques
     }
 
-    /// Rates of a state in which motors give these torques, N·m: see [`Equations::rates`].
+    /// Computes the rates of a state in which the motors give these torques, N·m. See [`Equations::rates`].
     pub fn rates_under(&self, torques_nm: &[f64; MOST], state: &[f64], rates: &mut [f64]) {
         let n = self.positions();
         let mut net = *torques_nm;
@@ -296,12 +296,12 @@ impl Driven {
         }
     }
 
-    /// Forgets what servos have integrated, as their drives do when they are switched off.
+    /// Clears the servos' integrals, as a drive does when it is switched off.
     pub fn forget(&self, state: &mut [f64]) {
         state[2 * self.positions()..].fill(0.0);
     }
 
-    /// Speed and acceleration of the cranks, their means, rad/s and rad/s², in a state with these rates.
+    /// Mean speed and mean acceleration of the cranks, rad/s and rad/s², in a state with these rates.
     pub fn mean_motion(&self, state: &[f64], rates: &[f64]) -> (f64, f64) {
         let (angles, positions) = (self.angles(), self.positions());
         let mean = |values: &[f64]| values.iter().sum::<f64>() / angles as f64;
@@ -309,7 +309,7 @@ impl Driven {
         (mean(&state[speeds.clone()]), mean(&rates[speeds]))
     }
 
-    /// Where the platform is and how it moves, in a state with these rates; none where it follows the shaft.
+    /// Position and motion of the platform in a state with these rates. `None` if it follows the shaft.
     pub fn platform(&self, state: &[f64], rates: &[f64]) -> Option<PlaneMotion> {
         let n = self.positions();
         let (q, v, a) = (&state[..n], &state[n..2 * n], &rates[n..2 * n]);
@@ -321,7 +321,7 @@ impl Driven {
         }
     }
 
-    /// What the frame does, if it moves.
+    /// Motion of the frame, if it moves.
     pub fn frame_motion(&self, state: &[f64]) -> Option<FrameMotion> {
         let frame = self.frame()?;
         let n = self.positions();
@@ -329,7 +329,7 @@ impl Driven {
         Some(frame.motion(&state[from..n], &state[n + from..2 * n]))
     }
 
-    /// Kinetic and potential energy, J; without friction, damping and motors it stays.
+    /// Kinetic and potential energy, J. It is constant without friction, damping and motors.
     pub fn energy_j(&self, state: &[f64]) -> f64 {
         let (q, v) = state[..2 * self.positions()].split_at(self.positions());
         match &self.freedom {

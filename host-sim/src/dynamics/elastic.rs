@@ -1,14 +1,14 @@
-//! Every crank a rotor of its own, rods as springs, the platform free to heave and tilt on them.
+//! Elastic model: one rotor per crank, rods as springs, and a platform that is free to heave and tilt on them.
 //!
-//! Corner i is pushed up with k (hᵢ + fᵢ − cᵢ) + c (h′ᵢ + f′ᵢ − c′ᵢ), where hᵢ is where its crank would have it over
-//! the frame, fᵢ where the frame has the crank's axis, and cᵢ where the platform has the corner; its crank feels that
-//! times −dhᵢ/dα, the frame the opposite. What [`super::Phased`] takes as settled oscillates here, at √(N k / m) in
-//! heave, and √(N k ρ² / 2I) in tilt.
+//! The force on corner i, upwards, is k (hᵢ + fᵢ − cᵢ) + c (h′ᵢ + f′ᵢ − c′ᵢ). Here hᵢ is the height above the frame that
+//! the crank commands, fᵢ the height of the crank's axis on the frame, and cᵢ the height of the corner on the platform. The
+//! crank is loaded with that force times −dhᵢ/dα, and the frame with the opposite force. The oscillation that
+//! [`super::Phased`] neglects by quasi-static rods occurs here, at √(N k / m) in heave and √(N k ρ² / 2I) in tilt.
 
 use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Frame, PlaneMotion};
 
-/// A machine of N angles and a free platform, and of a frame's plane if it has one. Positions are in that order.
+/// A machine with N angles, the platform's plane, and the frame's plane if it has a frame. Positions are in that order.
 #[derive(Clone, Debug)]
 pub struct Elastic {
     body: Body,
@@ -16,12 +16,12 @@ pub struct Elastic {
     frame: Option<Frame>,
     /// Damping of each rod, N·s/m.
     damper_ns_per_m: f64,
-    /// Rotors that stand whatever pushes them.
+    /// Locked rotors, which do not turn whatever the torque.
     held: [bool; MOST],
 }
 
 impl Elastic {
-    /// Of a body, and of rods that are damped so much, as a part of critical damping in heave.
+    /// Creates a machine of a body. The damping of the rods is a fraction of critical damping in heave.
     pub fn new(body: Body, damping_ratio: f64) -> Self {
         let corners = Corners::new(body.axes(), body.mount_radius_m);
         let rods_n_per_m = body.axes() as f64 * body.rod_n_per_m;
@@ -35,24 +35,24 @@ impl Elastic {
         }
     }
 
-    /// The same on a frame.
+    /// Puts the machine on a frame.
     #[must_use]
     pub fn on(mut self, frame: Frame) -> Self {
         self.frame = Some(frame);
         self
     }
 
-    /// Has rotor `i` stand, or lets it go.
+    /// Locks rotor `i`, or releases it.
     pub fn hold(&mut self, i: usize, held: bool) {
         self.held[i] = held;
     }
 
-    /// The body.
+    /// Body of the machine.
     pub fn body(&self) -> &Body {
         &self.body
     }
 
-    /// The frame.
+    /// Frame, if there is one.
     pub fn frame(&self) -> Option<&Frame> {
         self.frame.as_ref()
     }
@@ -62,17 +62,17 @@ impl Elastic {
         self.damper_ns_per_m
     }
 
-    /// How many positions it has.
+    /// Number of positions.
     pub fn positions(&self) -> usize {
         self.body.axes() + FREEDOMS + self.frame.as_ref().map_or(0, Frame::freedoms)
     }
 
-    /// Frequency of the platform's heave on its rods with all cranks held, rad/s.
+    /// Angular frequency of the platform's heave on its rods with all cranks locked, rad/s.
     pub fn heave_rad_s(&self) -> f64 {
         (self.body.axes() as f64 * self.body.rod_n_per_m / self.body.load.mass_kg).sqrt()
     }
 
-    /// Where the platform comes to rest on cranks that stand at these angles.
+    /// Plane of the platform at rest on cranks that stand at these angles.
     pub fn rest(&self, alpha: &[f64]) -> [f64; FREEDOMS] {
         let mut plane = [0.0; FREEDOMS];
         for (i, &alpha) in alpha.iter().enumerate() {
@@ -85,7 +85,7 @@ impl Elastic {
         plane
     }
 
-    /// The second rate of each position under each motor's torque, N·m.
+    /// Computes the second derivative of each position under each motor's torque, N·m.
     pub fn accelerations(&self, q: &[f64], v: &[f64], torque: &[f64], out: &mut [f64]) {
         let body = &self.body;
         let n = body.axes();
@@ -113,13 +113,13 @@ impl Elastic {
         if let Some(frame) = &self.frame {
             let from = n + FREEDOMS;
             let pull = frame.pull(&q[from..], &v[from..]);
-            // What the springs hold of the platform's weight at rest.
+            // At rest the springs carry the platform's weight, so only the difference from it acts on the frame.
             let cranks = [body.weight_n() - forces[0], -forces[1], -forces[2]];
             frame.accelerations(&q[from..], &v[from..], &pull, &cranks, &mut out[from..]);
         }
     }
 
-    /// The platform's plane against the frame's.
+    /// Platform's plane relative to the frame's.
     fn over_frame(&self, q: &[f64]) -> [f64; FREEDOMS] {
         let n = self.body.axes();
         let under = |f: usize| {
@@ -132,7 +132,7 @@ impl Elastic {
         std::array::from_fn(|f| q[n + f] - under(f))
     }
 
-    /// Where the platform is and how it moves, at these positions and their rates.
+    /// Position and motion of the platform at these positions and their rates.
     pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
         let n = self.body.axes();
         let of = |values: &[f64]| std::array::from_fn(|f| values[n + f]);
@@ -143,7 +143,7 @@ impl Elastic {
         }
     }
 
-    /// Kinetic and potential energy, J; without damping, friction and motors it stays.
+    /// Kinetic and potential energy, J. It is constant without damping, friction and motors.
     pub fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
         let body = &self.body;
         let n = body.axes();
@@ -159,7 +159,7 @@ impl Elastic {
             0.5 * (rotors + platform + body.rod_n_per_m * rods) + body.weight_n() * q[n];
         if let Some(frame) = &self.frame {
             let from = n + FREEDOMS;
-            // The springs hold the platform's weight at rest.
+            // At rest the springs carry the platform's weight.
             energy += frame.energy_j(&q[from..], &v[from..]) - body.weight_n() * q[from];
         }
         energy

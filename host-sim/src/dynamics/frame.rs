@@ -1,29 +1,28 @@
-//! The frame that the crank axes stand on, on its suspension; and, if there is one, the foundation block under that, on
-//! the ground.
+//! The frame that carries the crank axes, on its suspension. A foundation block under the suspension, on the ground, is optional.
 //!
-//! Both heave and tilt as planes do. A suspension is a ring of springs and dampers at a radius ρ, of which half the
-//! stiffness acts in each tilt: k ρ²/2 for k in heave. Heights are counted from rest: where frame and foundation have
-//! sagged under all that they carry. There the springs hold the weight, and nothing of it is left in the equations but
-//! what the platform's own weight is to its cranks.
+//! Both heave and tilt as planes. A suspension is a ring of springs and dampers of radius ρ. In each tilt half of the
+//! stiffness acts: k ρ²/2 for k in heave. Heights are relative to rest, where frame and foundation have sagged under
+//! everything that they carry. At rest the springs carry the weight. So the only weight in the equations is the platform's
+//! own, as it loads the cranks.
 //!
-//! The cranks push the platform with y, heave and moments, so they push the frame with −y.
+//! The cranks push the platform with y, in heave and moments, so they push the frame with −y.
 
 use super::corners::FREEDOMS;
 
-/// A mass in heave and tilts, and what it stands on.
+/// A mass that heaves and tilts on springs and dampers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
-    /// kg and kg·m².
+    /// Mass and tilt inertias, kg and kg·m².
     pub masses: [f64; FREEDOMS],
-    /// N/m and N·m/rad.
+    /// Stiffness in heave and tilts, N/m and N·m/rad.
     pub stiffness: [f64; FREEDOMS],
-    /// N·s/m and N·m·s/rad.
+    /// Damping in heave and tilts, N·s/m and N·m·s/rad.
     pub damping: [f64; FREEDOMS],
 }
 
 impl Layer {
-    /// A mass on a ring of springs of `radius_m` that have `n_per_m` in all, damped by `zeta` of what is critical for all
-    /// that they carry, which is this mass and `above`.
+    /// Creates a mass on a ring of springs of `radius_m` with a total stiffness of `n_per_m`. Damping is `zeta` times
+    /// critical damping for the carried mass, which is this mass and `above`.
     pub fn new(
         masses: [f64; FREEDOMS],
         above: [f64; FREEDOMS],
@@ -41,7 +40,7 @@ impl Layer {
         }
     }
 
-    /// What its springs and dampers push it back with where it is displaced against what it stands on.
+    /// Force and moments of its springs and dampers, for a displacement relative to the layer below.
     fn pull(&self, place: &[f64], rate: &[f64]) -> [f64; FREEDOMS] {
         std::array::from_fn(|f| -self.stiffness[f] * place[f] - self.damping[f] * rate[f])
     }
@@ -57,26 +56,26 @@ impl Layer {
 
 /// A frame on its suspension.
 ///
-/// Its state is its plane, and its foundation's after that.
+/// The state is the frame's plane, followed by the foundation's if there is one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// The frame with all that is bolted to it, on its suspension.
+    /// Frame with everything that is bolted to it, on its suspension.
     pub suspended: Layer,
-    /// The block under the suspension, on the ground; without it the suspension stands on the ground itself.
+    /// Block between the suspension and the ground. Without it the suspension stands directly on the ground.
     pub foundation: Option<Layer>,
 }
 
-/// What a frame does, and hands on to the ground.
+/// Motion of a frame, and the force that it transmits to the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameMotion {
-    /// Heave (m) and tilts (rad) of the frame, from rest.
+    /// Heave (m) and tilts (rad) of the frame, relative to rest.
     pub place: [f64; FREEDOMS],
-    /// Force on the ground, N, downwards, beyond the weight at rest.
+    /// Force on the ground, N, positive downwards, in excess of the weight at rest.
     pub ground_n: f64,
 }
 
 impl Frame {
-    /// How many positions it has.
+    /// Number of positions.
     pub const fn freedoms(&self) -> usize {
         match self.foundation {
             None => FREEDOMS,
@@ -84,7 +83,7 @@ impl Frame {
         }
     }
 
-    /// What the suspension pushes the frame with.
+    /// Force and moments of the suspension on the frame.
     pub fn pull(&self, place: &[f64], rate: &[f64]) -> [f64; FREEDOMS] {
         if self.foundation.is_none() {
             return self.suspended.pull(place, rate);
@@ -95,8 +94,8 @@ impl Frame {
         self.suspended.pull(&against(place), &against(rate))
     }
 
-    /// Accelerations of the frame, which the suspension pushes with `pull` and the cranks with `cranks`, and of its
-    /// foundation.
+    /// Computes the accelerations of the frame and of its foundation. `pull` is the suspension's force on the frame,
+    /// `cranks` that of the cranks.
     pub fn accelerations(
         &self,
         place: &[f64],
@@ -116,7 +115,7 @@ impl Frame {
         }
     }
 
-    /// What it does, and hands on to the ground.
+    /// Motion of the frame, and the force that it transmits to the ground.
     pub fn motion(&self, place: &[f64], rate: &[f64]) -> FrameMotion {
         let ground = match &self.foundation {
             None => self.suspended.pull(place, rate),
@@ -124,12 +123,12 @@ impl Frame {
         };
         FrameMotion {
             place: [place[0], place[1], place[2]],
-            // What holds it up beyond its weight, it pushes down with.
+            // The upward force in excess of the weight has an equal reaction on the ground.
             ground_n: ground[0],
         }
     }
 
-    /// How far the frame sags under all that stands on it, with its own mass and `load_kg`, m.
+    /// Static sag of the frame with its own mass and `load_kg` on it, m.
     pub fn sag_m(&self, load_kg: f64, gravity_mps2: f64) -> f64 {
         let on_it = load_kg + self.suspended.masses[0];
         let under = self.foundation.map_or(0.0, |foundation| {
@@ -138,7 +137,7 @@ impl Frame {
         gravity_mps2 * (on_it / self.suspended.stiffness[0] + under)
     }
 
-    /// Kinetic energy, and that of the springs from rest, J.
+    /// Kinetic energy, and energy of the springs relative to rest, J.
     pub fn energy_j(&self, place: &[f64], rate: &[f64]) -> f64 {
         let Some(foundation) = &self.foundation else {
             return self.suspended.energy_j(place, rate, &[0.0; FREEDOMS]);

@@ -1,23 +1,21 @@
-//! Equations of motion: what forces make of a machine, where the cranks are not simply where commanded
-//! to be.
+//! Equations of motion. They give the response of a machine to forces, where the cranks deviate from their commanded angles.
 //!
-//! Model levels of the ladder, each with more freedom than the one before:
-//! - [`Rigid`]: all cranks on one shaft, one angle, with the inertia that the platform has at that angle;
-//! - [`Phased`]: every crank a rotor of its own, the platform heaving and tilting as they push it; rods that are
-//!   rigid, or settle where they must give;
-//! - [`Elastic`]: the same with rods as stiff springs, and the platform free;
+//! Model levels, each with more freedom than the one before:
+//! - [`Rigid`]: all cranks on one shaft, with one angle, and the inertia that the platform has at that angle;
+//! - [`Phased`]: one rotor per crank, and a platform that heaves and tilts with them. The rods are rigid, or quasi-static
+//!   where they must deform;
+//! - [`Elastic`]: as before, with rods as stiff springs and a free platform;
 //! - either of the last two on a [`Frame`], which stands on its suspension: the *elastic* model level.
 //!
-//! Words: a *rotor* is all that turns with one crank: motor, coupling, crank. A *corner* is where its rod carries
-//! the platform. The *plane* is the one closest to the corners' heights, which the platform lies in; what a corner
-//! is away from it is its *warp*. A *field* is where a motor's stator points, in crank angle: where it would like
-//! its rotor to be.
+//! Terms: a *rotor* is everything that turns with one crank: motor, coupling, crank. A *corner* is the point where a rod
+//! carries the platform. The *plane* is the one closest to the heights of the corners, and the platform lies in it. The
+//! distance of a corner from the plane is its *warp*. A *field* is the direction of a motor's stator field as a crank
+//! angle: the angle that the motor pulls its rotor to.
 //!
-//! State vectors have positions first, then their speeds, in rad, m, rad/s and m/s, then what servos have integrated,
-//! in N·m. Kinematics are those of [`crate::mechanism`], exact.
+//! State vectors contain the positions first, then their speeds, in rad, m, rad/s and m/s, then the servos' integrals, in
+//! N·m. Kinematics are those of [`crate::mechanism`], without approximation.
 //!
-//! Left out on all of them: forces and motion across the line of travel, and the torque that a motor's housing hands to
-//! what it is bolted to.
+//! No level models forces and motion across the line of travel, or the reaction torque of a motor's housing on its mount.
 
 mod body;
 mod corners;

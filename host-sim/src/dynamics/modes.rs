@@ -1,9 +1,10 @@
-//! How fast a machine's fastest mode can be.
+//! Upper bound of the frequency of a machine's fastest mode.
 //!
-//! A bound, not a spectrum, as cranks turn and levers change. With D the inertias of all positions by themselves and M
-//! the inertia that they have together, M − D is the platform's as the cranks carry it, and never negative: all that
-//! hangs on a position makes it slower. So no mode is faster than √ of the largest eigenvalue of D⁻¹ K, nor decays
-//! faster than that of D⁻¹ C. Of stiffnesses that add up, the eigenvalues add up at most.
+//! It is a bound and not a spectrum, because cranks turn and levers change. Let D be the inertias of the individual
+//! positions, and M the inertia of all of them together. M − D is the platform's inertia as the cranks carry it, and is
+//! never negative: any mass attached to a position makes it slower. So the frequency of every mode is at most the square
+//! root of the largest eigenvalue of D⁻¹ K. Its decay rate is at most that of D⁻¹ C. The largest
+//! eigenvalue of a sum of stiffnesses is at most the sum of their largest eigenvalues.
 
 use super::{Body, FREEDOMS, Frame, Layer, Motor};
 
@@ -24,7 +25,7 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    /// Of motors on their rotors.
+    /// Bound of motors on their rotors.
     pub(super) fn of_rotors(motors: &[Motor], rotors_kgm2: &[f64]) -> Self {
         let each = motors.iter().zip(rotors_kgm2);
         each.fold(Self::default(), |most, (motor, rotor)| {
@@ -35,7 +36,7 @@ impl Bound {
         })
     }
 
-    /// Of rods that must give where the platform is over-constrained: what they feel is the cranks' alone.
+    /// Bound of rods that deform where the platform is over-constrained. They act on the cranks only.
     pub(super) fn of_bent_rods(body: &Body) -> Self {
         let lever_m = body.longest_lever_m();
         let lightest = body.rotors_kgm2.iter().copied().fold(f64::MAX, f64::min);
@@ -45,7 +46,7 @@ impl Bound {
         }
     }
 
-    /// Of rods as springs, between cranks, platform and frame.
+    /// Bound of rods as springs, between cranks, platform and frame.
     pub(super) fn of_elastic_rods(
         body: &Body,
         frame: Option<&Frame>,
@@ -54,7 +55,7 @@ impl Bound {
         let cranks = Self::of_bent_rods(body).stiff / body.rod_n_per_m;
         let n = body.axes() as f64;
         let around = n / 2.0 * body.mount_radius_m * body.mount_radius_m;
-        // Two corners are on one axis of tilt, with their whole radius each.
+        // Two corners lie on one tilt axis, each at the full radius.
         let around = if body.axes() == 2 {
             2.0 * around
         } else {
@@ -72,7 +73,7 @@ impl Bound {
         }
     }
 
-    /// Of a frame and its foundation on their springs.
+    /// Bound of a frame and its foundation on their springs.
     pub(super) fn of_frame(frame: &Frame) -> Self {
         let of = |f: usize, pick: fn(&Layer) -> [f64; FREEDOMS]| {
             let upper = pick(&frame.suspended)[f];
@@ -91,7 +92,7 @@ impl Bound {
         })
     }
 
-    /// The modes that layers of springs have by themselves.
+    /// Modes of each layer of springs by itself.
     pub(super) fn layers(frame: &Frame) -> impl Iterator<Item = Mode> + '_ {
         let layers = std::iter::once(&frame.suspended).chain(&frame.foundation);
         layers.flat_map(|layer| {
@@ -105,7 +106,7 @@ impl Bound {
         })
     }
 
-    /// The modes that motors have on their rotors alone.
+    /// Modes of each motor on its rotor by itself.
     pub(super) fn rotors(motors: &[Motor], rotors_kgm2: &[f64]) -> Vec<Mode> {
         let each = motors.iter().zip(rotors_kgm2);
         each.map(|(motor, rotor)| {
@@ -114,7 +115,7 @@ impl Bound {
         .collect()
     }
 
-    /// Of either, where they share no position.
+    /// Combined bound of two systems that share no position.
     pub(super) fn or(self, other: Self) -> Self {
         Self {
             stiff: self.stiff.max(other.stiff),
@@ -122,7 +123,7 @@ impl Bound {
         }
     }
 
-    /// Of both together.
+    /// Combined bound of two systems that share positions.
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             stiff: self.stiff + other.stiff,
@@ -130,7 +131,7 @@ impl Bound {
         }
     }
 
-    /// Of a mode that is known.
+    /// Bound of a known mode.
     pub(super) fn of_mode(mode: Mode) -> Self {
         Self {
             stiff: mode.omega_rad_s * mode.omega_rad_s,
@@ -138,7 +139,7 @@ impl Bound {
         }
     }
 
-    /// As a mode.
+    /// Mode with this bound as its frequency and damping.
     pub(super) fn mode(self) -> Mode {
         let omega_rad_s = self.stiff.sqrt();
         Mode {

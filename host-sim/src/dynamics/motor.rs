@@ -1,79 +1,81 @@
-//! Torque that a motor makes of its drive's command.
+//! Torque that a motor generates from its drive's command.
 
 use crate::machine::PullOut;
 
-/// Where a drive would have its rotor, in crank angle.
+/// Command of a drive to its rotor, in crank angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Field {
     /// Angle, rad.
     pub alpha_rad: f64,
     /// Speed, rad/s.
     pub omega_rad_s: f64,
-    /// Torque that a servo is commanded to add, N·m.
+    /// Torque feed-forward of a servo, N·m.
     pub torque_nm: f64,
 }
 
-/// A motor with its drive.
+/// Motor with its drive, by kind.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motor {
-    /// Open loop.
+    /// Stepper motor, open loop.
     Stepper(Stepper),
-    /// Closed loop.
+    /// Servo motor, closed loop.
     Servo(Servo),
-    /// Frequency converter with a position loop.
+    /// Induction motor on a frequency converter with a position loop.
     Induction(Induction),
 }
 
-/// A micro-stepped motor: its field is a spring that repeats every electrical cycle.
+/// A micro-stepped motor. Its field acts as a spring that repeats every electrical cycle.
 ///
-/// Torque is T(ω) sin(p (φ − α)) + d (φ′ − ω), p electrical cycles a turn. Past a quarter of a cycle the spring gives
-/// less instead of more; the rotor then slips until it is caught, whole cycles off.
+/// Torque is T(ω) sin(p (φ − α)) + d (φ′ − ω), with p electrical cycles per turn. Beyond a quarter of a cycle the torque
+/// falls again. The rotor then slips until the field catches it, a whole number of cycles away.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stepper {
-    /// Greatest torque against speed.
+    /// Pull-out torque against speed.
     pub pull_out: PullOut,
-    /// Electrical cycles to a turn: a quarter of the full steps.
+    /// Electrical cycles per turn: a quarter of the full steps.
     pub cycles_per_turn: f64,
-    /// What current control and eddies damp, N·m·s.
+    /// Damping by current control and eddy currents, N·m·s.
     pub damping_nms: f64,
 }
 
-/// A drive with a position loop around a velocity loop, each with feed-forward, up to its current limit.
+/// A drive with a position loop around a velocity loop, each with feed-forward, and a current limit.
 ///
-/// The position loop commands the velocity f φ′ + g (φ − α), with a share f of velocity feed-forward; the velocity loop answers an error e of that with the torque
-/// k e + z, and the feed-forward torque is added. The current limit caps the sum. z′ = k e / Tᵢ, less what was
-/// capped, over Tᵢ (*back-calculation*): altogether z′ = (torque − feed-forward − z) / Tᵢ, so that z + feed-forward follows
-/// the torque that is given, and cannot wind up beyond it. The current loop is far faster than all this, and is not modelled.
+/// The position loop commands the velocity f φ′ + g (φ − α), with a share f of velocity feed-forward. The velocity loop
+/// answers a velocity error e with the torque k e + z, to which the feed-forward torque is added. The current limit clamps
+/// the sum. The integral obeys z′ = k e / Tᵢ, less the clamped excess over Tᵢ (*back-calculation*). Altogether,
+/// z′ = (torque − feed-forward − z) / Tᵢ. So z + feed-forward follows the actual torque and cannot wind up beyond it. The
+/// current loop is much faster than all this, and is not modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
-    /// Velocity to an error of position, g, 1/s.
+    /// Position gain g: velocity per position error, 1/s.
     pub position_gain_per_s: f64,
-    /// Torque to an error of velocity, k, N·m·s.
+    /// Velocity gain k: torque per velocity error, N·m·s.
     pub velocity_gain_nms: f64,
-    /// Integral time of the velocity loop, Tᵢ, s; without it there is no z.
+    /// Integral time Tᵢ of the velocity loop, s. `None` if the loop has no integral z.
     pub integral_s: Option<f64>,
-    /// Greatest torque, N·m.
+    /// Torque limit, N·m.
     pub limit_nm: f64,
-    /// Share of velocity feed-forward, f.
+    /// Share f of velocity feed-forward.
     pub velocity_feed_forward: f64,
 }
 
-/// An induction motor on a converter with constant flux: its torque depends on its slip, the synchronous speed less its own.
+/// An induction motor on a converter with constant flux. Its torque depends on its slip: synchronous speed minus rotor speed.
 ///
-/// The converter's synchronous speed is φ′ + g (φ − α). Kloss's formula gives the torque at a slip s, with the breakdown torque T_b at the slip s_b:
-/// 2 T_b / (s / s_b + s_b / s). Beyond s_b more slip gives less torque, so that a load above T_b stalls the motor.
+/// The converter's synchronous speed is φ′ + g (φ − α). Kloss's formula gives the torque at a slip s, with the breakdown
+/// torque T_b at the slip s_b: 2 T_b / (s / s_b + s_b / s). Beyond s_b more slip gives less torque, so a load above T_b
+/// stalls the motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Induction {
     /// Breakdown torque, T_b, N·m.
     pub breakdown_nm: f64,
     /// Slip at the breakdown torque, s_b, rad/s.
     pub breakdown_slip_rad_s: f64,
-    /// Correction of the frequency to an error of position, g, 1/s.
+    /// Position gain g: frequency correction per position error, 1/s.
     pub position_gain_per_s: f64,
 }
 
 impl Motor {
-    /// Torque on the rotor, N·m. `integral_nm` is z, 0 where the motor has none.
+    /// Torque on the rotor, N·m. `integral_nm` is z, and 0 if the motor has none.
     #[inline]
     pub fn torque_nm(
         &self,
@@ -89,7 +91,7 @@ impl Motor {
         }
     }
 
-    /// Integral time of its velocity loop, s, if it has that.
+    /// Integral time of the velocity loop, s, if there is one.
     pub fn integral_s(&self) -> Option<f64> {
         match self {
             Self::Servo(servo) => servo.integral_s,
@@ -97,7 +99,7 @@ impl Motor {
         }
     }
 
-    /// Torque beyond which a servo's drive gives no more, N·m, if it has that.
+    /// Torque limit of a servo's drive, N·m, if it has one.
     pub fn limit_nm(&self) -> Option<f64> {
         match self {
             Self::Servo(servo) => Some(servo.limit_nm).filter(|limit_nm| limit_nm.is_finite()),
@@ -105,7 +107,7 @@ impl Motor {
         }
     }
 
-    /// Torque to an error of speed, N·m·s.
+    /// Torque per speed error, N·m·s.
     pub fn damping_nms(&self) -> f64 {
         match self {
             Self::Stepper(stepper) => stepper.damping_nms,
@@ -114,8 +116,8 @@ impl Motor {
         }
     }
 
-    /// Stiffness at a speed with no load, N·m/rad, from the softest, where it moves slowly or fast, to the stiffest: an
-    /// integral adds to a servo's where it is neither.
+    /// Softest and stiffest stiffness at a speed without load, N·m/rad. For a servo the softest value applies to slow and
+    /// fast motion. In between, an integral adds to it.
     pub fn stiffness_nm(&self, omega_rad_s: f64) -> (f64, f64) {
         match self {
             Self::Stepper(stepper) => {
@@ -135,7 +137,7 @@ impl Motor {
         }
     }
 
-    /// Stiffness at the speed where that is greatest, N·m/rad.
+    /// Largest stiffness over all speeds, N·m/rad.
     pub fn stiffest_nm(&self) -> f64 {
         match self {
             Self::Stepper(stepper) => stepper.cycles_per_turn * stepper.pull_out.greatest_nm(),
@@ -143,7 +145,7 @@ impl Motor {
         }
     }
 
-    /// Following error at a steady speed without load, rad: the velocity that is not fed forward, over the position gain.
+    /// Following error at constant speed without load, rad: the velocity that is not fed forward, over the position gain.
     pub fn following_error_rad(&self, omega_rad_s: f64) -> f64 {
         match self {
             Self::Stepper(_) | Self::Induction(_) => 0.0,
@@ -153,7 +155,7 @@ impl Motor {
         }
     }
 
-    /// Greatest torque at a speed, N·m.
+    /// Largest torque at a speed, N·m.
     pub fn most_nm(&self, omega_rad_s: f64) -> f64 {
         match self {
             Self::Stepper(stepper) => stepper
@@ -185,8 +187,9 @@ impl Servo {
 }
 
 impl Induction {
-    /// Motor with a rated torque, N·m, at a rated slip, rad/s, and a breakdown torque that is `ratio` times the rated one, at least 1: Kloss's formula
-    /// gives the rated torque at the rated slip if s_b = s_rated (ratio + √(ratio² − 1)).
+    /// Creates a motor with a rated torque, N·m, at a rated slip, rad/s. The breakdown torque is `ratio` times the rated
+    /// torque, and `ratio` is at least 1. Kloss's formula gives the rated torque at the rated slip if
+    /// s_b = s_rated (ratio + √(ratio² − 1)).
     pub fn new(rated_nm: f64, rated_slip_rad_s: f64, ratio: f64, position_gain_per_s: f64) -> Self {
         Self {
             breakdown_nm: ratio * rated_nm,
@@ -195,7 +198,7 @@ impl Induction {
         }
     }
 
-    /// Torque to a small slip, N·m·s: the greatest slope of the curve.
+    /// Torque per slip at small slip, N·m·s: the largest slope of the curve.
     fn slope_nms(&self) -> f64 {
         2.0 * self.breakdown_nm / self.breakdown_slip_rad_s
     }

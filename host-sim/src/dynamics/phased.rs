@@ -1,28 +1,28 @@
-//! Every crank a rotor of its own, rods rigid as far as that can be.
+//! Phased model: one rotor per crank, and rods that are rigid wherever geometry permits it.
 //!
-//! The platform lies in the plane closest to its corners. Each corner's height over its crank's axis depends on its own
-//! crank alone, so that the plane moves against the frame with G(α) ω, where column i of G is what corner i adds to heave
-//! and tilts, times dhᵢ/dα. Let y be what the cranks push the platform with. The platform, of mass and inertias M_p,
-//! moves with M_p p″ = y − weight; a frame of M_f with M_f f″ = pull + weight − y, as at rest its springs hold the weight;
-//! crank i, of inertia J, with J αᵢ″ = torque − columnᵢ·y − warp; and p″ = f″ + G α″ + Ġ ω. Together
+//! The platform lies in the plane closest to its corners. The height of each corner above its crank's axis depends on its
+//! own crank only. So the plane moves relative to the frame with G(α) ω. Column i of G is the contribution of corner i to
+//! heave and tilts, times dhᵢ/dα. Let y be the force of the cranks on the platform. The platform, of mass and inertias M_p,
+//! obeys M_p p″ = y − weight. A frame of M_f obeys M_f f″ = pull + weight − y, because its springs carry the weight at
+//! rest. Crank i, of inertia J, obeys J αᵢ″ = torque − columnᵢ·y − warp. The kinematics are p″ = f″ + G α″ + Ġ ω. Together:
 //!
 //! ```text
 //! (M_p⁻¹ + M_f⁻¹ + G J⁻¹ Gᵀ) y = M_p⁻¹ weight + M_f⁻¹ (pull + weight) + G J⁻¹ (torques − warps) + Ġ ω
 //! ```
 //!
-//! three equations whatever the number of cranks. A frame that stands fast has M_f⁻¹ = 0.
+//! These are three equations for any number of cranks. A fixed frame has M_f⁻¹ = 0.
 //!
-//! Up to three corners always lie in a plane. A platform on four and more is *over-constrained*: unless all heights
-//! fit, rods must give. They are light and stiff, so they are taken to have settled: the platform lies in the plane
-//! that asks least of them, and corner i feels k times its distance from it. Of the rods' own oscillation, at
-//! √(k / m) and above, nothing is left ([`super::Elastic`] has it).
+//! Up to three corners always lie in a plane. A platform on four or more is *over-constrained*: unless all heights fit,
+//! rods must deform. Rods are light and stiff, so they are modelled as quasi-static: the platform lies in the plane of the
+//! least deformation, and corner i is loaded with k times its distance from that plane. The rods' own oscillation, at
+//! √(k / m) and above, is not modelled ([`super::Elastic`] does so).
 
 use std::cell::Cell;
 
 use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Crank, Frame, PlaneMotion};
 
-/// A machine of N angles, and of a frame's plane if it has one. Positions are in that order.
+/// A machine with N angles, and the frame's plane if it has a frame. Positions are in that order.
 #[derive(Clone, Debug)]
 pub struct Phased {
     body: Body,
@@ -32,13 +32,13 @@ pub struct Phased {
     platform_mobility: [f64; FREEDOMS],
     mobility: [f64; FREEDOMS],
     rotor_mobility: [f64; MOST],
-    /// Angle for which each crank was computed last, and the result. A method begins a step at the end of the last one, and the platform's
-    /// plane is computed there as well.
+    /// Last angle and result of each crank, as a cache. A method starts a step at the end of the previous one, and the
+    /// plane of the platform is computed there as well.
     last: [Cell<(f64, Crank)>; MOST],
 }
 
 impl Phased {
-    /// Of a body, on cranks that stand fast.
+    /// Creates a machine of a body, on a fixed frame.
     pub fn new(body: Body) -> Self {
         let platform_mobility = body.masses().map(f64::recip);
         let mut rotor_mobility = [0.0; MOST];
@@ -56,7 +56,7 @@ impl Phased {
         }
     }
 
-    /// The same on a frame.
+    /// Puts the machine on a frame.
     #[must_use]
     pub fn on(mut self, frame: Frame) -> Self {
         let frame_mobility = frame.suspended.masses.map(f64::recip);
@@ -65,7 +65,7 @@ impl Phased {
         self
     }
 
-    /// Gives rotor `i` inertia without end, or its own again.
+    /// Locks rotor `i` by infinite inertia, or releases it.
     pub fn hold(&mut self, i: usize, held: bool) {
         self.rotor_mobility[i] = if held {
             0.0
@@ -74,25 +74,25 @@ impl Phased {
         };
     }
 
-    /// The body.
+    /// Body of the machine.
     pub fn body(&self) -> &Body {
         &self.body
     }
 
-    /// The frame.
+    /// Frame, if there is one.
     pub fn frame(&self) -> Option<&Frame> {
         self.frame.as_ref()
     }
 
-    /// How many positions it has.
+    /// Number of positions.
     pub fn positions(&self) -> usize {
         self.body.axes() + self.frame.as_ref().map_or(0, Frame::freedoms)
     }
 
-    /// The second rate of each position under each motor's torque, N·m.
+    /// Computes the second derivative of each position under each motor's torque, N·m.
     pub fn accelerations(&self, q: &[f64], v: &[f64], torque: &[f64], out: &mut [f64]) {
         let body = &self.body;
-        let n = body.axes().min(MOST); // never more: so the compiler need not check each
+        let n = body.axes().min(MOST); // never more, so the compiler need not check each index
         let (alpha, place) = q.split_at(n);
         let (omega, rate) = v.split_at(n);
         let cranks = self.cranks(alpha);
@@ -106,7 +106,7 @@ impl Phased {
             ..Symmetric::default()
         };
         let mut right = [body.load.gravity_mps2, 0.0, 0.0];
-        // What the springs hold of the platform's weight at rest, and what they push beyond that.
+        // Weight that the springs carry at rest, and their force in excess of it.
         let held = [body.weight_n(), 0.0, 0.0];
         let mut pull = [0.0; FREEDOMS];
         if let Some(frame) = &self.frame {
@@ -141,12 +141,12 @@ impl Phased {
         }
     }
 
-    #[inline(always)] // or 150 bytes are copied
+    #[inline(always)] // otherwise 150 bytes are copied
     fn cranks(&self, alpha: &[f64]) -> [Crank; MOST] {
         let mut cranks = [Crank::default(); MOST];
         for ((crank, &alpha), last) in cranks.iter_mut().zip(alpha).zip(&self.last) {
             let (last_alpha, last_crank) = last.get();
-            // Not by value, as 0 and −0 have levers of different signs.
+            // Compares bits and not values, because the levers at 0 and −0 have different signs.
             *crank = if last_alpha.to_bits() == alpha.to_bits() {
                 last_crank
             } else {
@@ -172,12 +172,12 @@ impl Phased {
         warps
     }
 
-    /// How far each corner is above the platform's plane, m; zero for up to three corners.
+    /// Height of each corner above the platform's plane, m. Zero for up to three corners.
     pub fn warps_m(&self, alpha: &[f64]) -> [f64; MOST] {
         self.warps(&self.cranks(alpha))
     }
 
-    /// Where the platform is and how it moves, at these positions and their rates.
+    /// Position and motion of the platform at these positions and their rates.
     pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
         let n = self.body.axes();
         let mut motion = PlaneMotion::default();
@@ -201,7 +201,7 @@ impl Phased {
         motion
     }
 
-    /// Kinetic and potential energy, rods' included, J; without friction, damping and motors it stays.
+    /// Kinetic and potential energy, including the rods', J. It is constant without friction, damping and motors.
     pub fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
         let body = &self.body;
         let n = body.axes();
@@ -217,14 +217,14 @@ impl Phased {
         let mut energy =
             0.5 * (rotors + platform + body.rod_n_per_m * rods) + body.weight_n() * motion.place[0];
         if let Some(frame) = &self.frame {
-            // The springs hold the platform's weight at rest.
+            // At rest the springs carry the platform's weight.
             energy += frame.energy_j(&q[n..], &v[n..]) - body.weight_n() * q[n];
         }
         energy
     }
 }
 
-/// A symmetric matrix of three rows, `[a b c]`, `[b d e]`, `[c e f]`.
+/// A symmetric 3 × 3 matrix with the rows `[a b c]`, `[b d e]`, `[c e f]`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Symmetric {
     a: f64,
@@ -236,7 +236,7 @@ struct Symmetric {
 }
 
 impl Symmetric {
-    /// Adds `by` times a column times itself, as a row.
+    /// Adds `by` times the outer product of a column with itself.
     fn add(&mut self, column: &[f64; 3], by: f64) {
         let [x, y, z] = *column;
         let (bx, by_y) = (by * x, by * y);
@@ -248,7 +248,8 @@ impl Symmetric {
         self.f += by * z * z;
     }
 
-    /// Solves for what it makes this of, by L D Lᵀ; it is positive definite, as masses and rotors are above zero.
+    /// Returns the vector whose product with this matrix is `right`, by L D Lᵀ. Positive masses and inertias make the
+    /// matrix positive definite.
     fn solve(&self, right: &[f64; 3]) -> [f64; 3] {
         let (b, c) = (self.b / self.a, self.c / self.a);
         let d = self.d - b * self.b;

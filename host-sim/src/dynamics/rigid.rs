@@ -1,12 +1,12 @@
-//! All cranks on one shaft.
+//! Rigid model: all cranks on one shaft.
 //!
-//! With J(α) = Σ J_rotor + m R² s(α)² the kinetic energy is ½ J ω², and Lagrange gives
-//! J α″ + ½ J′ ω² + dV/dα = torque, where J′ = 2 m R² s h: the platform at speed gives the shaft back at one angle
-//! what it takes at another.
+//! With J(α) = Σ J_rotor + m R² s(α)² the kinetic energy is ½ J ω². Lagrange's equation gives
+//! J α″ + ½ J′ ω² + dV/dα = torque, where J′ = 2 m R² s h. A moving platform returns to the shaft at one angle the energy that
+//! it takes at another.
 
 use super::Body;
 
-/// A machine of one angle. The state is `[α, ω]`.
+/// A machine with one angle. The state is `[α, ω]`.
 #[derive(Clone, Debug)]
 pub struct Rigid {
     body: Body,
@@ -15,7 +15,7 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    /// Of a body, whose rotors turn as one.
+    /// Creates a machine of a body, whose rotors turn as one.
     pub fn new(body: Body) -> Self {
         let rotors_kgm2 = body.rotors_kgm2.iter().sum();
         Self {
@@ -25,7 +25,7 @@ impl Rigid {
         }
     }
 
-    /// The body.
+    /// Body of the machine.
     pub fn body(&self) -> &Body {
         &self.body
     }
@@ -36,7 +36,7 @@ impl Rigid {
         self.rotors_kgm2 + self.body.load.mass_kg * lever * lever
     }
 
-    /// α″, rad/s², under a torque of all motors together, N·m.
+    /// Acceleration α″, rad/s², under the total torque of all motors, N·m.
     pub fn acceleration_rad_s2(&self, alpha_rad: f64, omega_rad_s: f64, torque_nm: f64) -> f64 {
         let body = &self.body;
         let crank = body.crank(alpha_rad);
@@ -47,7 +47,7 @@ impl Rigid {
             / inertia
     }
 
-    /// Kinetic and potential energy, J; without friction and motor it stays.
+    /// Kinetic and potential energy, J. It is constant without friction and motors.
     pub fn energy_j(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
         0.5 * self.inertia_kgm2(alpha_rad) * omega_rad_s * omega_rad_s
             + self.body.weight_n() * self.body.crank(alpha_rad).height_m

@@ -1,5 +1,5 @@
-//! What must hold of equations of motion whatever the numbers are: power in is energy gained, and each model level is the
-//! one below where their assumptions meet.
+//! Properties of the equations of motion that hold for all values. Power in equals energy gained, and each model level
+//! equals the one below where their assumptions coincide.
 
 mod energy;
 mod induction;
@@ -32,7 +32,7 @@ fn platforms() -> impl Strategy<Value = Platform> {
     prop_oneof![Just(Platform::Above), Just(Platform::Below)]
 }
 
-/// A machine's angles, speeds and torques.
+/// Angles, speeds and torques of a machine.
 fn states() -> impl Strategy<Value = (Vec<f64>, Vec<f64>, Vec<f64>)> {
     (2_usize..=6).prop_flat_map(|n| {
         let each = |range| prop::collection::vec(range, n);
@@ -40,9 +40,9 @@ fn states() -> impl Strategy<Value = (Vec<f64>, Vec<f64>, Vec<f64>)> {
     })
 }
 
-/// (E(t + h) − E(t − h)) / 2h for a motion that has these positions, speeds and accelerations at t.
+/// Central difference (E(t + h) − E(t − h)) / 2h of the energy over time, at t = 0.
 fn power(energy: impl Fn(f64) -> f64) -> f64 {
-    // Third-order terms are of the order of h² ω³: 1e-14 · 1e7 of some 1e3 J.
+    // Third-order terms are of the order of h² ω³: 1e-14 · 1e7 of about 1e3 J.
     const H_S: f64 = 1e-7;
     (energy(H_S) - energy(-H_S)) / (2.0 * H_S)
 }
@@ -63,7 +63,7 @@ fn close(found: f64, right: f64, scale: f64) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    /// Were it wrong, the shaft would need another torque to move than `cophase design` sizes motors for.
+    /// If this fails, the shaft needs another torque than the one for which `cophase design` sizes motors.
     #[test]
     fn a_rigid_shaft_moves_as_its_torque_was_computed(
         platform in platforms(),
@@ -80,7 +80,7 @@ proptest! {
         prop_assert!((found - acceleration).abs() < 1e-9 * 1e4, "{found}, not {acceleration}");
     }
 
-    /// Were it wrong, cranks in phase would load each other.
+    /// If this fails, cranks in phase load each other.
     #[test]
     fn cranks_in_phase_are_one_shaft(
         platform in platforms(),
@@ -100,7 +100,7 @@ proptest! {
         }
     }
 
-    /// Were it wrong, a machine would make energy, or lose it, without anyone to give or take it.
+    /// If this fails, a machine gains or loses energy without a source or sink.
     #[test]
     fn what_motors_give_a_phased_machine_is_what_it_gains(
         platform in platforms(),
@@ -110,12 +110,12 @@ proptest! {
         let mut acceleration = vec![0.0; alpha.len()];
         machine.accelerations(&alpha, &omega, &torque, &mut acceleration);
         let gained = gain(&alpha, &omega, &acceleration, |q, v| machine.energy_j(q, v));
-        // What flows to and fro between rotors and rods is larger than what comes in.
+        // The power that flows between rotors and rods is larger than the power of the motors.
         let flow = 200.0 * 12e-3 * 2e6 * 24e-3;
         close(gained, given(&torque, &omega), flow)?;
     }
 
-    /// As above, of a platform on springs.
+    /// As above, for a platform on springs.
     #[test]
     fn what_motors_give_an_elastic_machine_is_what_it_gains(
         platform in platforms(),
@@ -132,8 +132,8 @@ proptest! {
         close(gained, given(&torque, &omega), flow)?;
     }
 
-    /// As above, of a machine whose frame moves, with a foundation and without, on either kind of rods. Were it wrong, the
-    /// suspension would shake the machine, or quieten it, by itself.
+    /// As above, for a machine on a moving frame, with and without a foundation, on both kinds of rods. If this fails, the
+    /// suspension excites or damps the machine by itself.
     #[test]
     fn what_motors_give_a_machine_on_a_frame_is_what_it_gains(
         platform in platforms(),
@@ -161,8 +161,8 @@ proptest! {
         close(gained, given(&torque, &omega), flow)?;
     }
 
-    /// Were it wrong, a frame that cannot give would still change what its cranks do: it is 1e9 times as heavy as the
-    /// platform, and so moves by 1e-9 of what that does.
+    /// If this fails, a rigidly fixed frame changes the motion of the cranks. Its mass here is 1e9 times the
+    /// usual one, so it moves by less than 1e-9 of the platform's motion.
     #[test]
     fn a_frame_that_stands_fast_is_none(
         platform in platforms(),
@@ -183,8 +183,9 @@ proptest! {
         }
     }
 
-    /// Were it wrong, stiff rods would load cranks otherwise than rods that have settled: with the platform where quasi-static rods
-    /// have it, on the same speeds, springs push what y and warps push, so long as they are short by that already.
+    /// If this fails, stiff rods load the cranks differently from quasi-static rods. The platform is placed where
+    /// quasi-static rods have it, at the same speeds. The springs then push with y and the warps if their compression
+    /// matches that load already.
     #[test]
     fn rods_that_are_short_by_their_load_push_as_quasi_static_ones(
         platform in platforms(),
@@ -196,7 +197,7 @@ proptest! {
         quasi_static.accelerations(&alpha, &omega, &torque, &mut right);
         let plane = quasi_static.plane(&alpha, &omega, &right);
         let body = quasi_static.body();
-        // Forces at corners that push the platform with y, in a plane: short by y's share of a corner, over k.
+        // Corner forces that push the platform with y, in a plane. The compression is the corner's share of y, over k.
         let y: [f64; 3] = std::array::from_fn(|f| {
             body.masses()[f] * plane.acceleration[f] + if f == 0 { body.weight_n() } else { 0.0 }
         });
@@ -216,7 +217,7 @@ proptest! {
     }
 }
 
-/// (E(t + h) − E(t − h)) / 2h of a motion.
+/// Central difference (E(t + h) − E(t − h)) / 2h for a motion with these positions, speeds and accelerations.
 fn gain(q: &[f64], v: &[f64], a: &[f64], energy: impl Fn(&[f64], &[f64]) -> f64) -> f64 {
     power(|t| {
         let (q, v) = moved(q, v, a, t);
@@ -236,7 +237,7 @@ fn planes(most: f64) -> impl Strategy<Value = [f64; FREEDOMS]> {
     prop::array::uniform3(-most..most)
 }
 
-/// 30 kg at 10 Hz, on 100 kg at 50 Hz if there is a block.
+/// Frame of 30 kg at 10 Hz, on a block of 100 kg at 50 Hz if `on_block`.
 fn frame(zeta: f64, on_block: bool) -> Frame {
     let load = [8.0, 0.15, 0.15];
     let own = [30.0, 0.4, 0.4];
@@ -247,7 +248,7 @@ fn frame(zeta: f64, on_block: bool) -> Frame {
     }
 }
 
-/// Were it wrong, dampers would drive the machine: in rods, suspension, and ground.
+/// If this fails, dampers in rods, suspension or ground drive the machine.
 #[test]
 fn dampers_take_energy() {
     let alpha = [0.3, 0.4, 0.2, 0.35];
@@ -260,17 +261,17 @@ fn dampers_take_energy() {
         let mut a = vec![0.0; q.len()];
         machine.accelerations(&q, &v, &[0.0; 4], &mut a);
         let lost = gain(&q, &v, &a, |q, v| machine.energy_j(q, v));
-        // Springs hand watts to and fro; what dampers take is c v², some hundred N·s/m at least by some 0.1 m²/s².
+        // Springs exchange a few watts. Dampers take c v²: at least some hundred N·s/m times about 0.1 m²/s².
         assert!(lost < -10.0, "{lost} W, rods {in_rods}, frame {in_frame}");
     }
 }
 
-/// Were it wrong, the machine would fall on its suspension as it is switched on, or stand where it does not.
+/// If this fails, the machine drops on its suspension at switch-on, or its rest position is not an equilibrium.
 #[test]
 fn a_machine_at_rest_stays_at_rest() {
     use super::{Driven, Freedom, Motor, Servo};
     use cophase_methods::Equations;
-    // At a dead centre no motor is needed to hold it.
+    // At a dead centre no motor torque is needed to hold it.
     let servo = Motor::Servo(Servo {
         position_gain_per_s: 10.0,
         velocity_gain_nms: 1.0,
@@ -289,19 +290,19 @@ fn a_machine_at_rest_stays_at_rest() {
             let mut rates = vec![1.0; state.len()];
             machine.rates(0.0, &state, &mut rates);
             for rate in &rates {
-                // Weights of some 1e3 N that cancel, over masses of 0.1 kg·m² at least.
+                // Weights of about 1e3 N cancel, over inertias of at least 0.1 kg·m².
                 assert!(rate.abs() < 1e-9, "{rates:?}");
             }
             assert_eq!(machine.frame_motion(&state).unwrap().ground_n, 0.0);
         }
-        // Counted from where its springs are free, it has gone down by what the weight asks of each spring.
+        // Relative to unloaded springs, the frame is lower by the weight on each spring over its stiffness.
         let weight = |kg: f64| kg * 9.80665;
         let mut sag = weight(38.0) / 1.5e5;
         if on_block {
             sag += weight(138.0) / 1.4e7;
         }
         assert!((own.sag_m(8.0, 9.80665) - sag).abs() < 1e-15);
-        // And lifted by that, springs carry nothing: the ground is relieved of all the weight.
+        // Lifted by that distance, the springs carry nothing, and the ground is relieved of the whole weight.
         let block_sag = if on_block { weight(138.0) / 1.4e7 } else { 0.0 };
         let place = [sag, 0.0, 0.0, block_sag, 0.0, 0.0];
         let freedoms = own.freedoms();

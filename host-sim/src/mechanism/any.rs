@@ -1,4 +1,4 @@
-//! Any of the mechanisms: the one that a scene names.
+//! Enum over all mechanisms, for the one that a scene names.
 
 use cophase_core::mechanism::MechanismSettings;
 
@@ -10,7 +10,7 @@ macro_rules! any {
     ($($Name:ident, $module:ident, $name:literal;)*) => {
         $(use super::$module::$Name;)*
 
-        /// Any of the mechanisms.
+        /// One of the mechanisms.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum AnyMechanism {
             $(

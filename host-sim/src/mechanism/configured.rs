@@ -6,27 +6,27 @@ use crate::scene::file::Machine;
 
 /// A mechanism that a scene can name.
 pub trait Configured: Mechanism {
-    /// Settings that the controller is given of it.
+    /// Settings of the mechanism in the controller.
     type Settings;
 
-    /// Keys of [`Machine::geometry`] that belong to it.
+    /// Keys of [`Machine::geometry`] that belong to this mechanism.
     const KEYS: &'static [&'static str];
 
-    /// Crank radius, m, of a scene's keys.
+    /// Returns the crank radius from a scene's keys, m.
     ///
     /// # Errors
-    /// The key is missing. Its range is the core's to check.
+    /// The key is missing. The core checks its range.
     fn radius_m(machine: &Machine) -> Result<f64, SceneError> {
         Ok(machine.needed("machine.crank_radius_mm")? / 1e3)
     }
 
-    /// Makes the controller's settings of a scene's keys, of which there are none that belong to other mechanisms only.
+    /// Creates the controller's settings from a scene's keys. Keys that only other mechanisms have are refused beforehand.
     ///
     /// # Errors
-    /// A key is missing. Ranges of the settings are the core's to check.
+    /// A key is missing. The core checks the ranges of the settings.
     fn settings(machine: &Machine) -> Result<Self::Settings, SceneError>;
 
-    /// Makes the mechanism of settings that the core has checked, and of a crank radius in m.
+    /// Creates the mechanism from settings that the core has checked, and from a crank radius in m.
     fn of(settings: &Self::Settings, crank_radius_m: f64) -> Self;
 
     /// Settings at the ends and in the middle of their ranges, for the conformance tests.

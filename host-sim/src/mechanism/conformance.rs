@@ -1,5 +1,5 @@
-//! Conformance tests of every mechanism: its coefficients against numerical derivatives of its own x, its torque against the
-//! energy of the load, and all of it against the fixed-point mechanism of the controller.
+//! Conformance tests of every mechanism. They compare its coefficients with numerical derivatives of its x, its torque with
+//! the energy of the load, and both with the fixed-point mechanism of the controller.
 
 use core::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use cophase_core::units::{Amax, Turns};
 use super::turn_search::largest_over_turn;
 use super::{AnyMechanism, Configured, Load, Mechanism, Platform};
 
-/// Close to 1 m: errors in metres and in parts of R are alike.
+/// Close to 1 m, so that errors in metres and relative to R are similar.
 const RADIUS_M: f64 = 0.8;
 const TICK_HZ: u32 = 2000;
 
@@ -25,8 +25,8 @@ fn degrees() -> impl Iterator<Item = f64> {
     (-400..400).map(|degree| f64::from(degree).to_radians())
 }
 
-/// If this fails, every speed, acceleration and torque is wrong. Central differences of step 1e-5 are off by 1e-10 (a sixth
-/// of the third derivative, below 10) plus rounding of 1e-16 / 1e-5 times a rod of up to 8 m.
+/// If this fails, every speed, acceleration and torque is wrong. Central differences with step 1e-5 have an error of 1e-10
+/// (a sixth of the third derivative, below 10), plus rounding of 1e-16 / 1e-5 times a rod of up to 8 m.
 #[test]
 fn s_and_h_are_derivatives_of_x() {
     let d = 1e-5;
@@ -47,14 +47,14 @@ fn s_and_h_are_derivatives_of_x() {
     }
 }
 
-/// If this fails, a machine that torque moves is not where one that follows its commands is.
+/// If this fails, a machine that is moved by torque has other kinematics than one that follows its commands.
 #[test]
 fn all_at_once_is_one_by_one() {
     for (settings, mechanism) in all() {
         let farthest_m = mechanism.x_m(0.0);
         for alpha in degrees() {
             let at = mechanism.at(alpha);
-            // Roundings of terms of some 1, or of the greatest distance; a slider-crank's h divides by at least 0.6 cubed.
+            // Rounding of terms of about 1, or of the largest distance. The h of a slider-crank is divided by at least 0.6 cubed.
             let off = [
                 (at.x_m - mechanism.x_m(alpha)) / farthest_m,
                 at.s - mechanism.s(alpha),
@@ -68,7 +68,7 @@ fn all_at_once_is_one_by_one() {
     }
 }
 
-/// If this fails, the platform does not return, or phase 0 is not where it is farthest.
+/// If this fails, the platform does not return after a turn, or is not farthest at phase 0.
 #[test]
 fn the_platform_is_farthest_at_angle_0_and_returns() {
     for (settings, mechanism) in all() {
@@ -84,8 +84,8 @@ fn the_platform_is_farthest_at_angle_0_and_returns() {
     }
 }
 
-/// If this fails, speeds computed for an amplitude are wrong, or a bound on tilt, on torque or on what falls between two ticks
-/// is no bound.
+/// If this fails, speeds computed for an amplitude are wrong. Or bounds on tilt, on torque and on values between two ticks
+/// are too low.
 #[test]
 fn greatest_coefficients_bound_the_turn() {
     for (settings, mechanism) in all() {
@@ -112,8 +112,8 @@ fn greatest_coefficients_bound_the_turn() {
     }
 }
 
-/// If this fails, a program shakes the platform harder than it requests, or less. At a steady speed the second difference of x
-/// over time has the requested amplitude, within a twelfth of the squared step times the greatest fourth derivative.
+/// If this fails, a program shakes the platform more or less than it requests. At a steady speed the second difference of x
+/// over time has the requested amplitude, within a twelfth of the squared step times the largest fourth derivative.
 #[test]
 fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
     let d = 1e-3;
@@ -137,8 +137,8 @@ fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
     }
 }
 
-/// If this fails, torque and motion disagree: torque times speed must be the rate of the load's energy, with the crank
-/// accelerating, on either side of the crank. Height and speed of the load come from x alone, by differences in time.
+/// If this fails, torque and motion disagree. Torque times speed must be the rate of the load's energy, with the crank
+/// accelerating, for a platform above and below. Height and speed of the load come from x alone, by differences in time.
 #[test]
 fn torque_is_the_energy_it_puts_into_the_load() {
     let (omega, alpha_ddot, d) = (40.0, 900.0, 1e-4);
@@ -160,7 +160,7 @@ fn torque_is_the_energy_it_puts_into_the_load() {
                 let power_w = (energy_j(step_s) - energy_j(-step_s)) / (2.0 * step_s);
                 let torque_nm = mechanism.torque_nm(&load, start, omega, alpha_ddot);
                 let scale_nm = load.mass_kg * RADIUS_M * mechanism.amax_mps2(omega);
-                // Differences of step d, twice, of third derivatives below 30.
+                // Errors of two successive differences with step d, for third derivatives below 30.
                 assert!(
                     (power_w / omega - torque_nm).abs() < 3e-7 * scale_nm,
                     "{settings:?} {platform:?} {start}: {} {torque_nm}",
@@ -171,7 +171,7 @@ fn torque_is_the_energy_it_puts_into_the_load() {
     }
 }
 
-/// If this fails, a machine without friction makes or loses energy in every turn at a steady speed.
+/// If this fails, a frictionless machine gains or loses energy in every turn at a steady speed.
 #[test]
 fn torque_does_no_work_over_a_turn() {
     for (settings, mechanism) in all() {
@@ -193,7 +193,7 @@ fn torque_does_no_work_over_a_turn() {
     }
 }
 
-/// If this fails, the simulated machine is another one than the controller was set up for.
+/// If this fails, the simulated machine differs from the one for which the controller is configured.
 #[test]
 fn the_controller_has_the_same_mechanism() {
     for (settings, mechanism) in all() {

@@ -1,10 +1,10 @@
-//! Five-bar arm in a plane: two motors on one axis turn two links, and a parallelogram joins them at the hand.
+//! Five-bar arm in a plane: two motors on one axis turn two links, and a parallelogram joins these at the hand.
 //!
-//! With q₁ and q₂ the angles of the two links from the x axis, and l₁ and l₄ their lengths, the hand is at
-//! (l₁ cos q₁ + l₄ cos q₂, l₁ sin q₁ + l₄ sin q₂). The determinant of its Jacobian is −l₁ l₄ sin(q₁ − q₂): the arm is singular where the
-//! links lie on one line, at the edge of its reach.
+//! Let q₁ and q₂ be the angles of the two links from the x axis, and l₁ and l₄ their lengths. The hand is at
+//! (l₁ cos q₁ + l₄ cos q₂, l₁ sin q₁ + l₄ sin q₂). The determinant of its Jacobian is −l₁ l₄ sin(q₁ − q₂). So the arm is singular where
+//! both links lie on one line, at the edge of its reach.
 
-/// Lengths of the two links that reach the hand.
+/// Lengths of the two links that lead to the hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiveBar {
     /// Length of the link at joint 1, m.
@@ -13,7 +13,7 @@ pub struct FiveBar {
     pub l4_m: f64,
 }
 
-/// Angles of the two joints, rad, each above −π and up to π.
+/// Angles of the two joints, rad, each in (−π, π].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joints {
     /// Joint 1.
@@ -22,22 +22,22 @@ pub struct Joints {
     pub q2_rad: f64,
 }
 
-/// Why the hand cannot be at a point.
+/// Reason why the hand cannot be at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unreachable {
-    /// Further from the axis than both links together, m.
+    /// Point at this distance from the axis, m, which exceeds the sum of both links.
     Beyond(f64),
-    /// Nearer to the axis than the links differ by, m.
+    /// Point at this distance from the axis, m, which is below the difference of both links.
     Within(f64),
-    /// The point is the axis and the links are equal: every angle fits.
+    /// Point on the axis, with equal links. Every angle is a solution.
     OnAxis,
 }
 
-/// Part of the links' lengths by which a point at the edge may be off: rounding.
+/// Tolerance for a point at the edge of the reach, relative to the links' lengths. It covers rounding.
 const ROUNDING: f64 = 1e-12;
 
 impl FiveBar {
-    /// Place of the hand, m.
+    /// Position of the hand, m.
     #[must_use]
     pub fn hand_m(&self, joints: Joints) -> [f64; 2] {
         let (sin_1, cos_1) = joints.q1_rad.sin_cos();
@@ -48,7 +48,7 @@ impl FiveBar {
         ]
     }
 
-    /// Jacobian of the hand's place by the joints' angles, m a rad: a row for x, and one for y.
+    /// Jacobian of the hand's position by the joint angles, m/rad, with one row for x and one for y.
     #[must_use]
     pub fn jacobian_m(&self, joints: Joints) -> [[f64; 2]; 2] {
         let (sin_1, cos_1) = joints.q1_rad.sin_cos();
@@ -66,8 +66,9 @@ impl FiveBar {
         a * d - b * c
     }
 
-    /// Joint angles for a place of the hand: one for each assembly mode, the one with q₁ further from the x axis first. At the edge of the
-    /// reach both are the same. The error of the hand's place is below 1e-9 of the links.
+    /// Joint angles for a position of the hand, one solution per assembly mode. The first has link 1 on the left of the
+    /// line from the axis to the hand. At the edge of the reach both are equal. The error of the hand's position is below
+    /// 1e-9 of the links' lengths.
     ///
     /// # Errors
     /// The hand cannot be there.
@@ -97,7 +98,7 @@ impl FiveBar {
     }
 }
 
-/// An angle above −π and up to π.
+/// Returns the equivalent angle in (−π, π].
 fn within_turn(angle: f64) -> f64 {
     use core::f64::consts::{PI, TAU};
     PI - (PI - angle).rem_euclid(TAU)

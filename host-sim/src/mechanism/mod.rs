@@ -1,14 +1,14 @@
 //! Mechanisms: from crank angle to platform motion and crank torque, in floating point.
 //!
-//! [`Mechanism`] is the extension point: geometry that an implementation gives, and motion and torque that follow from it for
-//! all. [`Configured`] makes an implementation of a scene's keys. [`AnyMechanism`] is the one that a scene names, and all
-//! that the machine, its model levels and their bounds know of. [`turn_search`] finds the largest value of anything that
-//! depends on a crank angle.
+//! [`Mechanism`] is the extension point. An implementation provides the geometry, from which motion and torque follow for
+//! all mechanisms. [`Configured`] creates an implementation from a scene's keys. [`AnyMechanism`] is the mechanism that a
+//! scene names, and the only one that the machine, its model levels and their bounds use. [`turn_search`] finds the largest
+//! value of any function of a crank angle.
 //!
 //! To add a mechanism, write its file here and add it to the list below. The tests in `conformance` then cover it too
 //! (`docs/recipes/add-a-mechanism.md`).
 
-/// Hands the list of all mechanisms to a macro: type, module, name in a scene.
+/// Passes the list of all mechanisms to a macro: type, module, name in a scene.
 macro_rules! for_all_mechanisms {
     ($make:ident) => {
         $make! {

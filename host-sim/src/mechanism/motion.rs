@@ -9,7 +9,7 @@
 //! - **a** = −x″, m/s², the acceleration *towards the crank axes*, largest at α = 0.
 //!
 //! Torque follows from the energy balance without friction: τ ω = d/dt (kinetic + potential energy of the load). Links and
-//! cranks have no mass here. Which way gravity acts is a choice of build ([`Platform`]).
+//! cranks are massless here. The direction of gravity depends on the build ([`Platform`]).
 
 pub use cophase_core::settings::Platform;
 
@@ -20,9 +20,9 @@ use super::drawing::Mount;
 pub struct Load {
     /// Mass on the platform, kg.
     pub mass_kg: f64,
-    /// Gravity, m/s², a magnitude.
+    /// Magnitude of gravity, m/s².
     pub gravity_mps2: f64,
-    /// Where the platform is.
+    /// Side of the cranks on which the platform is.
     pub platform: Platform,
 }
 
@@ -41,22 +41,23 @@ pub struct AtAngle {
 ///
 /// The platform is farthest from the crank axes at α = 0, and returns after a turn.
 pub trait Mechanism: Copy {
-    /// Unit of length R, m, in which s and h are counted: the crank radius, where there is one.
+    /// Unit of length R, m, for s and h: the crank radius, if there is one.
     fn crank_radius_m(&self) -> f64;
 
-    /// x, s and h at once, for equations of motion, which need all three at every evaluation.
+    /// Returns x, s and h together. Equations of motion need all three at every evaluation.
     fn at(&self, alpha_rad: f64) -> AtAngle;
 
     /// Upper bound of |s| over the turn.
     fn greatest_s(&self) -> f64;
 
-    /// Greatest |h| of the turn, exact: amax = R ω² times this.
+    /// Largest |h| of the turn, exact: amax = R ω² times this.
     fn greatest_h(&self) -> f64;
 
-    /// Upper bound of −h″/h at the peak of |h|, 1/rad²: at an angle δ beside it the acceleration is at least amax (1 − this · δ²/2).
+    /// Upper bound of −h″/h at the peak of |h|, 1/rad². At an angle δ from the peak the acceleration is at least
+    /// amax (1 − this · δ²/2).
     fn peak_sharpness(&self) -> f64;
 
-    /// Name of the parts between cranks and platform, in the plural: what `machine.rod_n_per_um` is the stiffness of.
+    /// Plural name of the parts between cranks and platform, whose stiffness is `machine.rod_n_per_um`.
     fn links(&self) -> &'static str;
 
     /// Drawing of the mechanisms with their symbols under a platform, as SVG text.
@@ -94,20 +95,21 @@ pub trait Mechanism: Copy {
         self.crank_radius_m() * (centripetal + self.s(alpha_rad) * alpha_ddot_rad_s2)
     }
 
-    /// Largest acceleration at constant speed, m/s²: amax = R ω² times the greatest |h|.
+    /// Largest acceleration at constant speed, m/s²: amax = R ω² times the largest |h|.
     fn amax_mps2(&self, omega_rad_s: f64) -> f64 {
         self.crank_radius_m() * omega_rad_s * omega_rad_s * self.greatest_h()
     }
 
-    /// Crank speed at which the largest acceleration is `amax_mps2`, rad/s. NaN for a negative amax, which is a magnitude.
+    /// Crank speed at which the largest acceleration is `amax_mps2`, rad/s. NaN for a negative amax, because amax is a magnitude.
     fn speed_for_amax_rad_s(&self, amax_mps2: f64) -> f64 {
         (amax_mps2 / (self.crank_radius_m() * self.greatest_h())).sqrt()
     }
 
-    /// Torque of all cranks together, N·m, positive where they drive and negative where the load drives them:
-    /// τ = m R s (R (h ω² + s α″) + σ g), with σ the sign of gravity.
+    /// Total torque of all cranks, N·m. It is positive if they drive and negative if the load drives them: τ = m R s (R (h
+    /// ω² + s α″) + σ g), with σ the sign of gravity.
     ///
-    /// Exact for the load alone; crank speed ω in rad/s, angular acceleration α″ in rad/s². At constant speed its mean is 0.
+    /// It is exact for the load alone, with crank speed ω in rad/s and angular acceleration α″ in rad/s². Its mean at
+    /// constant speed is 0.
     fn torque_nm(
         &self,
         load: &Load,
@@ -119,7 +121,7 @@ pub trait Mechanism: Copy {
         self.torque_for_a_nm(load, alpha_rad, a)
     }
 
-    /// Torque of all cranks together, N·m, for an acceleration a of the platform, m/s², towards the crank axes.
+    /// Total torque of all cranks, N·m, for an acceleration a of the platform, m/s², towards the crank axes.
     fn torque_for_a_nm(&self, load: &Load, alpha_rad: f64, a_mps2: f64) -> f64 {
         let force_n = load.mass_kg * (a_mps2 + load.platform.gravity_sign() * load.gravity_mps2);
         force_n * self.crank_radius_m() * self.s(alpha_rad)

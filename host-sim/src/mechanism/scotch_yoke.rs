@@ -1,10 +1,10 @@
-//! Scotch yoke: a pin on the crank slides in a slot of the platform, which lies across the line of travel.
+//! Scotch yoke: a pin on the crank slides in a slot of the platform, and the slot is perpendicular to the line of travel.
 //!
-//! x = R cos α, so that s = sin α and h = cos α. At a steady speed the platform moves as a pure cosine: amax = R ω² at both
-//! dead centres, and no second harmonic. It is the limit of a slider-crank with an endless rod.
+//! x = R cos α, so that s = sin α and h = cos α. At a steady speed the platform's motion is a pure cosine: amax = R ω² at
+//! both dead centres, without a second harmonic. The yoke is the limit of a slider-crank with an infinite rod.
 //!
-//! The slot keeps no distance, so x is counted from the crank axes. What gives between crank and platform, where a model
-//! level has that, are pin and slot.
+//! A slot has no length, so x is measured from the crank axes. On model levels with elastic links, pin and slot are what
+//! deforms between crank and platform.
 //!
 //! Not modelled: clearance and friction of the pin in its slot, and the mass of the pin.
 
@@ -87,8 +87,8 @@ mod tests {
         crank_radius_m: 0.02,
     };
 
-    /// If this fails, the yoke has another sign or scale than the slider-crank, whose limit it is as the rod grows. s and h
-    /// differ by λ at most, and the platform by the rod, less up to λ R/2.
+    /// If this fails, the yoke differs in sign or scale from the slider-crank, whose limit it is for a long rod. s and h
+    /// differ by λ at most. The platform positions differ by the rod length, within λ R/2.
     #[test]
     fn an_endless_rod_makes_a_slider_crank_a_yoke() {
         let omega = 60.0;
@@ -124,7 +124,7 @@ mod tests {
         }
     }
 
-    /// If this fails, the platform moves with a second harmonic, as on a rod. The acceleration is found from places alone.
+    /// If this fails, the platform moves with a second harmonic, as with a rod. The acceleration is computed from positions only.
     #[test]
     fn the_acceleration_has_the_crank_frequency_alone() {
         const SAMPLES: u32 = 360;
@@ -135,7 +135,7 @@ mod tests {
             let parts = (0..SAMPLES).map(|k| second(k) * (f64::from(n * k) * step).cos());
             2.0 / f64::from(SAMPLES) * parts.sum::<f64>()
         };
-        // A second difference of step h is less than the derivative by h²/12 of it.
+        // A second difference with step h underestimates the derivative by the fraction h²/12.
         let first = -harmonic(1) / YOKE.crank_radius_m;
         assert!((first - 1.0).abs() < step * step / 11.0, "{first}");
         for n in 2..=6 {
@@ -143,8 +143,8 @@ mod tests {
         }
     }
 
-    /// If this fails, motors are sized wrongly: without gravity the torque is ½ m R² ω² sin 2α, the rate at which a mass on a
-    /// circle's shadow gains and loses its ½ m v².
+    /// If this fails, motors are sized wrongly. Without gravity the torque is ½ m R² ω² sin 2α: the rate at which the
+    /// kinetic energy ½ m v² of a harmonic motion changes.
     #[test]
     fn torque_goes_to_and_fro_twice_a_turn() {
         let load = Load {

@@ -1,17 +1,17 @@
-//! The in-line slider-crank: a crank of radius R turns, a rod of length L follows, and a platform moves
-//! on the line through the crank's axis.
+//! The in-line slider-crank: a crank of radius R drives a platform through a rod of length L. The platform moves on the
+//! line through the crank's axis.
 //!
-//! Words:
+//! Terms:
 //! - **crank angle** α, rad, 0 at the dead centre where crank and rod are stretched out;
 //! - **crank/rod ratio** λ = R / L;
 //! - **x**, m, the platform's distance from the crank axis along the line of travel;
-//! - **a** = −x″, m/s², the acceleration *towards the crank axis*. The source counts it so, which makes
-//!   it largest, R ω² (1 + λ), at α = 0;
+//! - **a** = −x″, m/s², the acceleration *towards the crank axis*. This is the source's sign convention. It makes a
+//!   largest, R ω² (1 + λ), at α = 0;
 //! - **two-term**: the source's a = R ω² (cos α + λ cos 2α), the first two harmonics at constant speed;
-//! - **exact**: what the geometry gives, at any speed and angular acceleration.
+//! - **exact**: without approximation of the geometry, at any speed and angular acceleration.
 //!
-//! Files: here is the motion; [`Extrema`] are the turning points of a, `torque` has the source's torque formula, and
-//! `configured` makes the mechanism of a scene's keys.
+//! Files: this one contains the motion. [`Extrema`] are the turning points of a, `torque` has the source's torque formula,
+//! and `configured` creates the mechanism from the keys of a scene.
 //!
 //! Not modelled: clearance, elasticity, an offset line of travel, rod and crank masses.
 
@@ -25,12 +25,12 @@ use super::drawing::{self, Link, Mount};
 use super::turn_search::{TurnPeak, largest_over_turn};
 use super::{AtAngle, Mechanism};
 
-/// Largest crank/rod ratio accepted. The source builds from 0.1 to 0.6. Somewhat above 0.8 (at 0.85)
-/// the exact acceleration becomes largest near 90 deg instead of at α = 0, and amax = R ω² (1 + λ),
-/// on which every speed here rests, would no longer be a maximum.
+/// Largest crank/rod ratio that is accepted. The source uses 0.1 to 0.6. Above 0.8 (at 0.85) the exact acceleration becomes
+/// largest near 90 deg instead of at α = 0. Then amax = R ω² (1 + λ), on which all speeds here are based, is no longer the
+/// maximum.
 pub const LAMBDA_MAX: f64 = 0.8;
 
-/// Why a pair of lengths is no slider-crank.
+/// Reason why a pair of lengths is not a valid slider-crank.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SliderCrankError {
     /// The crank radius is not a positive, finite length.
@@ -59,12 +59,12 @@ pub enum SliderCrankError {
 pub struct SliderCrank {
     crank_radius_m: f64,
     rod_length_m: f64,
-    /// Their ratio: equations of motion ask for it at every evaluation.
+    /// Ratio of the two lengths, stored because equations of motion need it at every evaluation.
     lambda: f64,
 }
 
 impl SliderCrank {
-    /// Makes a mechanism of a crank radius and a rod length, both in m.
+    /// Creates a mechanism with a crank radius and a rod length, both in m.
     ///
     /// Refuses lengths that are not finite and positive, and ratios above [`LAMBDA_MAX`].
     pub fn new(crank_radius_m: f64, rod_length_m: f64) -> Result<Self, SliderCrankError> {
@@ -90,10 +90,10 @@ impl SliderCrank {
         }
     }
 
-    /// Makes the mechanism whose largest acceleration at `omega_rad_s` is `amax_mps2`:
-    /// R = amax / (ω² (1 + λ)), L = R / λ (source, steps F and G).
+    /// Creates the mechanism whose largest acceleration at `omega_rad_s` is `amax_mps2`: R = amax / (ω² (1 + λ)), L = R / λ
+    /// (source, steps F and G).
     ///
-    /// Refuses what [`SliderCrank::new`] refuses, which includes a standing crank (no radius is enough).
+    /// Refuses the same lengths as [`SliderCrank::new`]. A crank at standstill is refused as well, because no radius is sufficient.
     pub fn for_amax(
         amax_mps2: f64,
         omega_rad_s: f64,
@@ -123,32 +123,31 @@ impl SliderCrank {
         (self.lambda() * alpha_rad.sin()).asin()
     }
 
-    /// The two-term stand-in for [`SliderCrank::h`]: cos α + λ cos 2α (source, step F).
+    /// Two-term approximation of [`SliderCrank::h`]: cos α + λ cos 2α (source, step F).
     pub fn h_two_term(&self, alpha_rad: f64) -> f64 {
         alpha_rad.cos() + self.lambda() * (2.0 * alpha_rad).cos()
     }
 
-    /// Two-term acceleration a = R ω² (cos α + λ cos 2α), m/s², towards the crank axis, at constant
-    /// speed (source, step F). [`SliderCrank::two_term_error`] says how far off it is.
+    /// Two-term acceleration a = R ω² (cos α + λ cos 2α), m/s², towards the crank axis, at constant speed (source, step F).
+    /// [`SliderCrank::two_term_error`] returns its error.
     pub fn a_two_term_mps2(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
         self.crank_radius_m * omega_rad_s * omega_rad_s * self.h_two_term(alpha_rad)
     }
 
-    /// How much higher one of two cranks holds its side of the platform, m, when they are
-    /// `phase_error_rad` apart with their mean at `alpha_rad`: |x(α + ε/2) − x(α − ε/2)|.
+    /// Difference in height between two cranks' sides of the platform, m, for a phase difference of `phase_error_rad` about
+    /// a mean angle of `alpha_rad`: |x(α + ε/2) − x(α − ε/2)|.
     pub fn height_mismatch_m(&self, alpha_rad: f64, phase_error_rad: f64) -> f64 {
         let half = 0.5 * phase_error_rad;
         (self.x_m(alpha_rad + half) - self.x_m(alpha_rad - half)).abs()
     }
 
-    /// The worst [`SliderCrank::height_mismatch_m`] of a turn, in m, and where. For small errors it is
-    /// R ε max|s|.
+    /// Largest [`SliderCrank::height_mismatch_m`] of a turn, in m, and its angle. For small errors it is R ε max|s|.
     pub fn worst_height_mismatch(&self, phase_error_rad: f64) -> TurnPeak {
         largest_over_turn(|alpha| self.height_mismatch_m(alpha, phase_error_rad))
     }
 
-    /// Worst error of the two-term acceleration, as a fraction of amax, and where in the turn.
-    /// Depends on λ alone: λ (1/√(1 − λ²) − 1) / (1 + λ), at 90 and 270 deg.
+    /// Largest error of the two-term acceleration, as a fraction of amax, and its angle. It depends on λ only:
+    /// λ (1/√(1 − λ²) − 1) / (1 + λ), at 90 and 270 deg.
     pub fn two_term_error(&self) -> TurnPeak {
         let scale = 1.0 / (1.0 + self.lambda());
         largest_over_turn(|alpha| (self.h_two_term(alpha) - self.h(alpha)).abs() * scale)
@@ -166,8 +165,8 @@ impl Mechanism for SliderCrank {
         self.crank_radius_m * alpha_rad.cos() + self.rod_length_m * (1.0 - shorter * shorter).sqrt()
     }
 
-    /// Speed coefficient s(α) = sin α + λ sin α cos α / √(1 − λ² sin² α), dimensionless:
-    /// dx/dα = −R s, and sin(α + β) / cos β in the source's torque formula is the same s.
+    /// Speed coefficient s(α) = sin α + λ sin α cos α / √(1 − λ² sin² α), dimensionless: dx/dα = −R s. It equals sin(α + β)
+    /// / cos β in the source's torque formula.
     fn s(&self, alpha_rad: f64) -> f64 {
         let (sin, cos) = alpha_rad.sin_cos();
         let lambda = self.lambda();
@@ -184,8 +183,7 @@ impl Mechanism for SliderCrank {
         cos + lambda * above / (under_root * under_root.sqrt())
     }
 
-    /// x, s and h at once, with one sine and one root between them: for equations of motion, which ask for all three
-    /// at every evaluation.
+    /// Returns x, s and h together, with one sine and one root. Equations of motion need all three at every evaluation.
     fn at(&self, alpha_rad: f64) -> AtAngle {
         let (sin, cos) = alpha_rad.sin_cos();
         let lambda = self.lambda();
@@ -201,17 +199,17 @@ impl Mechanism for SliderCrank {
         }
     }
 
-    /// 1 + λ/2: the two sines of the two-term s, at their largest together.
+    /// Upper bound 1 + λ/2: the sum of the peaks of both sines of the two-term s.
     fn greatest_s(&self) -> f64 {
         1.0 + 0.5 * self.lambda()
     }
 
-    /// 1 + λ, for exact and two-term kinematics alike.
+    /// Largest |h|, 1 + λ, for exact and two-term kinematics.
     fn greatest_h(&self) -> f64 {
         1.0 + self.lambda()
     }
 
-    /// (1 + 4 λ)/(1 + λ), the two-term value; the exact one is less by 3 λ³/(1 + λ).
+    /// Two-term value (1 + 4 λ)/(1 + λ). The exact one is smaller by 3 λ³/(1 + λ).
     fn peak_sharpness(&self) -> f64 {
         let lambda = self.lambda();
         (1.0 + 4.0 * lambda) / (1.0 + lambda)

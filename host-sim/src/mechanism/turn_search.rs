@@ -1,35 +1,35 @@
-//! The largest value of a smooth curve over one turn of a crank.
+//! Search for the largest value of a smooth curve over one turn of a crank.
 //!
-//! Torque curves have up to three local maxima a turn, and which of them is the largest changes with
-//! gravity's sense and with the crank/rod ratio. So the whole turn is sampled first; every sample not
-//! below its neighbours brackets a local maximum; each bracket is refined by golden-section search;
-//! the best wins. No start value is involved, hence none can lead to the wrong hill.
+//! Torque curves have up to three local maxima per turn. Which one is the largest depends on the direction of gravity and
+//! on the crank/rod ratio. So the search first samples the whole turn. Every sample that is not below its neighbours
+//! brackets a local maximum. Golden-section search refines each bracket, and the largest result is returned. The search
+//! needs no start value, so it cannot converge to the wrong maximum.
 //!
-//! Caveat: two maxima less than one sample (0.5 deg) apart are taken as one. Curves of slider-cranks
-//! built to rod ratios up to 0.8 have harmonics that die out long before the 100th, so they have none.
+//! Limitation: two maxima less than one sample (0.5 deg) apart count as one. Curves of slider-cranks with ratios up to 0.8
+//! have no such maxima, because their harmonics vanish long before the 100th.
 
 use core::f64::consts::TAU;
 
-/// Samples a turn: every half degree.
+/// Samples per turn: every half degree.
 const SAMPLES: u32 = 720;
 
-/// Golden-section steps. Each keeps 0.618 of the bracket: 1 deg shrinks to 1e-10 rad, below the
-/// 1e-8 rad at which a quadratic top is flat in `f64` and further steps compare rounding noise.
+/// Golden-section steps. Each keeps 0.618 of the bracket, so 1 deg shrinks to 1e-10 rad. A quadratic maximum is flat in
+/// `f64` within 1e-8 rad, where further steps compare rounding noise.
 const REFINEMENTS: u32 = 40;
 
-/// The top of a curve over a turn.
+/// Maximum of a curve over a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurnPeak {
-    /// Where, rad, from 0 up to 2π. True within 1e-7 rad for a top of ordinary curvature.
+    /// Angle, rad, from 0 up to 2π. Accurate to 1e-7 rad for a maximum of ordinary curvature.
     pub alpha_rad: f64,
-    /// How high, in the curve's own unit. Within 1e-13 of itself of the true maximum.
+    /// Value in the curve's own unit. Its relative error is below 1e-13.
     pub value: f64,
 }
 
 /// Finds the largest value of `curve`, which takes an angle in rad and has period 2π.
 ///
-/// The curve must be finite and continuous everywhere; panics if all of it is NaN. Of equal tops the first one after angle 0 is
-/// returned.
+/// The curve must be finite and continuous everywhere. The function panics if all samples are NaN. Of equal maxima it
+/// returns the first one after angle 0.
 ///
 /// ```
 /// use host_sim::mechanism::turn_search::largest_over_turn;
@@ -46,7 +46,7 @@ pub fn largest_over_turn(curve: impl Fn(f64) -> f64) -> TurnPeak {
         if here >= before && here >= after {
             let middle = f64::from(i) * step;
             let top = refine(&curve, middle - step, middle + step);
-            // The margin keeps the first of two tops that differ by rounding only.
+            // The margin keeps the first of two maxima that differ by rounding only.
             if best.is_none_or(|b| top.value > b.value + 4.0 * f64::EPSILON * b.value.abs()) {
                 best = Some(top);
             }
@@ -54,7 +54,7 @@ pub fn largest_over_turn(curve: impl Fn(f64) -> f64) -> TurnPeak {
         (before, here) = (here, after);
     }
     let mut best = best.expect("the largest of the samples is not below its neighbours");
-    // Just below angle 0 the remainder rounds up to the whole turn.
+    // The remainder of an angle just below 0 rounds up to the whole turn.
     best.alpha_rad = best.alpha_rad.rem_euclid(TAU) % TAU;
     best
 }
@@ -87,9 +87,9 @@ fn refine(curve: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> TurnPeak 
 mod tests {
     use super::*;
 
-    /// If this fails, a local maximum was taken for the global one: forty hills of equal height, of
-    /// which a slow term 1e-6 high lifts exactly one. Hill k stands at 2πk/40; the lift is largest at
-    /// the one nearest to `favourite`, which is on hill 0, 11, 23 and 39 in turn.
+    /// If this fails, a local maximum is returned as the global one. The curve has forty equal maxima, and a slow term of
+    /// 1e-6 raises exactly one of them. Maximum k is at 2πk/40. The slow term is largest at the one nearest to `favourite`,
+    /// which is number 0, 11, 23 and 39 in turn.
     #[test]
     fn finds_the_one_hill_that_is_higher_by_a_millionth() {
         for k in [0_u32, 11, 23, 39] {
@@ -101,7 +101,7 @@ mod tests {
         }
     }
 
-    /// If this fails, a top between two samples, or across the end of the turn, is cut off.
+    /// If this fails, a maximum between two samples, or at the end of the turn, is missed.
     #[test]
     fn searches_between_samples_and_across_the_seam() {
         for k in 0..1000 {

@@ -1,13 +1,13 @@
-//! Figures of a machine of its own kind, for the report.
+//! Figures of a plant in the report.
 
 /// One figure of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Key in `report.json`; it carries the unit.
+    /// Key in `report.json`, with the unit in its name.
     pub key: &'static str,
-    /// Value; none if the run did not come to it.
+    /// Value. `None` if the run did not produce one.
     pub value: Option<f64>,
-    /// Sentence for the summary; empty if that of another figure has the value.
+    /// Sentence for the summary. Empty if the sentence of another figure contains the value.
     pub sentence: String,
 }
 

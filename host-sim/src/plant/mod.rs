@@ -1,11 +1,11 @@
-//! Extension point for machines other than cranks under a platform: shafts that move something else.
+//! Extension point for plants: machines whose shafts move something other than a platform on cranks.
 //!
-//! The controller, its drives, sensors and faults are the same for all machines. A machine of its own kind adds what its shafts move:
-//! - [`Table`]: its table in a scene file, and what the controller is given for it;
+//! The controller, its drives, sensors and faults are the same for all machines. A plant adds the parts that its shafts move:
+//! - [`Table`]: its table in a scene file, and the settings of the controller for it;
 //! - [`Plant`]: its geometry on the *kinematic* model level, and its equations of motion on the levels above;
 //! - [`Record`]: its figures in the report.
 //!
-//! To add a machine, write a folder here, add the table to [`Scene`] and to its list `plant_table`, and add a built-in scene
+//! To add a plant, write a folder here, add the table to [`Scene`] and to its list `plant_table`, and add a built-in scene
 //! (`docs/recipes/add-a-machine.md`).
 
 pub mod crusher;
@@ -31,7 +31,7 @@ pub use figure::Figure;
 pub use record::{Record, Recorder, State, Tick};
 pub use shafts::Shafts;
 
-/// Table of a scene that describes a machine of its own kind.
+/// Table of a scene that describes a plant.
 pub trait Table: Debug {
     /// Name of the table in the scene file.
     fn key(&self) -> &'static str;
@@ -41,43 +41,45 @@ pub trait Table: Debug {
         false
     }
 
-    /// Fills in what follows from the table: a forbidden band, cam tables, a program. A scene has none of these by default.
+    /// Adds the settings that follow from the table: a forbidden band, cam tables, a program. The default adds none.
     ///
     /// # Errors
-    /// A number of the table that is out of its range, or a key of the scene that the table already determines.
+    /// A number of the table is out of its range, or the scene has a key that the table already determines.
     fn fill(&self, _: &mut Scene) -> Result<(), SceneError> {
         Ok(())
     }
 
-    /// Checks the table and makes the machine.
+    /// Checks the table and creates the plant.
     ///
     /// # Errors
-    /// A number that is out of its range, or a key of the scene that means nothing for this machine.
+    /// A number is out of its range, or the scene has a key that has no meaning for this plant.
     fn make(&self, scene: &Scene) -> Result<Made, SceneError>;
 }
 
-/// Numbers that a drive law keeps from tick to tick.
+/// Values that a drive law keeps from tick to tick.
 pub type Memory = [f64; 4];
 
-/// A machine, and what the controller is given for it.
+/// A plant, and the controller's settings for it.
 #[derive(Clone, Debug)]
 pub struct Made {
-    /// Machine that the controller is given: a mechanism whose amplitude and speed obey the same law.
+    /// Machine in the controller's settings: a mechanism with the same relation of amplitude and speed.
     pub machine: MachineSettings,
     /// Limits on phase errors.
     pub drift: DriftSettings,
-    /// The machine.
+    /// Plant in the simulation.
     pub plant: Arc<dyn Plant>,
 }
 
-/// Least load that the controller takes, kg. Drives of these machines take STEP and DIR, so that it gives no torque.
+/// Smallest load that the controller accepts, kg. The drives of plants take STEP and DIR, so the controller commands no torque.
 const LOAD_KG: f64 = 1e-3;
 
 impl Made {
-    /// Machine whose amplitude is `radius_m` times the squared speed of its shafts: the controller is given a Scotch yoke of that radius.
+    /// Creates a plant whose amplitude is `radius_m` times the squared speed of its shafts. In the controller's settings it
+    /// is a Scotch yoke of that radius.
     ///
     /// # Errors
-    /// A radius outside 0.1 to 500 mm, which the key of `radius` determines; keys of the scene that are of a platform; a drive that takes torque setpoints.
+    /// The radius, which the key of `radius` determines, is outside 0.1 to 500 mm. Or the scene has a key that applies to
+    /// platforms only, or a drive that takes torque setpoints.
     pub fn square_law(
         scene: &Scene,
         table: &str,
@@ -127,7 +129,8 @@ impl Made {
     }
 }
 
-/// A machine of its own kind. Positions are in rad and m: the shafts' angles first, in the order of the axes.
+/// A machine whose shafts move something other than a platform on cranks. Positions are in rad and m. The shafts' angles
+/// come first, in the order of the axes.
 pub trait Plant: Debug + Send + Sync {
     /// Name with its article, for messages: "a screen".
     fn name(&self) -> &'static str;
@@ -135,30 +138,31 @@ pub trait Plant: Debug + Send + Sync {
     /// Drawing with its symbols, as SVG text.
     fn draw(&self) -> String;
 
-    /// Numbers of axes that it can have.
+    /// Supported numbers of axes.
     fn axes(&self) -> RangeInclusive<usize>;
 
-    /// Model levels that it has, the lowest first.
+    /// Supported model levels, the lowest first.
     fn levels(&self) -> &'static [Fidelity];
 
-    /// Effects that a model level leaves out, in words, for all who read the results.
+    /// Effects that a model level omits, in words, for readers of the results.
     fn left_out(&self, model_level: Fidelity) -> String;
 
-    /// Position of what the shafts move, on the kinematic model level: the shafts are at `turns` and turn at the master's speed, rad/s, and
-    /// acceleration, rad/s².
+    /// Position of the moved part on the kinematic model level. The shafts are at `turns`, and turn at the master's speed,
+    /// rad/s, and acceleration, rad/s².
     fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose;
 
-    /// Number of positions in the equations of motion: shafts and what they move.
+    /// Number of positions in the equations of motion: the shafts and the parts that they move.
     fn positions(&self) -> usize;
 
-    /// Sets the positions after the shafts' angles to those at rest.
+    /// Sets the positions after the shafts' angles to their values at rest.
     fn rest(&self, positions: &mut [f64]);
 
     /// Accelerations of all positions, in rad/s² and m/s².
     fn accelerations(&self, shafts: &Shafts<'_>, q: &[f64], v: &[f64], a: &mut [f64]);
 
-    /// Torques, N·m, that a drive law of the machine's own gives its motors for a control tick, in place of each motor's position loop; none if it has no
-    /// such law. `fields` are the commands, `q` and `v` the state at the beginning of the tick. `memory` is the law's own: 0 when the drives are switched on.
+    /// Computes the torques, N·m, of the plant's own drive law for a control tick. They replace each motor's position loop.
+    /// `None` if the plant has no such law. `fields` are the commands, `q` and `v` the state at the start of the tick.
+    /// `memory` belongs to the law, and is 0 when the drives are switched on.
     fn drive_law(
         &self,
         _fields: &[Field],
@@ -170,17 +174,17 @@ pub trait Plant: Debug + Send + Sync {
         None
     }
 
-    /// Motion of what the shafts move, in a state with these accelerations.
+    /// Motion of the part that the shafts move, in a state with these accelerations.
     fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion;
 
-    /// Kinetic and potential energy, J; it is constant without friction, damping and motors.
+    /// Kinetic and potential energy, J. It is constant without friction, damping and motors.
     fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64;
 
-    /// Bound on its fastest mode without the motors. The default has none: rotors on their motors are the fastest.
+    /// Upper bound of the fastest mode without the motors. By default there is none, and the rotors on their motors are the fastest.
     fn fastest_mode(&self) -> Mode {
         Mode::default()
     }
 
-    /// Figures of a run, empty at its start.
+    /// Creates an empty record for the figures of a run.
     fn record(&self) -> Box<dyn Record>;
 }

@@ -1,4 +1,4 @@
-//! Recording of a run of a machine of its own kind.
+//! Recording of a plant's run.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -6,27 +6,27 @@ use std::sync::Arc;
 use super::{Figure, Plant};
 use crate::machine::Pose;
 
-/// State of the equations of motion at a tick's end.
+/// State of the equations of motion at the end of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct State<'a> {
     /// Positions.
     pub q: &'a [f64],
-    /// Their rates.
+    /// First time derivatives of the positions.
     pub v: &'a [f64],
-    /// The rates of those.
+    /// Second time derivatives of the positions.
     pub a: &'a [f64],
     /// Torque of each motor, N·m.
     pub torques_nm: &'a [f64],
 }
 
-/// One control tick that was played.
+/// One control tick of the simulation.
 #[derive(Clone, Copy, Debug)]
 pub struct Tick<'a> {
-    /// Time of its end, s since power-up.
+    /// End of the tick, s since power-up.
     pub t_s: f64,
-    /// Length, s.
+    /// Duration, s.
     pub tick_s: f64,
-    /// Whether the drives were on.
+    /// True if the drives were on.
     pub drives_enabled: bool,
     /// Commanded speed of the master, rad/s.
     pub omega_rad_s: f64,
@@ -36,15 +36,15 @@ pub struct Tick<'a> {
     pub turns: &'a [f64],
     /// Commanded phases, turns since power-up.
     pub command_turns: &'a [f64],
-    /// Position of what the shafts move.
+    /// Position of the part that the shafts move.
     pub pose: Pose,
-    /// State of the equations; none on the kinematic model level.
+    /// State of the equations of motion. `None` on the kinematic model level.
     pub state: Option<State<'a>>,
 }
 
-/// Copy of a [`Record`]: each that is `Clone` has it.
+/// Copying of a boxed [`Record`]. Every record that is `Clone` implements it.
 pub trait CloneRecord {
-    /// Copy of the record.
+    /// Returns a copy of the record.
     fn clone_box(&self) -> Box<dyn Record>;
 }
 
@@ -60,33 +60,33 @@ impl Clone for Box<dyn Record> {
     }
 }
 
-/// Figures of a run, gathered tick by tick.
+/// Figures of a run, collected tick by tick.
 pub trait Record: CloneRecord + Debug {
-    /// Takes in one tick.
+    /// Adds one tick to the record.
     fn tick(&mut self, tick: &Tick<'_>);
 
-    /// Figures for the report, in its order.
+    /// Figures for the report, in the order of the report.
     fn figures(&self) -> Vec<Figure>;
 
-    /// Warnings for the report, a sentence each.
+    /// Warnings for the report, one sentence each.
     fn warnings(&self) -> Vec<String> {
         Vec::new()
     }
 }
 
-/// A machine of its own kind while it runs.
+/// A plant during its run.
 #[derive(Clone, Debug)]
 pub struct Recorder {
-    /// The machine.
+    /// Plant in the simulation.
     pub plant: Arc<dyn Plant>,
-    /// Its record.
+    /// Record of the run.
     pub record: Box<dyn Record>,
     ticks: u64,
     omega_before: f64,
 }
 
 impl Recorder {
-    /// At power-up.
+    /// Creates a recorder at power-up.
     pub fn new(plant: &Arc<dyn Plant>) -> Self {
         Self {
             plant: Arc::clone(plant),
@@ -96,7 +96,7 @@ impl Recorder {
         }
     }
 
-    /// Motion of the master in the tick that is played now: its speed, rad/s, and acceleration, rad/s².
+    /// Motion of the master in the current tick: its speed, rad/s, and acceleration, rad/s².
     pub fn master(&mut self, turns: f64, tick_s: f64) -> (f64, f64) {
         let omega = turns * std::f64::consts::TAU / tick_s;
         let acceleration = (omega - self.omega_before) / tick_s;
@@ -104,7 +104,7 @@ impl Recorder {
         (omega, acceleration)
     }
 
-    /// End of the tick that is played now, s since power-up.
+    /// End of the current tick, s since power-up. Counts the tick.
     pub fn end_s(&mut self, tick_s: f64) -> f64 {
         self.ticks += 1;
         self.ticks as f64 * tick_s

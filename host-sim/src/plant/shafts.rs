@@ -1,15 +1,15 @@
-//! Motors and rotors on the shafts of a machine of its own kind.
+//! Motors and rotors on the shafts of a plant.
 
 use crate::dynamics::Body;
 
-/// What acts on the shafts.
+/// Torques and inertias on the shafts.
 #[derive(Clone, Copy, Debug)]
 pub struct Shafts<'a> {
-    /// Inertia and friction of each rotor, and what the controller is given for the machine.
+    /// Inertia and friction of each rotor, and the machine in the controller's settings.
     pub body: &'a Body,
     /// Torque of each motor less its additional load, N·m.
     pub torques_nm: &'a [f64],
-    /// Shafts that are held fast: their acceleration is 0.
+    /// Locked shafts, whose acceleration is 0.
     pub held: &'a [bool],
 }
 

@@ -1,11 +1,11 @@
-//! Which methods keep the energy of a machine that nothing drives or brakes, over 10,000 turns.
+//! Conservation of energy by each method, for a machine without drive and brake, over 10,000 turns.
 //!
-//! Its inertia depends on where the cranks are, so that forces depend on speeds, and (q, v) are not what mechanics calls
-//! canonical: no method here is symplectic for it. What remains is symmetry: run backwards, a symmetric method takes its own
-//! steps back, and a machine whose cranks look the same turning either way can then neither gain nor lose, as long as its motion
-//! repeats itself. Implicit midpoint is symmetric. Velocity Verlet, with its predictor for speeds, is not.
+//! The inertia depends on the crank angles, so forces depend on speeds, and (q, v) are not canonical coordinates. No method
+//! here is symplectic for this system. Symmetry remains: run backwards, a symmetric method retraces its own steps. If the
+//! machine is the same in both directions of rotation and its motion is periodic, such a method can neither gain nor lose
+//! energy. Implicit midpoint is symmetric. Velocity Verlet, with its predictor for speeds, is not.
 //!
-//! As in the methods' own tests the energy is averaged at the start and at the end, under a Hann window, over 100 turns.
+//! As in the methods' own tests, the energy is averaged at the start and at the end, under a Hann window, over 100 turns.
 //! `cargo test --release -p host-sim --lib energy::table -- --ignored --nocapture` prints the table of docs/methods.md.
 
 use std::f64::consts::TAU;
@@ -21,30 +21,30 @@ const TURNS: f64 = 10_000.0;
 const WINDOW_TURNS: f64 = 100.0;
 const OMEGA_RAD_S: f64 = 100.0;
 
-/// Not a whole number, so that a turn's ripple is met at all its phases.
+/// Not an integer, so that the steps sample the ripple of a turn at all phases.
 const STEPS_A_TURN: f64 = 24.3;
 
-/// What counts as kept.
+/// Relative change up to which energy counts as conserved.
 const KEPT: f64 = 1e-6;
 
 /// A machine that coasts.
 #[derive(Clone, Copy, Debug)]
 enum Coasting {
-    /// On one shaft.
+    /// Cranks on one shaft.
     Rigid,
-    /// Three cranks, each by itself.
+    /// Three independent cranks.
     Three,
-    /// Four, on rods that bend without changing much of how they turn.
+    /// Four cranks, on rods that bend without much effect on the rotation.
     Four,
-    /// Four, on rods a hundred times as stiff, still far softer than steel. As levers come and go, twice a turn, rods that bend
-    /// pull on their cranks as a child does that swings itself up: cranks that begin nearly in phase end up tumbling, and
-    /// nothing of their motion repeats.
+    /// Four cranks, on rods a hundred times as stiff, still far softer than steel. Levers grow and shrink twice a turn, so
+    /// bent rods excite their cranks parametrically. Cranks that start nearly in phase end up tumbling, and their motion is
+    /// not periodic.
     Tumbling,
 }
 
 const REGULAR: [Coasting; 3] = [Coasting::Rigid, Coasting::Three, Coasting::Four];
 
-/// The machine and its state: cranks of different rotors, almost in phase, at 100 rad/s.
+/// Returns the machine and its state: cranks of different rotors, almost in phase, at 100 rad/s.
 fn machine(coasting: Coasting) -> (Driven, Vec<f64>) {
     let (axes, rod_n_per_m) = match coasting {
         Coasting::Three => (3, 1e3),
@@ -73,7 +73,7 @@ fn machine(coasting: Coasting) -> (Driven, Vec<f64>) {
     (machine, state)
 }
 
-/// Relative change of the mean energy; infinite if a step failed.
+/// Relative change of the mean energy. Infinite if a step failed.
 fn drift(scheme: Scheme, steps_a_turn: f64, coasting: Coasting) -> f64 {
     let (machine, mut state) = machine(coasting);
     let mut method = scheme
@@ -81,7 +81,7 @@ fn drift(scheme: Scheme, steps_a_turn: f64, coasting: Coasting) -> f64 {
         .unwrap();
     let steps = (TURNS * steps_a_turn) as u32;
     let window = (WINDOW_TURNS * steps_a_turn) as u32;
-    // Energy has no zero of its own: it is judged against that of motion, at the lowest place.
+    // The zero of potential energy is arbitrary. The change is relative to the energy above the lowest position.
     let zero_j = -machine.body().weight_n() * 0.052;
     let mut ends = Ends::new(steps, window);
     for i in 0..steps {
@@ -94,7 +94,7 @@ fn drift(scheme: Scheme, steps_a_turn: f64, coasting: Coasting) -> f64 {
     (last / first - 1.0).abs()
 }
 
-/// Were it wrong, a machine that coasts would run down or up by itself, and what friction and motors do to it could not be
+/// If this fails, a coasting machine slows down or speeds up by itself. The effect of friction and motors could then not be
 /// distinguished from that.
 #[test]
 fn implicit_midpoint_keeps_it() {
@@ -105,7 +105,7 @@ fn implicit_midpoint_keeps_it() {
     }
 }
 
-/// Were it wrong, methods that are cheaper at this step would be passed over for nothing.
+/// If this fails, cheaper methods conserve energy at this step as well, and the choice of implicit midpoint is unjustified.
 #[test]
 fn rk4_and_explicit_euler_lose_it_at_that_step() {
     for coasting in REGULAR {
@@ -117,7 +117,7 @@ fn rk4_and_explicit_euler_lose_it_at_that_step() {
     }
 }
 
-/// The table of docs/methods.md, and the steps at which RK4 keeps energy by being accurate.
+/// Prints the table of docs/methods.md, and the step counts at which RK4 conserves energy by accuracy.
 #[test]
 #[ignore = "a table for the docs, of some minutes"]
 fn table() {

@@ -1,4 +1,4 @@
-//! An induction motor on its converter: its torque at the points that are given of it, and what it does to a load.
+//! An induction motor on its converter: its torque at the specified points, and its response to a load.
 
 use cophase_methods::{Scheme, advance};
 
@@ -19,8 +19,8 @@ fn torque_nm(motor: Induction, slip_rad_s: f64) -> f64 {
     Motor::Induction(motor).torque_nm(&field, 0.0, 100.0 - slip_rad_s, 0.0)
 }
 
-/// If this fails, the curve does not pass through the rated point, or its greatest torque is not the breakdown torque at the published breakdown slip,
-/// 104.720 − 92.995 rad/s.
+/// If this fails, the curve does not pass through the rated point. Or its largest torque is not the breakdown torque at the
+/// published breakdown slip, 104.720 − 92.995 rad/s.
 #[test]
 fn the_curve_passes_through_its_points() {
     let rated = 0.5 * std::f64::consts::TAU;
@@ -35,7 +35,7 @@ fn the_curve_passes_through_its_points() {
     assert!((slip - (104.720 - 92.995)).abs() < 2e-3, "{slip}");
 }
 
-/// If this fails, the converter does not bring the shaft to its commanded phase, but for the slip that the load takes, over the gain.
+/// If this fails, the converter does not bring the shaft to its commanded phase, apart from the load's slip over the gain.
 #[test]
 fn a_load_leaves_slip_over_gain() {
     let rigid = Rigid::new(body(2, Platform::Below));
@@ -49,7 +49,7 @@ fn a_load_leaves_slip_over_gain() {
     let mut method = Scheme::Rk4.prepare(&driven, 1e-3).unwrap();
     advance(method.as_mut(), &driven, 0.0, 20_000, &mut state).unwrap();
     let load_nm = 8.0 * 9.80665 * driven.body().crank(state[0]).lever_m;
-    // The two motors hold the load with the slip of 5/s times the error.
+    // The two motors hold the load with a slip of 5/s times the error.
     let slip = 5.0 * (1.5 - state[0]);
     let holds_nm = 2.0 * torque_nm(motor, slip);
     assert!(load_nm.abs() > 0.1, "{load_nm}");

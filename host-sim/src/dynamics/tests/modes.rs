@@ -8,7 +8,7 @@ use super::{body, frame};
 use crate::dynamics::{Driven, Elastic, Freedom, Motor, Phased, Servo};
 use crate::mechanism::Platform;
 
-/// 1000 N·m/rad, and next to no damping.
+/// Spring of 1000 N·m/rad, nearly undamped.
 const SPRING: Servo = Servo {
     position_gain_per_s: 1e6,
     velocity_gain_nms: 1e-3,
@@ -18,8 +18,9 @@ const SPRING: Servo = Servo {
 };
 
 proptest! {
-    /// Were it wrong, a step would be called stable that is not, and a scene be run into rubbish: on quasi-static rods and elastic ones,
-    /// with and without a frame and its foundation. And were it far too wide, scenes would be slow for nothing.
+    /// If this fails because a mode is faster than the bound, an unstable step is accepted and the scene diverges. This
+    /// covers quasi-static and elastic rods, with and without a frame and its foundation. If the bound is far too wide,
+    /// scenes are slow without need.
     #[test]
     fn no_mode_is_faster_than_the_bound(
         alpha in (2_usize..=6).prop_flat_map(|n| prop::collection::vec(-3.0..3.0, n)),
@@ -49,8 +50,8 @@ proptest! {
         machine.jacobian(0.0, &state, &mut Differences::new(dimension), &mut jacobian);
         let fastest = jacobian.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
         let bound = machine.fastest_mode().omega_rad_s;
-        // What a force makes of a lever that changes is not in the bound: rods that bend by 0.1 rad of crank angle or more, as
-        // these may, have it too.
+        // The bound omits the effect of a force on a changing lever. Rods that bend by 0.1 rad of crank angle or more, as
+        // these may, have that effect too.
         let lever_rate = 1.3 * 0.012;
         let bent = 2e6 * 24e-3 * lever_rate / 1e-3;
         let most = if n > 3 { (bound * bound + bent).sqrt() } else { bound * 1.001 };

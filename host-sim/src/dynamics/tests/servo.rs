@@ -1,4 +1,4 @@
-//! A servo's drive on a load: what its integral is for, and what its current limit does to it.
+//! A servo's drive on a load: the purpose of its integral, and the effect of its current limit.
 
 use cophase_methods::{Equations, Scheme, advance};
 
@@ -6,11 +6,11 @@ use super::body;
 use crate::dynamics::{Driven, Freedom, Motor, Rigid, Servo};
 use crate::mechanism::Platform;
 
-/// Rotor inertia of the body's four rotors, kg·m², and what its platform weighs.
+/// Total inertia of the body's four rotors, kg·m², and weight of its platform.
 const ROTORS_KGM2: f64 = 5.2e-3;
 const WEIGHT_N: f64 = 8.0 * 9.80665;
 
-/// 2 N·m at most from four of them, on one shaft; critical for the rotors.
+/// Servo for four motors on one shaft, with 2 N·m at most together. Critically damped for the rotors.
 fn servo(integral_s: Option<f64>) -> Servo {
     Servo {
         position_gain_per_s: 50.0,
@@ -28,7 +28,7 @@ fn shaft(servo: Servo) -> Driven {
     driven
 }
 
-/// Advances the shaft, commanded to stand at an angle, from a state on, for a time.
+/// Advances the shaft from a state by a time, with standstill at an angle as the command.
 fn settle(driven: &mut Driven, alpha_rad: f64, state: &mut [f64], time_s: f64) {
     for field in &mut driven.fields {
         field.alpha_rad = alpha_rad;
@@ -37,12 +37,13 @@ fn settle(driven: &mut Driven, alpha_rad: f64, state: &mut [f64], time_s: f64) {
     advance(method.as_mut(), driven, 0.0, (time_s * 1e3) as u32, state).unwrap();
 }
 
-/// What gravity asks of the shaft, N·m.
+/// Torque of gravity on the shaft, N·m.
 fn load_nm(driven: &Driven, alpha_rad: f64) -> f64 {
     WEIGHT_N * driven.body().crank(alpha_rad).lever_m
 }
 
-/// Were it wrong, a servo under load would stand where it is not commanded to, with its integral or for want of it.
+/// If this fails, a servo with an integral keeps a position error under load, or one without it has another error than its gains
+/// give.
 #[test]
 fn an_integral_leaves_no_error_under_load() {
     let mut driven = shaft(servo(None));
@@ -59,7 +60,7 @@ fn an_integral_leaves_no_error_under_load() {
     let mut driven = shaft(servo(Some(0.05)));
     let mut state = driven.at_rest(&[1.5; 4]);
     settle(&mut driven, 1.5, &mut state, 4.0);
-    // Its slowest mode goes at some 10/s: e^-40 is left, and rounding.
+    // The slowest mode decays at about 10/s. After 4 s only e^-40 and rounding remain.
     assert!((state[0] - 1.5).abs() < 1e-12, "{} rad off", state[0] - 1.5);
     let held_nm: f64 = state[2..].iter().sum();
     let load = load_nm(&driven, state[0]);
@@ -68,9 +69,9 @@ fn an_integral_leaves_no_error_under_load() {
     assert!((given_nm - load).abs() < 1e-9, "{given_nm}, not {load}");
 }
 
-/// Were it wrong, an integral would go on growing while the current limit holds the torque, and the drive push on long after it
-/// has been commanded to turn back: half a radian from where commanded, held fast for 10 s, what an integral would gather by
-/// itself is 0.26 N·m·s · 25 rad/s over 0.05 s, 1300 N·m.
+/// If this fails, the integral grows while the current limit clamps the torque. The drive then pushes on long after the
+/// command to turn back. For a rotor held for 10 s at half a radian from its commanded angle, the integral alone would
+/// reach 0.26 N·m·s · 25 rad/s / 0.05 s · 10 s, which is 1300 N·m.
 #[test]
 fn an_integral_does_not_wind_up() {
     let limited = servo(Some(0.05));
@@ -88,7 +89,7 @@ fn an_integral_does_not_wind_up() {
     }
     assert_eq!(driven.torques_nm(0.0, &state)[0], limited.limit_nm);
     for integral in &state[2..] {
-        // It follows the torque that is given.
+        // The integral follows the actual torque.
         assert!(
             (integral - limited.limit_nm).abs() < 1e-12,
             "{integral} N·m"

@@ -1,4 +1,4 @@
-//! A crank-rocker of a scene's keys: the screw's lead, and the lengths of the links over the rocker's.
+//! Creation of a crank-rocker from a scene's keys: the screw's lead, and the lengths of the links relative to the rocker's.
 
 use std::f64::consts::TAU;
 
@@ -20,7 +20,7 @@ impl Configured for CrankRocker {
     ];
 
     fn radius_m(machine: &Machine) -> Result<f64, SceneError> {
-        /// Leads whose travel for one radian the core takes for a crank radius, rounded inwards.
+        /// Range of leads whose travel per radian the core accepts as a crank radius, rounded inwards.
         const LEADS_MM: (f64, f64) = (0.63, 3000.0);
         let lead_mm = machine.needed("machine.screw_lead_mm")?;
         crate::scene::in_range("machine.screw_lead_mm", lead_mm, LEADS_MM.0, LEADS_MM.1)?;

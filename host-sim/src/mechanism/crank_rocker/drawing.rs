@@ -19,7 +19,7 @@ impl Linkage {
     }
 }
 
-/// Draws the linkage of one unit beside the plan view of all.
+/// Draws the linkage of one unit beside the plan view of all units.
 pub fn under_platform(mechanism: &CrankRocker, mount: &Mount) -> String {
     let linkage = &mechanism.linkage;
     let sizes = format!("at both dead centres: {}", proportions(linkage));
@@ -60,7 +60,7 @@ fn positions(linkage: &Linkage) -> [(f64, f64, Place, Place); 2] {
     })
 }
 
-/// Corners of the space that the linkage takes up.
+/// Corners of the area that the linkage covers.
 fn corners(linkage: &Linkage) -> (Place, Place) {
     let ends = positions(linkage).map(|(_, _, _, end)| end);
     let right = ends.iter().map(|end| end[0]).fold(linkage.ground, f64::max);

@@ -1,39 +1,40 @@
-//! Four-bar linkage with a crank that turns all round and a rocker that swings: its geometry.
+//! Geometry of a four-bar linkage with a crank that turns fully and a rocker that swings.
 //!
-//! Lengths are over the rocker's. The crank's pivot is the origin, the rocker's pivot lies on the x axis at the ground's length, and the
-//! coupler's end stays above that line. With φ the crank angle and ψ the rocker angle, both from the x axis, and θ the coupler's, the loop
-//! a e^(iφ) + c e^(iθ) = g + e^(iψ) closes, where a is the crank, c the coupler and g the ground. Derivatives follow from it:
+//! Lengths are relative to the rocker's. The crank's pivot is the origin. The rocker's pivot lies on the x axis at the
+//! length of the ground. The coupler's end stays above that line. Let φ be the crank angle, ψ the rocker angle and θ the
+//! coupler angle, all from the x axis. The loop a e^(iφ) + c e^(iθ) = g + e^(iψ) closes, where a is the crank, c the
+//! coupler and g the ground. Its derivatives are:
 //!
 //! - ψ′ = a sin(φ − θ) / sin(ψ − θ),
 //! - θ′ = −a sin(φ − ψ) / (c sin(θ − ψ)).
 
 use core::f64::consts::PI;
 
-/// Lengths of crank, coupler and ground over the rocker's.
+/// Lengths of crank, coupler and ground, relative to the rocker's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linkage {
     /// Crank.
     pub crank: f64,
     /// Coupler, which joins crank and rocker.
     pub coupler: f64,
-    /// Ground: distance of the two pivots.
+    /// Ground: distance between the two pivots.
     pub ground: f64,
 }
 
-/// Rocker at a crank angle.
+/// Motion of the rocker at a crank angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rocker {
     /// Angle ψ from the ground line, rad.
     pub angle_rad: f64,
-    /// ψ′: its change per radian of the crank.
+    /// Derivative ψ′ of the rocker angle by the crank angle.
     pub slope: f64,
-    /// ψ″: change of the slope per radian of the crank.
+    /// Second derivative ψ″ of the rocker angle by the crank angle.
     pub curvature: f64,
 }
 
 impl Linkage {
-    /// By how much the shortest and the longest link together are shorter than the other two, over the rocker; the crank turns all round
-    /// if this is above 0 and the crank is the shortest (Grashof).
+    /// Sum of the two middle links minus the sum of the shortest and the longest one, relative to the rocker. The crank
+    /// turns fully if this is above 0 and the crank is the shortest link (Grashof).
     #[must_use]
     pub fn grashof_margin(&self) -> f64 {
         let links = [self.crank, self.coupler, self.ground, 1.0];
@@ -42,7 +43,7 @@ impl Linkage {
         links.iter().sum::<f64>() - 2.0 * (shortest + longest)
     }
 
-    /// True if the crank turns all round and the rocker swings.
+    /// True if the crank turns fully and the rocker swings.
     #[must_use]
     pub fn is_crank_rocker(&self) -> bool {
         let others = [self.coupler, self.ground, 1.0];
@@ -51,13 +52,13 @@ impl Linkage {
             && self.grashof_margin() > 0.0
     }
 
-    /// Distance of the crank's pin from the rocker's pivot.
+    /// Distance from the crank's pin to the rocker's pivot.
     fn diagonal(&self, crank_rad: f64) -> f64 {
         let (sin, cos) = crank_rad.sin_cos();
         (self.ground - self.crank * cos).hypot(self.crank * sin)
     }
 
-    /// Rocker at a crank angle. The linkage must be a crank-rocker ([`Self::is_crank_rocker`]).
+    /// Motion of the rocker at a crank angle. The linkage must be a crank-rocker ([`Self::is_crank_rocker`]).
     #[must_use]
     pub fn at(&self, crank_rad: f64) -> Rocker {
         let (sin, cos) = crank_rad.sin_cos();
@@ -65,7 +66,7 @@ impl Linkage {
         let below = (self.crank * sin).atan2(self.ground - self.crank * cos);
         let at_pivot = (diagonal * diagonal + 1.0 - self.coupler * self.coupler) / (2.0 * diagonal);
         let angle = PI - below - at_pivot.clamp(-1.0, 1.0).acos();
-        // The coupler's direction is that from the crank's pin to the rocker's end.
+        // The coupler points from the crank's pin to the rocker's end.
         let coupler =
             (angle.sin() - self.crank * sin).atan2(self.ground + angle.cos() - self.crank * cos);
         let (top, bottom) = (
@@ -84,20 +85,20 @@ impl Linkage {
         }
     }
 
-    /// Pressure angle at the rocker's end, rad: what the angle of coupler and rocker is beyond a right angle. The coupler pushes the
-    /// rocker by the cosine of it.
+    /// Pressure angle at the rocker's end, rad: the angle between coupler and rocker, minus a right angle. The coupler's
+    /// force acts on the rocker with the cosine of it.
     #[must_use]
     pub fn pressure_rad(&self, crank_rad: f64) -> f64 {
         self.pressure_at(self.diagonal(crank_rad))
     }
 
-    /// Pressure angle, rad, at a distance of the crank's pin from the rocker's pivot: it grows with that.
+    /// Pressure angle, rad, for a distance between the crank's pin and the rocker's pivot. It increases with that distance.
     fn pressure_at(&self, diagonal: f64) -> f64 {
         let sine = (diagonal * diagonal - self.coupler * self.coupler - 1.0) / (2.0 * self.coupler);
         sine.clamp(-1.0, 1.0).asin()
     }
 
-    /// Least and largest pressure angle of a turn, rad.
+    /// Smallest and largest pressure angle of a turn, rad.
     #[must_use]
     pub fn pressure_range_rad(&self) -> (f64, f64) {
         (
@@ -106,7 +107,7 @@ impl Linkage {
         )
     }
 
-    /// Crank angles of the dead centres, rad from the ground line: crank and coupler stretched out, and crank over coupler.
+    /// Crank angles of the dead centres, rad from the ground line. The first has crank and coupler stretched out, the second folded.
     #[must_use]
     pub fn dead_centres_rad(&self) -> [f64; 2] {
         let at_pivot = |reach: f64| {
@@ -120,7 +121,7 @@ impl Linkage {
         ]
     }
 
-    /// Angle that the rocker swings through, rad.
+    /// Swing angle of the rocker, rad.
     #[must_use]
     pub fn swing_rad(&self) -> f64 {
         let [stretched, folded] = self
@@ -129,7 +130,7 @@ impl Linkage {
         (folded - stretched).abs()
     }
 
-    /// Time of the rocker's forward stroke (crank from stretched out to folded) over that of its return.
+    /// Ratio of the rocker's forward stroke time (crank from stretched out to folded) to its return time.
     #[must_use]
     pub fn time_ratio(&self) -> f64 {
         let [stretched, folded] = self.dead_centres_rad();

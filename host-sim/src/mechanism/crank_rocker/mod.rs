@@ -1,12 +1,12 @@
 //! Crank-rocker: a four-bar linkage whose crank turns and whose rocker swings. A screw on the rocker's axis moves the platform.
 //!
-//! With ψ the rocker's angle and P the screw's lead, x = (P/2π) (ψ₁ − ψ), where ψ₁ is the rocker's angle at the folded dead centre.
-//! Crank angle 0 is the dead centre where crank and coupler are stretched out: ψ is least there, and the platform farthest. The travel
-//! for one radian of the rocker, P/2π, takes the place of the crank radius, so that s = ψ′ and h = ψ″.
+//! With the rocker angle ψ and the screw's lead P, x = (P/2π) (ψ₁ − ψ). Here ψ₁ is the rocker angle at the folded dead
+//! centre. Crank angle 0 is the dead centre where crank and coupler are stretched out: ψ is smallest there, and the
+//! platform farthest. The travel per radian of the rocker, P/2π, replaces the crank radius, so that s = ψ′ and h = ψ″.
 //!
-//! The return takes another time than the forward stroke, so that x is not even in α, and |h| is not greatest at a dead centre.
+//! Forward stroke and return have different durations. So x is not even in α, and |h| is not largest at a dead centre.
 //!
-//! Not modelled: friction and clearance of the screw and of the pins, and the masses of the links.
+//! Not modelled: friction and clearance of the screw and the pins, and the masses of the links.
 
 mod configured;
 mod drawing;
@@ -17,7 +17,7 @@ pub use linkage::{Linkage, Rocker};
 use super::turn_search::largest_over_turn;
 use super::{AtAngle, Mechanism, Mount};
 
-/// Crank angles beside the peak at which its sharpness is measured, rad: as far as a tick may be beside it.
+/// Largest angle beside the peak at which its sharpness is evaluated, rad. A tick can be this far from the peak.
 const BESIDE_RAD: f64 = 0.6;
 const BESIDE: u32 = 60;
 
@@ -34,7 +34,7 @@ pub struct CrankRocker {
 }
 
 impl CrankRocker {
-    /// Makes a mechanism of a linkage that is a crank-rocker, and of the travel for one radian of the rocker, m.
+    /// Creates a mechanism from a linkage that is a crank-rocker, and from the travel per radian of the rocker, m.
     #[must_use]
     pub fn new(linkage: Linkage, unit_m: f64) -> Self {
         let [stretched_rad, folded_rad] = linkage.dead_centres_rad();
@@ -55,7 +55,7 @@ impl CrankRocker {
             folded_rocker_rad: linkage.at(folded_rad).angle_rad,
             greatest_s: largest_over_turn(|alpha| at(alpha).slope.abs()).value,
             greatest_h: peak.value,
-            // Between the angles that were measured it may be a little more.
+            // Margin, because the sharpness may be slightly larger between the evaluated angles.
             peak_sharpness: 1.02 * sharpest,
         }
     }
@@ -74,7 +74,7 @@ impl CrankRocker {
 }
 
 impl Mechanism for CrankRocker {
-    /// Travel for one radian of the rocker, m: the screw's lead over 2π.
+    /// Travel per radian of the rocker, m: the screw's lead over 2π.
     fn crank_radius_m(&self) -> f64 {
         self.unit_m
     }

@@ -1,6 +1,6 @@
 //! Perspective view of cranks under a platform: slider-cranks or Scotch yokes, with their symbols.
 //!
-//! Lengths are over the mount radius. Cranks and links are drawn larger than they are, so that they are visible; their ratio is kept.
+//! Lengths are relative to the mount radius. Cranks and links are enlarged in the drawing for visibility, in their true ratio.
 
 use core::f64::consts::TAU;
 
@@ -15,16 +15,16 @@ use crate::mechanism::Mechanism;
 
 /// Angle of the cranks in the drawing, from the dead centre at which the platform is farthest, rad.
 pub(super) const ALPHA_RAD: f64 = 0.9;
-/// Mount radius on the sheet, px, where there is room for it.
+/// Mount radius on the sheet, px, if there is room for it.
 const SCALE: f64 = 172.0;
-/// Space for texts above and below the machine, px: the name of the platform is on its side.
+/// Space for texts above and below the machine, px. The name of the platform is on the platform's side.
 const TEXTS: (f64, f64) = (32.0, 34.0);
 const TEXTS_BELOW: (f64, f64) = (20.0, 52.0);
 /// Radius and thickness of the platform.
 pub(super) const PLATE: (f64, f64) = (1.13, 0.07);
-/// Radius and height of the load on it.
+/// Radius and height of the load on the platform.
 const LOAD: (f64, f64) = (0.42, 0.22);
-/// Distance of a slot from the platform, crank radii.
+/// Distance of a slot from the platform, in crank radii.
 const SLOT: f64 = 1.2;
 const STEEL: &str = "#E8EAEE";
 const PALE: &str = "#F6F7F9";
@@ -38,14 +38,14 @@ pub enum Link {
     Slot,
 }
 
-/// What is drawn: lengths over the mount radius, z upwards from the crank axes.
+/// Geometry of the drawing: lengths relative to the mount radius, z upwards from the crank axes.
 pub(super) struct Cranks<'a> {
     pub(super) mount: &'a Mount,
     pub(super) eye: Eye,
     pub(super) link: Link,
-    /// Drawn crank radius.
+    /// Crank radius in the drawing.
     pub(super) r: f64,
-    /// +1 where the platform is above, −1 where it is below.
+    /// +1 for a platform above, −1 for one below.
     pub(super) up: f64,
     /// Height of the corners of the platform.
     pub(super) corner: f64,
@@ -142,12 +142,12 @@ impl Cranks<'_> {
         drawing.label([0.0, 0.0], (0.0, 0.0), note, MUTED);
     }
 
-    /// Height of the base on which the motors stand, or from which they hang.
+    /// Height of the base that the motors stand on or hang from.
     fn base_z(&self) -> f64 {
         -self.up * (self.r + 0.14)
     }
 
-    /// Highest and lowest place on the sheet.
+    /// Highest and lowest point on the sheet.
     fn extent(&self) -> (f64, f64) {
         let plate = self.eye.circle(PLATE.0, self.corner);
         let base = self.eye.circle(1.0, self.base_z());
@@ -158,7 +158,7 @@ impl Cranks<'_> {
         (high, low)
     }
 
-    /// Axes, the farthest from the eye first.
+    /// Axes in order of distance from the eye, the farthest first.
     fn by_distance(&self) -> Vec<usize> {
         let mut axes: Vec<usize> = (0..self.mount.axes()).collect();
         let near = |axis: &usize| self.eye.nearness(self.mount.angle_rad(*axis));
@@ -209,7 +209,7 @@ impl Cranks<'_> {
         );
     }
 
-    /// Place in the plane of a crank: at an angle of the crank and a distance from its shaft.
+    /// Point in the plane of a crank, at a crank angle and a distance from its shaft.
     pub(super) fn around(&self, axis: usize, alpha_rad: f64, distance: f64) -> Place3 {
         let sense = if self.mount.reversed[axis] { -1.0 } else { 1.0 };
         let across = sense * distance * alpha_rad.sin();
@@ -268,7 +268,7 @@ impl Cranks<'_> {
             let turning = (ALPHA_RAD + 0.75, ALPHA_RAD + 2.5);
             drawing.path_arrow(&self.arc(axis, turning, 1.32 * self.r), colour);
         };
-        // The motor is inside the circle: behind its crank where the axis is near the eye.
+        // The motor is inside the circle, so it is behind its crank if the axis is near the eye.
         if self.eye.nearness(angle) > 0.0 {
             motor(drawing);
             crank(drawing);

@@ -1,7 +1,7 @@
 //! Drawing of a platform on its mechanisms: a perspective view with symbols, and the plan view from above.
 //!
-//! [`Mount`] says how many mechanisms stand where. `cranks` draws cranks with rods or slots, `plan` the view from above. A mechanism
-//! without cranks under the platform gives its own view with [`beside_plan`].
+//! [`Mount`] defines the number and arrangement of the mechanisms. `cranks` draws cranks with rods or slots, `plan` the
+//! view from above. A mechanism without cranks under the platform draws its own view with [`beside_plan`].
 
 mod cranks;
 mod perspective;
@@ -15,19 +15,19 @@ use crate::drawing::{Drawing, View};
 
 /// Height of the sheet, px.
 const HEIGHT: f64 = 540.0;
-/// Place of the plan view's centre, and its mount radius, px.
+/// Centre of the plan view, and its mount radius, px.
 const PLAN: ((f64, f64), f64) = ((732.0, 250.0), 102.0);
 
-/// Platform that mechanisms carry, and how they stand around it.
+/// Platform with its load, and the arrangement of the mechanisms around it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mount {
     /// Name of the machine.
     pub name: String,
-    /// For each axis, whether it is mounted the other way round.
+    /// For each axis, true if it is mounted in reverse.
     pub reversed: Vec<bool>,
-    /// Whether the platform hangs below the cranks.
+    /// True if the platform hangs below the cranks.
     pub is_below: bool,
-    /// Radius of the circle on which the mechanisms stand, m.
+    /// Radius of the circle on which the mechanisms are mounted, m.
     pub radius_m: f64,
     /// Mass of the platform with its load, kg.
     pub load_kg: f64,
@@ -45,8 +45,8 @@ impl Mount {
     }
 }
 
-/// Draws a view of a mechanism on the left, which `draw` makes in the space between two corners of the sheet, px, and the plan view
-/// on the right. `links` names the mechanisms, `sizes` their dimensions.
+/// Draws a mechanism's view on the left and the plan view on the right. `draw` draws the mechanism between two corners of
+/// the sheet, px. `links` names the mechanisms, and `sizes` their dimensions.
 pub fn beside_plan(
     mount: &Mount,
     unit: Unit,
@@ -69,7 +69,7 @@ pub fn beside_plan(
     drawing.render()
 }
 
-/// A length in mm, without zeros at its end.
+/// Formats a length in mm, without trailing zeros.
 fn mm(length_m: f64) -> String {
     format!("{} mm", plain((length_m * 1e5).round() / 1e2))
 }

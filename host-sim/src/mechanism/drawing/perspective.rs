@@ -1,25 +1,25 @@
-//! Axonometric view: where a place in space is on the sheet, and bodies whose hidden faces are left out.
+//! Axonometric view: projection of points onto the sheet, and bodies without their hidden faces.
 
 use core::f64::consts::TAU;
 
 use crate::drawing::{Drawing, Place};
 
-/// A place in space: x, y, and z upwards.
+/// A point in space: x, y, and z upwards.
 pub type Place3 = [f64; 3];
 
-/// Direction of the eye over the horizon, rad.
+/// Elevation of the eye above the horizon, rad.
 const ELEVATION_RAD: f64 = 0.36;
-/// Angle between that direction and the nearest axis in the plan, rad.
+/// Angle between the eye's direction and the nearest axis in the plan view, rad.
 const BESIDE_RAD: f64 = 0.45;
 
-/// The eye of the view: its direction in the plan, rad from x.
+/// Eye of the view, by its direction in the plan view, rad from x.
 #[derive(Clone, Copy, Debug)]
 pub struct Eye {
     azimuth_rad: f64,
 }
 
 impl Eye {
-    /// For so many axes: the last one is nearly in front, axis 0 to the right of it.
+    /// Creates the eye for a number of axes. The last axis is nearly in front, axis 0 to the right of it.
     pub fn for_axes(count: usize) -> Self {
         let last_rad = TAU / count as f64;
         let azimuth_rad = if count == 2 {
@@ -30,7 +30,7 @@ impl Eye {
         Self { azimuth_rad }
     }
 
-    /// Where a place in space is on the sheet.
+    /// Projects a point in space onto the sheet.
     pub fn project(self, [x, y, z]: Place3) -> Place {
         let (sin, cos) = self.azimuth_rad.sin_cos();
         let nearer = x * cos + y * sin;
@@ -40,17 +40,17 @@ impl Eye {
         ]
     }
 
-    /// How near the eye an angle of the plan is, −1 to 1.
+    /// Nearness of a direction in the plan view to the eye, −1 to 1.
     pub fn nearness(self, angle_rad: f64) -> f64 {
         (angle_rad - self.azimuth_rad).cos()
     }
 
-    /// Height on the sheet of a height in space.
+    /// Projects a height in space onto the sheet.
     pub fn height(self, z: f64) -> f64 {
         z * ELEVATION_RAD.cos()
     }
 
-    /// A level circle around the z axis.
+    /// Horizontal circle around the z axis.
     pub fn circle(self, radius: f64, z: f64) -> Vec<Place> {
         const PIECES: u32 = 96;
         (0..=PIECES)
@@ -62,7 +62,7 @@ impl Eye {
     }
 }
 
-/// A vertical cylinder around the z axis: its wall, then its top.
+/// Draws a vertical cylinder around the z axis: its wall, then its top.
 pub fn cylinder(
     drawing: &mut Drawing,
     eye: Eye,
@@ -71,7 +71,7 @@ pub fn cylinder(
     fill: &str,
     colour: &str,
 ) {
-    // The wall is the lower circle's near half, and the straight sides up to the upper one.
+    // The wall consists of the near half of the lower circle and the straight sides up to the upper circle.
     let half = |z: f64| {
         const PIECES: u32 = 48;
         (0..=PIECES).map(move |i| {
@@ -85,7 +85,7 @@ pub fn cylinder(
     drawing.face(&eye.circle(radius, high), fill, colour, 1.5);
 }
 
-/// A box in the frame of an axis of the plan: extents along the radius, across it and upwards.
+/// Draws a box in the frame of an axis, by its extents along the radius, across it and upwards.
 pub fn prism(
     drawing: &mut Drawing,
     eye: Eye,

@@ -8,17 +8,17 @@ use super::{Mount, mm};
 use crate::drawing::{Drawing, FIRST, Place, SECOND};
 use crate::ink::{INK, MUTED};
 
-/// Drawn crank radius, over the mount radius.
+/// Crank radius in the drawing, relative to the mount radius.
 const CRANK: f64 = 0.2;
-/// Extent of a motor along the radius, and half its width.
+/// Extent of a motor along the radius, and half its width, relative to the mount radius.
 const MOTOR: ((f64, f64), f64) = ((0.56, 0.88), 0.11);
 
-/// Colour of a crank that turns forward, or is reversed.
+/// Colour of a crank, by whether it turns forward or is reversed.
 pub fn colour(is_reversed: bool) -> &'static str {
     if is_reversed { SECOND } else { FIRST }
 }
 
-/// What stands on the mount circle.
+/// Kind of mechanism on the mount circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// A motor whose shaft lies along the radius, with a crank.
@@ -27,7 +27,7 @@ pub enum Unit {
     Upright,
 }
 
-/// Draws it around the origin, in units of the mount radius.
+/// Draws the plan view around the origin, in units of the mount radius.
 pub fn draw(drawing: &mut Drawing, mount: &Mount, unit: Unit) {
     drawing.label_at(
         [0.0, 1.62],
@@ -49,13 +49,13 @@ pub fn draw(drawing: &mut Drawing, mount: &Mount, unit: Unit) {
     notes(drawing, mount, unit);
 }
 
-/// Place at a distance along the radius of an axis, and across it.
+/// Point at a distance along the radius of an axis and across it.
 fn place(angle_rad: f64, along: f64, across: f64) -> Place {
     let (sin, cos) = angle_rad.sin_cos();
     [along * cos - across * sin, along * sin + across * cos]
 }
 
-/// x and y, and what positive tilts are.
+/// Draws the x and y axes, and the sense of positive tilts.
 fn axes(drawing: &mut Drawing) {
     drawing.arrow([0.0, 0.0], [1.48, 0.0], INK);
     drawing.label([1.48, 0.0], (5.0, -5.0), "x", INK);
@@ -78,7 +78,7 @@ fn motor(drawing: &mut Drawing, mount: &Mount, axis: usize) {
     drawing.face(&body, "#E8EAEE", MUTED, 1.2);
     drawing.line(&[at(outer, 0.0), at(1.0, 0.0)], INK, 3.0, false);
     drawing.line(&[at(1.0, -CRANK), at(1.0, CRANK)], colour, 5.0, false);
-    // Where the crank points to the platform, its pin goes from x towards y.
+    // The pin of a forward crank moves from x towards y while the crank points to the platform.
     let sign = if is_reversed { -1.0 } else { 1.0 };
     let over = 1.1;
     drawing.arrow(
@@ -88,7 +88,7 @@ fn motor(drawing: &mut Drawing, mount: &Mount, axis: usize) {
     );
 }
 
-/// A shaft that stands upright, and how it turns.
+/// Draws an upright shaft and its sense of rotation.
 fn upright(drawing: &mut Drawing, mount: &Mount, axis: usize) {
     const PIECES: u32 = 40;
     let is_reversed = mount.reversed[axis];
@@ -109,7 +109,7 @@ fn upright(drawing: &mut Drawing, mount: &Mount, axis: usize) {
     drawing.path_arrow(&arrow, colour(is_reversed));
 }
 
-/// The axis's number, beside the axis of coordinates on which it may lie.
+/// Draws the number of an axis, beside the coordinate axis that it may lie on.
 fn number(drawing: &mut Drawing, mount: &Mount, axis: usize) {
     drawing.label_at(
         place(mount.angle_rad(axis) + 0.17, 1.27, 0.0),
@@ -120,10 +120,10 @@ fn number(drawing: &mut Drawing, mount: &Mount, axis: usize) {
     );
 }
 
-/// The mount radius, between two axes.
+/// Draws the mount radius, between two axes.
 fn radius(drawing: &mut Drawing, mount: &Mount) {
     let between = TAU / mount.axes() as f64;
-    // The gap between axes that is nearest to the lower left.
+    // Chooses the gap between axes that is nearest to the lower left.
     let gaps = (0..mount.axes()).map(|axis| (axis as f64 + 0.5) * between);
     let lower_left = 0.625 * TAU;
     let angle = gaps
@@ -135,7 +135,7 @@ fn radius(drawing: &mut Drawing, mount: &Mount) {
     drawing.arrow([0.0, 0.0], place(angle, 1.0, 0.0), MUTED);
 }
 
-/// What the arrows and the signs mean.
+/// Draws the legend of arrows and signs.
 fn notes(drawing: &mut Drawing, mount: &Mount, unit: Unit) {
     let left = -1.42;
     let mut y = -1.6;

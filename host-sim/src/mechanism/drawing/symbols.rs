@@ -10,7 +10,7 @@ use crate::drawing::{Drawing, Place};
 use crate::ink::{INK, MUTED};
 
 impl Cranks<'_> {
-    /// Symbols of one crank: its angle, radius and rod.
+    /// Draws the symbols of one crank: its angle, radius and rod.
     pub(super) fn symbols(&self, drawing: &mut Drawing, axis: usize) {
         let colour = colour(self.mount.reversed[axis]);
         let at = |alpha, distance| self.eye.project(self.around(axis, alpha, distance));
@@ -33,7 +33,7 @@ impl Cranks<'_> {
             -1.0
         };
         let middle = |a: Place, b: Place| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-        // A slot is where the text would be, and in a small crank there is no room for it.
+        // A slot occupies the place of the text, and a small crank has no room for it.
         let (alpha, moved) = match self.link {
             Link::Slot => (at(0.0, 0.3 * self.r), (-outward * 9.0, -2.0)),
             Link::Rod(_) if self.r > 0.18 => (at(0.45 * ALPHA_RAD, 0.62 * self.r), (0.0, 5.0)),
@@ -73,7 +73,7 @@ impl Cranks<'_> {
         drawing.label_on(of, (beside * 9.0, -2.0), name, colour, beside > 0.0);
     }
 
-    /// The height z of the platform over the crank axes; it is negative below them. x and y are those of the view from above.
+    /// Draws the height z of the platform above the crank axes, negative below them. x and y are those of the view from above.
     pub(super) fn distance(&self, drawing: &mut Drawing) {
         let (left, platform) = (-1.34, self.eye.height(self.corner));
         for (from, y) in [(-1.0, 0.0), (-PLATE.0, platform)] {
@@ -89,7 +89,7 @@ impl Cranks<'_> {
         );
     }
 
-    /// The direction in which amax acts.
+    /// Draws the direction in which amax acts.
     pub(super) fn amax(&self, drawing: &mut Drawing) {
         let (right, platform) = (1.3, self.eye.height(self.corner));
         let from = platform + self.up * 0.03;

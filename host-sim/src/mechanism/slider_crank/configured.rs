@@ -1,4 +1,4 @@
-//! A slider-crank of a scene's keys: `machine.lambda`, or `machine.rod_length_mm`.
+//! Creation of a slider-crank from a scene's keys: `machine.lambda`, or `machine.rod_length_mm`.
 
 use cophase_core::mechanism::SliderCrankSettings;
 use cophase_core::settings::Problem;
@@ -38,11 +38,11 @@ fn lambda(machine: &Machine) -> Result<f64, SceneError> {
         (None, Some(length_mm)) => {
             let radius_mm = machine.needed("machine.crank_radius_mm")?;
             let lambda = radius_mm / length_mm;
-            // A crank that cannot be is refused for itself, by the core.
+            // The core refuses an invalid crank radius with its own message.
             if (0.1..=0.6).contains(&lambda) || !(0.1..=500.0).contains(&radius_mm) {
                 return Ok(lambda);
             }
-            // Rounded inwards, so that what is advised is accepted.
+            // Rounded inwards, so that the advised values are accepted.
             let low = (radius_mm / 0.6 * 100.0).ceil() / 100.0;
             let high = (radius_mm / 0.1 * 100.0).floor() / 100.0;
             Err(SceneError::of(

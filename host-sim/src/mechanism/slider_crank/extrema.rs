@@ -1,42 +1,42 @@
-//! Where the platform's acceleration turns, over one turn of the crank at constant speed.
+//! Turning points of the platform's acceleration over one turn of the crank at constant speed.
 //!
-//! A short rod (large λ) bends the lower half of the acceleration curve: the lowest point leaves
-//! α = 180 deg and splits into two, mirrored about it. That happens at λ = 1/4 for the two-term formula
-//! and a little later, at [`SliderCrank::LAMBDA_SPLIT_EXACT`], for the true motion.
+//! A short rod (large λ) deforms the lower half of the acceleration curve: the minimum at α = 180 deg splits into two,
+//! which are symmetric about it. This happens at λ = 1/4 for the two-term formula. For the exact motion it happens at a
+//! slightly larger ratio, [`SliderCrank::LAMBDA_SPLIT_EXACT`].
 //!
-//! The source prints the value at the two new points as +R ω² (λ + 1/(8λ)). Putting cos α = −1/(4λ) into
-//! its own formula gives the opposite sign, and that is what stands here.
+//! The source prints the value at the two new points as +R ω² (λ + 1/(8λ)). Inserting cos α = −1/(4λ) into its own formula
+//! gives the opposite sign, which is used here.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use super::SliderCrank;
 use crate::mechanism::Mechanism;
 
-/// Halvings of the quarter turn that holds the root: enough to reach neighbouring `f64`s.
+/// Bisection steps on the quarter turn that contains the root. They are enough to reach neighbouring `f64`s.
 const BISECTIONS: u32 = 60;
 
 /// A turning point of the acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremum {
-    /// Where, rad, from 0 to π. The curve is even, so 2π minus this is another one.
+    /// Angle, rad, from 0 to π. The curve is even, so 2π minus this angle is a turning point as well.
     pub alpha_rad: f64,
-    /// How much, m/s², positive towards the crank axis.
+    /// Acceleration, m/s², positive towards the crank axis.
     pub a_mps2: f64,
 }
 
 /// All turning points of the acceleration from 0 to π.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extrema {
-    /// At α = 0: +R ω² (1 + λ), the largest in value and in size.
+    /// Turning point at α = 0: +R ω² (1 + λ), the largest in value and in magnitude.
     pub stretched: Extremum,
-    /// At α = π: −R ω² (1 − λ). The lowest point while it is the only other one, else a small maximum.
+    /// Turning point at α = π: −R ω² (1 − λ). It is the minimum if there is no third one, otherwise a small local maximum.
     pub folded: Extremum,
-    /// The lowest point between the two, if λ is large enough to have one.
+    /// Minimum between the two, if λ is large enough for one.
     pub between: Option<Extremum>,
 }
 
 impl Extrema {
-    /// The lowest acceleration of the turn.
+    /// Smallest acceleration of the turn.
     pub fn lowest(&self) -> Extremum {
         self.between.unwrap_or(self.folded)
     }
@@ -48,8 +48,7 @@ impl SliderCrank {
 
     /// Ratio λ above which the exact acceleration has a third turning point: (√21 − 3)/6.
     ///
-    /// Near α = π, h = λ − 1 + (1 − 4λ + 3λ³) ε²/2 + …; its curvature vanishes where
-    /// 3λ³ − 4λ + 1 = (λ − 1)(3λ² + 3λ − 1) = 0.
+    /// Near α = π, h = λ − 1 + (1 − 4λ + 3λ³) ε²/2 + …. Its curvature vanishes where 3λ³ − 4λ + 1 = (λ − 1)(3λ² + 3λ − 1) = 0.
     pub const LAMBDA_SPLIT_EXACT: f64 = 0.263_762_615_825_973_3;
 
     /// Turning points of the two-term acceleration at `omega_rad_s`. The third one is at
@@ -60,8 +59,8 @@ impl SliderCrank {
         self.extrema(third, |alpha| self.a_two_term_mps2(alpha, omega_rad_s))
     }
 
-    /// Turning points of the exact acceleration at constant `omega_rad_s`; the third one's angle is a
-    /// root found to rounding.
+    /// Turning points of the exact acceleration at constant `omega_rad_s`. The angle of the third one is a numerical root,
+    /// accurate to rounding.
     pub fn extrema_exact(&self, omega_rad_s: f64) -> Extrema {
         let third = (self.lambda() > Self::LAMBDA_SPLIT_EXACT).then(|| self.exact_third_angle());
         self.extrema(third, |alpha| self.a_exact_mps2(alpha, omega_rad_s, 0.0))
@@ -79,7 +78,7 @@ impl SliderCrank {
         }
     }
 
-    /// Root of (dh/dα) / sin α between π/2, where it is −1, and π, where it is 4λ − 3λ³ − 1 > 0.
+    /// Root of (dh/dα) / sin α between π/2, where the value is −1, and π, where it is 4λ − 3λ³ − 1 > 0.
     fn exact_third_angle(&self) -> f64 {
         let (mut low, mut high) = (FRAC_PI_2, PI);
         for _ in 0..BISECTIONS {
@@ -93,8 +92,8 @@ impl SliderCrank {
         0.5 * (low + high)
     }
 
-    /// (dh/dα) / sin α. Dividing removes the root at π that is always there. With
-    /// Q = 1 − λ² sin² α and P = cos 2α + λ² sin⁴ α it is −1 + λ cos α (3 λ² P − 4 Q²) / Q^2.5.
+    /// Returns (dh/dα) / sin α. The division removes the root that always exists at π. With Q = 1 − λ² sin² α and
+    /// P = cos 2α + λ² sin⁴ α the value is −1 + λ cos α (3 λ² P − 4 Q²) / Q^2.5.
     fn h_slope_over_sin(&self, alpha_rad: f64) -> f64 {
         let (sin, cos) = alpha_rad.sin_cos();
         let lambda = self.lambda();

@@ -9,7 +9,7 @@ fn of_lambda(lambda: f64) -> SliderCrank {
     SliderCrank::new(lambda, 1.0).expect("a buildable mechanism")
 }
 
-/// If this fails, x is not on the circle of the rod about the crank pin, or the rod angle is another.
+/// If this fails, x is not on the circle of the rod about the crank pin, or the rod angle is wrong.
 #[test]
 fn the_rod_keeps_its_length() {
     for mechanism in LAMBDAS.map(of_lambda) {
@@ -25,8 +25,7 @@ fn the_rod_keeps_its_length() {
     }
 }
 
-/// If this fails, the source's torque formula is transcribed wrongly: here it is once more, as it is
-/// printed, with sin(α + β)/cos β.
+/// If this fails, the source's torque formula is transcribed wrongly. The test repeats the formula as printed, with sin(α + β)/cos β.
 #[test]
 fn two_term_torque_is_the_printed_formula() {
     let mechanism = of_lambda(0.4);
@@ -46,8 +45,8 @@ fn two_term_torque_is_the_printed_formula() {
     }
 }
 
-/// If this fails, a turning point is missed, invented or misplaced: the lowest of 36,000 samples must
-/// not lie below it, and must come within (1e-4 rad)² times the curvature (below 40) of it.
+/// If this fails, a turning point is missed, invented or misplaced. The lowest of 36,000 samples must not lie below it, and
+/// must be within (1e-4 rad)² times the curvature (below 40) of it.
 #[test]
 fn extrema_bound_the_sampled_curve() {
     for mechanism in (1..=80).map(|k| of_lambda(f64::from(k) / 100.0)) {
@@ -69,7 +68,7 @@ fn extrema_bound_the_sampled_curve() {
                 lowest < sampled + 1e-15 && sampled < lowest + 1e-6,
                 "{mechanism:?}"
             );
-            // amax must be the largest in size, or speeds computed from it are too low.
+            // amax must be the largest magnitude. Otherwise speeds computed from it are wrong.
             assert!(
                 (largest - mechanism.amax_mps2(1.0)).abs() < 1e-15,
                 "{mechanism:?}"
@@ -78,7 +77,7 @@ fn extrema_bound_the_sampled_curve() {
     }
 }
 
-/// If this fails, the ratio at which the true curve splits is not the root of its curvature.
+/// If this fails, the ratio at which the exact curve splits is not the root of its curvature.
 #[test]
 fn exact_split_is_the_root_of_the_curvature() {
     let lambda = SliderCrank::LAMBDA_SPLIT_EXACT;
@@ -93,7 +92,7 @@ fn exact_split_is_the_root_of_the_curvature() {
     assert!(just_above.is_some_and(|e| e.alpha_rad > 3.1 && e.alpha_rad < PI));
 }
 
-/// If this fails, lengths that are none are taken for a mechanism.
+/// If this fails, invalid lengths are accepted as a mechanism.
 #[test]
 fn refuses_what_is_no_mechanism() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {

@@ -9,11 +9,11 @@ use crate::ink::{INK, MUTED};
 /// Angle of the eccentric in the drawing, rad.
 const PHI_RAD: f64 = 0.9;
 
-/// Draws it, as SVG text. The line from the shaft to the toggle's pivot points downwards.
+/// Draws the crusher, as SVG text. The line from the shaft to the toggle's pivot points downwards.
 pub fn draw(crusher: &Crusher) -> String {
     let linkage = &crusher.linkage;
     let angles = linkage.at(PHI_RAD);
-    // The linkage has the fixed pivot on its x axis: turned by a quarter, that is below.
+    // The linkage has the fixed pivot on its x axis. A quarter turn moves it below the shaft.
     let down = |[x, y]: Place| -> Place { [y, -x] };
     let from = |start: Place, length: f64, angle: f64| -> Place {
         [

@@ -1,19 +1,22 @@
-//! Jaw crusher: one shaft with a flywheel, whose eccentric swings a jaw. The source is a Chinese paper on the dynamic design of its flywheel.
+//! Jaw crusher: one shaft with a flywheel, whose eccentric swings a jaw. The source is a Chinese paper on the dynamic
+//! design of its flywheel.
 //!
-//! The equations and the linkage are those of [`cophase_methods::problems::crusher`], which holds them to the source's figures. With φ the shaft's
-//! angle, J the inertia of flywheel and rotor, and Je(φ) that of the jaw:
+//! Equations and linkage are those of [`cophase_methods::problems::crusher`], which is verified against the source's
+//! figures. With the shaft angle φ, the inertia J of flywheel and rotor, and that of the jaw Je(φ):
 //!
 //! ```text
 //! (J + Je) φ″ + φ′²/2 dJe/dφ = torque − friction − rock(φ)
 //! ```
 //!
-//! Rock is fed between two turns of the shaft, counted from power-up: a crusher starts and stops empty. It brakes a shaft that turns forward, and
-//! does not push one back. Under a jaw that closes slowly it holds the shaft by no more than the torque that arrives.
+//! Rock is fed between two turns of the shaft, counted from power-up, because a crusher starts and stops empty. Rock brakes
+//! a shaft that turns forward, and does not push one back. Under a slowly closing jaw it resists with no more than the
+//! applied torque.
 //!
-//! The controller is given a Scotch yoke of the radius max |z″(φ)|, with z the displacement of the jaw where the rock's force acts, so that the
-//! program's amax is the greatest acceleration of the jaw there.
+//! In the controller's settings the crusher is a Scotch yoke of radius max |z″(φ)|, where z is the displacement of the jaw
+//! at the point of the rock's force. So the program's amax is the largest acceleration of the jaw at that point.
 //!
-//! Not modelled: the motor's electrical transients, slip of the belt, the weight of the jaw, and rock whose force depends on the jaw's speed.
+//! Not modelled: the motor's electrical transients, slip of the belt, the weight of the jaw, and a rock force that depends
+//! on the jaw's speed.
 
 mod drawing;
 mod record;
@@ -39,22 +42,22 @@ pub struct Crusher {
     pub linkage: Linkage,
     /// Jaw.
     pub jaw: Jaw,
-    /// Rock, in a turn in which it is fed.
+    /// Load by the rock, in a turn in which it is fed.
     pub load: Load,
-    /// Angles of the shaft since power-up between which rock is fed, rad.
+    /// Range of the shaft's angle since power-up in which rock is fed, rad.
     pub fed_rad: Range<f64>,
     /// Inertia of flywheel and rotor, kg·m².
     pub flywheel_kgm2: f64,
-    /// Greatest torque of the motor, N·m; none if the scene gives none.
+    /// Largest torque of the motor, N·m. `None` if the scene gives none.
     pub motor_nm: Option<f64>,
 }
 
-/// Angles at which figures over a turn are sampled.
+/// Number of angles at which a turn is sampled.
 const SAMPLES: u32 = 720;
 
 impl Crusher {
-    /// Displacement of the jaw towards the rock where the force acts, m, and its first and second derivative by the shaft's angle. Displacements
-    /// are across the line of the jaw at angle 0.
+    /// Displacement of the jaw towards the rock at the point of the force, m, and its first and second derivative by the
+    /// shaft's angle. The direction is perpendicular to the line of the jaw at angle 0.
     fn jaw_m(&self, phi_rad: f64) -> [f64; 3] {
         let (e, f) = (self.linkage.eccentric_m, self.linkage.force_m);
         let across = self.linkage.at(0.0).jaw_rad;
@@ -68,7 +71,7 @@ impl Crusher {
         ]
     }
 
-    /// Greatest acceleration of the jaw over the squared speed of the shaft, m.
+    /// Largest acceleration of the jaw over the squared speed of the shaft, m.
     #[must_use]
     pub fn amplitude_m(&self) -> f64 {
         samples()
@@ -76,7 +79,7 @@ impl Crusher {
             .fold(0.0, f64::max)
     }
 
-    /// Greatest torque of the rock on the shaft, N·m.
+    /// Largest torque of the rock on the shaft, N·m.
     #[must_use]
     pub fn rock_nm(&self) -> f64 {
         samples()
@@ -84,14 +87,14 @@ impl Crusher {
             .fold(0.0, f64::max)
     }
 
-    /// Work that breaking rock takes in a turn, J.
+    /// Work to break rock in one turn, J.
     #[must_use]
     pub fn work_j(&self) -> f64 {
         let torques = samples().map(|phi_rad| self.load.torque_nm(&self.linkage, phi_rad));
         torques.sum::<f64>() * TAU / f64::from(SAMPLES)
     }
 
-    /// Torque of the rock at an angle since power-up and a speed, N·m; it brakes.
+    /// Braking torque of the rock at an angle since power-up and a speed, N·m.
     fn resistance_nm(&self, phi_rad: f64, omega_rad_s: f64) -> f64 {
         if omega_rad_s <= 0.0 || !self.fed_rad.contains(&phi_rad) {
             return 0.0;
@@ -100,7 +103,7 @@ impl Crusher {
     }
 }
 
-/// Angles over a turn, rad: the middles of [`SAMPLES`] pieces.
+/// Angles over a turn, rad: the midpoints of [`SAMPLES`] intervals.
 fn samples() -> impl Iterator<Item = f64> {
     (0..SAMPLES).map(|i| TAU * (f64::from(i) + 0.5) / f64::from(SAMPLES))
 }
@@ -172,7 +175,7 @@ impl Plant for Crusher {
     }
 
     fn fastest_mode(&self) -> Mode {
-        // The rock grips a shaft that comes to rest within [`STICTION_RAD_S`].
+        // The rock's torque on a slow shaft falls from its full value to 0 within a speed of about [`STICTION_RAD_S`].
         Mode {
             omega_rad_s: self.rock_nm() / (self.flywheel_kgm2 * STICTION_RAD_S),
             zeta: 1.0,

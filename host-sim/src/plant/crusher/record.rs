@@ -5,17 +5,17 @@ use std::f64::consts::TAU;
 use super::Crusher;
 use crate::plant::{Figure, Record, Tick};
 
-/// Speeds over one turn of the shaft, rad/s.
+/// Speeds within one turn of the shaft, rad/s.
 #[derive(Clone, Copy, Debug)]
 struct Turn {
     slowest: f64,
     fastest: f64,
     began_s: f64,
-    /// True if rock was fed all through it, at a constant commanded speed.
+    /// True if rock was fed during the whole turn, at a constant commanded speed.
     is_crushing: bool,
 }
 
-/// Place at which the rock stopped the shaft.
+/// Time and angle at which the rock stopped the shaft.
 #[derive(Clone, Copy, Debug)]
 struct Stall {
     t_s: f64,
@@ -26,21 +26,21 @@ struct Stall {
 #[derive(Clone, Debug)]
 pub struct CrusherRecord {
     crusher: Crusher,
-    /// Number of the turn that the shaft is in, and its speeds.
+    /// Number of the shaft's current turn, and the speeds within it.
     turn: Option<(f64, Turn)>,
-    /// Slowest, fastest and mean speed of the last whole turn with rock.
+    /// Slowest, fastest and mean speed of the last complete turn with rock.
     crushing: Option<[f64; 3]>,
-    /// Greatest commanded speed, rad/s.
+    /// Largest commanded speed, rad/s.
     top_rad_s: f64,
-    /// True if the shaft has turned at more than half of its commanded speed since it stood last.
+    /// True if the shaft has exceeded half of its commanded speed since its last commanded stop.
     turned: bool,
     stall: Option<Stall>,
 }
 
-/// Part of the greatest commanded speed below which the shaft is about to stand as commanded.
+/// Fraction of the largest commanded speed below which the shaft counts as stopping on command.
 const STANDING: f64 = 0.1;
 
-/// Part of the commanded speed below which a shaft that turned has stalled.
+/// Fraction of the commanded speed below which a shaft that has turned counts as stalled.
 const STALLED: f64 = 0.05;
 
 impl CrusherRecord {
@@ -57,7 +57,7 @@ impl CrusherRecord {
 
     fn speeds(&mut self, tick: &Tick<'_>, phi_rad: f64, omega: f64) {
         let number = (phi_rad / TAU).floor();
-        // The turn began within the tick.
+        // The turn began within this tick.
         let began_s = tick.t_s - (phi_rad - number * TAU) / omega.max(f64::MIN_POSITIVE);
         let is_crushing =
             tick.acceleration_rad_s2 == 0.0 && self.crusher.fed_rad.contains(&phi_rad);
@@ -86,7 +86,7 @@ impl CrusherRecord {
     fn stalls(&mut self, tick: &Tick<'_>, phi_rad: f64, omega: f64) {
         let commanded = tick.omega_rad_s;
         self.top_rad_s = self.top_rad_s.max(commanded);
-        // At the end of a stop every shaft stands.
+        // At the end of a commanded stop every shaft comes to rest, which is not a stall.
         if !tick.drives_enabled || commanded < STANDING * self.top_rad_s {
             self.turned = false;
         } else if omega > 0.5 * commanded {
@@ -99,7 +99,7 @@ impl CrusherRecord {
         }
     }
 
-    /// Mean torque that the rock takes over a turn, N·m.
+    /// Mean torque of the rock over a turn, N·m.
     fn mean_nm(&self) -> f64 {
         self.crusher.work_j() / TAU
     }

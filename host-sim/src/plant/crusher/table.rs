@@ -1,4 +1,4 @@
-//! `[crusher]`: a jaw crusher.
+//! Scene table `[crusher]`: a jaw crusher.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ pub struct CrusherTable {
     pub jaw_kg: f64,
     /// Distance of the jaw's centre of mass from the eccentric, mm.
     pub jaw_centre_mm: f64,
-    /// How the force of the rock acts over the closing stroke.
+    /// Profile of the rock's force over the closing stroke.
     #[serde(default)]
     pub rock: Rock,
     /// Peak force of the rock across the jaw, kN.
@@ -37,16 +37,16 @@ pub struct CrusherTable {
     pub rock_turns: (f64, f64),
 }
 
-/// Shape of the rock's force over the closing stroke.
+/// Profile of the rock's force over the closing stroke.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rock {
-    /// Rises in proportion to the shaft's angle, to its peak at the end of the stroke.
+    /// Rise in proportion to the shaft's angle, up to the peak at the end of the stroke.
     #[default]
     LinearRise,
-    /// Its peak over the second half of the stroke.
+    /// Peak force over the second half of the stroke.
     SecondHalf,
-    /// Its peak over the whole stroke.
+    /// Peak force over the whole stroke.
     Constant,
 }
 
@@ -108,8 +108,8 @@ impl CrusherTable {
         })
     }
 
-    /// Checks that the eccentric can turn all round. Jaw and toggle plate must reach from the eccentric to the pivot at both ends of that distance,
-    /// and may not be in line there.
+    /// Checks that the eccentric can turn fully. The eccentric is nearest to the pivot at one end of the turn, and farthest
+    /// at the other. At both, jaw and toggle plate must span the distance without being in line.
     fn check_turns(&self) -> Result<(), SceneError> {
         let (nearest, furthest) = (
             (self.ground_mm - self.eccentric_mm).abs(),

@@ -18,7 +18,7 @@ fn crusher(peak_n: f64) -> Crusher {
     }
 }
 
-/// If this fails, the crusher under the loop is another one than that which is held to the published speeds.
+/// If this fails, the simulated crusher differs from the one that is verified against the published speeds.
 #[test]
 fn it_moves_as_the_published_crusher() {
     let published = OnTheMains::SOURCE.with_rock(Shape::LinearRise, 1.3e6);
@@ -41,7 +41,7 @@ fn it_moves_as_the_published_crusher() {
     }
 }
 
-/// If this fails, the changing inertia makes energy or takes it. Without rock and motor it stays.
+/// If this fails, the changing inertia creates or absorbs energy. Without rock and motor the energy is constant.
 #[test]
 fn energy_stays() {
     let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
@@ -58,7 +58,7 @@ fn energy_stays() {
     assert!((after / before - 1.0).abs() < 1e-9, "{before} J, {after} J");
 }
 
-/// If this fails, rock pushes a shaft back that it has stopped, or drives one that stands: broken rock has no spring.
+/// If this fails, rock pushes back a shaft that it has stopped, or drives one at standstill. Broken rock has no spring force.
 #[test]
 fn rock_brakes_and_does_not_push() {
     let ours = crusher(1.3e6);
@@ -74,7 +74,7 @@ fn rock_brakes_and_does_not_push() {
     assert_eq!(empty.resistance_nm(phi, 10.0), 0.0);
 }
 
-/// If this fails, the jaw's acceleration is not that of its place, or the amplitude is not the greatest one.
+/// If this fails, the jaw's acceleration is not the second derivative of its position, or the amplitude is not the largest one.
 #[test]
 fn the_jaw_moves_as_its_place_does() {
     let ours = crusher(0.0);
@@ -88,8 +88,8 @@ fn the_jaw_moves_as_its_place_does() {
         let pose = ours.pose(&[phi / TAU], omega, 0.0);
         assert!((pose.accel_mps2 - difference * omega * omega).abs() < 1e-4);
         most = most.max(pose.accel_mps2.abs());
-        // The rock's lever is across the jaw as it stands, and the displacement across the jaw at angle 0: they differ by the eccentric's velocity along the
-        // jaw, times the angle between.
+        // The rock's lever is perpendicular to the actual jaw, and the displacement to the jaw at angle 0. They differ by
+        // the eccentric's velocity along the jaw, times the angle between them.
         let slope = (place(phi + h) - place(phi - h)) / (2.0 * h);
         let between = ours.linkage.at(phi).jaw_rad - ours.linkage.at(0.0).jaw_rad;
         let off_m = (slope - ours.linkage.closing_m(phi)).abs();

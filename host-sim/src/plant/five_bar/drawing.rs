@@ -4,7 +4,7 @@ use super::Arm;
 use crate::drawing::{Drawing, FIRST, Place, SECOND};
 use crate::ink::{INK, MUTED};
 
-/// Draws it with its hand a quarter along the path, as SVG text.
+/// Draws the arm with its hand a quarter along the path, as SVG text.
 pub fn draw(arm: &Arm) -> String {
     let [one, two, _, four] = arm.arm.rods.map(|rod| rod.length_m);
     let hand = arm.path.at(0.25).at_m;

@@ -1,16 +1,20 @@
-//! Suspended five-bar arm: two motors on one axis whose links move a hand in a plane, along a path. The source is a paper of 2000 on suspended robots.
+//! Suspended five-bar arm: two motors on one axis, whose links move a hand in a plane along a path. The source is a paper
+//! of 2000 on suspended robots.
 //!
-//! The equations are those of [`cophase_methods::problems::five_bar`], with the inertia of each rotor and the friction of each axis added. The two axes
-//! are the joints: the angle of joint i is 2π times the turns of axis i.
+//! The equations are those of [`cophase_methods::problems::five_bar`], plus the inertia of each rotor and the friction of
+//! each axis. The two axes are the joints: the angle of joint i is 2π times the turns of axis i.
 //!
-//! The program is a path. The master's phase is the path's parameter: one turn of the master is the path, there and back, and at the speed at which that
-//! takes the path's own time the hand has its speed. Each joint follows a cam table of [`MAX_CAM_POINTS`](cophase_core::axes::MAX_CAM_POINTS) points, which the
-//! inverse kinematics gives. A slower master moves the hand along the same path.
+//! The program is a path, and the master's phase is the path's parameter. One turn of the master is the path, there and
+//! back. The hand has its specified speed if a turn takes the path's own time. Each joint follows a cam table of
+//! [`MAX_CAM_POINTS`](cophase_core::axes::MAX_CAM_POINTS) points, which the inverse kinematics gives. A slower master moves
+//! the hand along the same path.
 //!
-//! A path has no amplitude. The controller is given a Scotch yoke of the radius R of the circle that is as long as the path, so that the program's amax
-//! is R ω²: the acceleration of a hand that follows this circle in a turn of the master. The hand's own greatest acceleration is in the blends.
+//! A path has no amplitude. In the controller's settings the arm is a Scotch yoke whose radius R is that of a circle as
+//! long as the path. So the program's amax is R ω²: the acceleration of a hand that follows this circle in a turn of the
+//! master. The largest acceleration of the actual hand is in the blends.
 //!
-//! Drives of a hand that presses against a surface have the hybrid law in place of their position loops: position along the surface, force across it.
+//! If the hand presses against a surface, the hybrid law replaces the position loops of the drives. It controls position
+//! along the surface and force across it.
 //!
 //! Not modelled: elastic links and joints, and a tool that swings on its rope.
 
@@ -39,18 +43,18 @@ pub use table::{Assembly, ContactTable, FiveBarTable, Plane};
 pub struct Arm {
     /// Equations, without friction and motors.
     pub arm: FiveBarArm,
-    /// Law of its drives if the hand presses against a surface, with its integral at 0.
+    /// Law of the drives if the hand presses against a surface, with its integral at 0.
     pub law: Option<HybridLaw>,
     /// Path of the hand.
     pub path: Path,
     /// Angles of the joints a quarter along the path, rad.
     pub quarter_rad: [f64; 2],
-    /// Least |sin(q₁ − q₂)| on the path.
+    /// Smallest |sin(q₁ − q₂)| on the path.
     pub least_sine: f64,
 }
 
 impl Arm {
-    /// Part of a vector in the plane along the first line of the path.
+    /// Component of a vector in the plane along the first line of the path.
     fn along(&self, vector: [f64; 2]) -> f64 {
         let direction = self.path.direction();
         vector[0] * direction[0] + vector[1] * direction[1]
@@ -77,7 +81,7 @@ impl Arm {
     }
 }
 
-/// The first two of a list.
+/// Returns the first two values of a list.
 fn both(values: &[f64]) -> [f64; 2] {
     [values[0], values[1]]
 }
@@ -136,7 +140,7 @@ impl Plant for Arm {
         let inertia = self.inertia_kgm2(shafts.body, q);
         let free = match (shafts.held[0], shafts.held[1]) {
             (false, false) => {
-                // It is positive definite: each rod has a mass.
+                // The matrix is positive definite, because each rod has a mass.
                 let solved = inertia.lu().solve(&Vector2::from(net));
                 solved.unwrap_or_else(Vector2::zeros).into()
             }
@@ -197,7 +201,7 @@ impl Plant for Arm {
         let Some(surface) = &self.arm.surface else {
             return Mode::default();
         };
-        // The least mass that the surface feels at the hand is above that of the tool and half of link 4.
+        // The smallest effective mass at the hand exceeds the tool's mass plus half of link 4's.
         let mass_kg = self.arm.hand_kg + 0.5 * self.arm.rods[3].mass_kg;
         let omega_rad_s = (surface.stiffness_n_per_m / mass_kg).sqrt();
         Mode {

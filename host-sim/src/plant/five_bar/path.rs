@@ -10,15 +10,15 @@ use crate::mechanism::five_bar::{FiveBar, Joints, Unreachable};
 /// Closed path in the plane. The hand rests at each of its points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// Its lines, each with the time at which it begins, s.
+    /// Lines of the path, each with its start time, s.
     lines: Vec<(f64, Line)>,
     duration_s: f64,
 }
 
-/// Motion along a path.
+/// Motion at a point of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// Place, m.
+    /// Position, m.
     pub at_m: [f64; 2],
     /// Velocity, m/s.
     pub velocity_mps: [f64; 2],
@@ -26,20 +26,21 @@ pub struct Motion {
     pub acceleration_mps2: [f64; 2],
 }
 
-/// Why there is no cam table for a path.
+/// Reason why a path has no cam table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoTable {
-    /// The hand cannot be there, m.
+    /// Point that the hand cannot reach, m.
     Unreachable([f64; 2], Unreachable),
-    /// The arm is too near to a singular configuration there, m; with |sin(q₁ − q₂)|.
+    /// Point where the arm is too close to a singular configuration, m, with |sin(q₁ − q₂)|.
     Singular([f64; 2], f64),
 }
 
 impl Path {
-    /// Path through at least two points, m, and back to the first, at a speed between blends of a duration.
+    /// Creates a path through at least two points, m, and back to the first. It has a speed between blends, and a duration
+    /// of each blend.
     ///
     /// # Errors
-    /// A line that is too short for its blends.
+    /// A line is too short for its blends.
     pub fn new(points_m: &[[f64; 2]], speed_mps: f64, blend_s: f64) -> Result<Self, TooShort> {
         let mut lines = Vec::new();
         let mut duration_s = 0.0;
@@ -52,44 +53,44 @@ impl Path {
         Ok(Self { lines, duration_s })
     }
 
-    /// Time that the path takes at its own speed, s.
+    /// Duration of the path at its own speed, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }
 
-    /// Radius of the circle whose circumference is as long as the path, m.
+    /// Radius of the circle whose circumference equals the length of the path, m.
     #[must_use]
     pub fn radius_m(&self) -> f64 {
         let lines = self.lines.iter().map(|(_, line)| line.length_m());
         lines.sum::<f64>() / TAU
     }
 
-    /// Amplitude at its own speed, m/s²: acceleration on that circle.
+    /// Amplitude at the path's own speed, m/s²: the acceleration on that circle.
     #[must_use]
     pub fn nominal_mps2(&self) -> f64 {
         self.radius_m() * (TAU / self.duration_s).powi(2)
     }
 
-    /// Duration of its blends, s.
+    /// Duration of the blends, s.
     #[must_use]
     pub fn blend_s(&self) -> f64 {
         self.lines[0].1.blend_s
     }
 
-    /// Unit vector along its first line.
+    /// Unit vector along the first line.
     #[must_use]
     pub fn direction(&self) -> [f64; 2] {
         self.lines[0].1.direction()
     }
 
-    /// Its first point, m.
+    /// First point, m.
     #[must_use]
     pub fn start_m(&self) -> [f64; 2] {
         self.lines[0].1.from_m
     }
 
-    /// Motion at a part of the path, 0 to 1, at its own speed.
+    /// Motion at a fraction of the path's duration, 0 to 1, at the path's own speed.
     #[must_use]
     pub fn at(&self, part: f64) -> Motion {
         let t_s = part.rem_euclid(1.0) * self.duration_s;
@@ -106,8 +107,8 @@ impl Path {
         }
     }
 
-    /// Distance of a point from the nearest line, m, and the acceleration there of a hand that follows the path at its own speed, m/s². A line and its
-    /// way back have the same acceleration at the same place.
+    /// Distance of a point from the nearest line, m, and the acceleration there, m/s², of a hand that follows the path at
+    /// its own speed. A line and its return line have the same acceleration at the same point.
     #[must_use]
     pub fn nearest(&self, point_m: [f64; 2]) -> (f64, [f64; 2]) {
         let of_line = |(_, line): &(f64, Line)| {
@@ -135,10 +136,11 @@ impl Path {
             .unwrap_or((f64::INFINITY, [0.0; 2]))
     }
 
-    /// Cam tables of both joints over one turn of the master: equally spaced points, turns of each joint. Beside them the least |sin(q₁ − q₂)| on the path.
+    /// Cam tables of both joints over one turn of the master, with equally spaced points, in turns of each joint. Also
+    /// returns the smallest |sin(q₁ − q₂)| on the path.
     ///
     /// # Errors
-    /// A point of the path that the hand cannot reach, or where |sin(q₁ − q₂)| is below `margin`.
+    /// The hand cannot reach a point of the path, or |sin(q₁ − q₂)| is below `margin` there.
     pub fn tables(
         &self,
         links: &FiveBar,
@@ -159,7 +161,7 @@ impl Path {
             if i % (SAMPLES / MAX_CAM_POINTS as u32) == 0 {
                 for (table, angle) in tables.iter_mut().zip([q1_rad, q2_rad]) {
                     let turns = angle / TAU;
-                    // Angles are within a turn: the joint goes the short way from point to point.
+                    // Angles are within one turn, so the joint takes the shorter direction from point to point.
                     let last = table.last().copied().unwrap_or(turns);
                     table.push(turns + (last - turns).round());
                 }
@@ -169,5 +171,5 @@ impl Path {
     }
 }
 
-/// Points at which a path is checked: eight between those of the tables.
+/// Number of points at which a path is checked: eight per point of the tables.
 const SAMPLES: u32 = 8 * MAX_CAM_POINTS as u32;

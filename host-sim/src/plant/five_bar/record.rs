@@ -1,4 +1,4 @@
-//! Figures of an arm's run: errors of the hand's place and of its force on the surface.
+//! Figures of an arm's run: errors of the hand's position and of its force on the surface.
 
 use std::f64::consts::TAU;
 
@@ -9,13 +9,13 @@ use crate::plant::{Figure, Record, Tick};
 #[derive(Clone, Debug)]
 pub struct ArmRecord {
     arm: Arm,
-    /// Greatest distance of the commanded hand from the path, m: by the points of the cam tables.
+    /// Largest distance of the commanded hand from the path, m. It is caused by the finite number of cam points.
     table_m: f64,
-    /// Time for which the master has turned steadily, s. Errors count from the end of a blend on, as in the source.
+    /// Duration of the master's current steady rotation, s. As in the source, errors count only after the duration of a blend.
     steady_s: f64,
-    /// Greatest error of the hand's place at steady speed of the master, m; along the surface if there is one.
+    /// Largest position error of the hand at steady speed of the master, m. It is measured along the surface, if there is one.
     place_m: Option<f64>,
-    /// Greatest error of the force there, N.
+    /// Largest force error under the same conditions, N.
     force_n: Option<f64>,
 }
 
@@ -31,7 +31,7 @@ impl ArmRecord {
     }
 }
 
-/// The larger of a value and the one before, if there was one.
+/// Returns the larger of a value and the previous one, if there was one.
 fn worst(before: Option<f64>, value: f64) -> Option<f64> {
     Some(before.map_or(value, |before| before.max(value)))
 }

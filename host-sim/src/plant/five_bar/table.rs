@@ -1,4 +1,4 @@
-//! `[five_bar]`: a suspended five-bar arm and the path of its hand.
+//! Scene table `[five_bar]`: a suspended five-bar arm and the path of its hand.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -28,25 +28,25 @@ pub struct FiveBarTable {
     /// Plane of the arm.
     #[serde(default)]
     pub plane: Plane,
-    /// Which of the two ways to assemble the arm.
+    /// Assembly mode of the arm, one of two.
     #[serde(default)]
     pub mode: Assembly,
-    /// Points of the hand's path, mm: it goes from point to point and back to the first.
+    /// Points of the hand's path, mm. The path leads from point to point and back to the first.
     pub path_mm: Vec<[f64; 2]>,
     /// Speed of the hand between the blends, mm/s.
     pub speed_mm_per_s: f64,
     /// Duration of the blend at each end of a line, s.
     pub blend_s: f64,
-    /// Least |sin(q₁ − q₂)| on the path: 0 is singular.
+    /// Smallest permitted |sin(q₁ − q₂)| on the path. At 0 the arm is singular.
     #[serde(default = "default_margin")]
     pub margin: f64,
-    /// Pull of the balancer on which the tool hangs, N; 0 is no balancer.
+    /// Pull of the balancer on which the tool hangs, N. 0 means no balancer.
     #[serde(default)]
     pub lift_n: f64,
-    /// Length of the rope between balancer and tool, mm. It matters in the horizontal plane.
+    /// Length of the rope between balancer and tool, mm. It has an effect only in the horizontal plane.
     #[serde(default = "default_rope_mm")]
     pub rope_mm: f64,
-    /// Point below the balancer, mm; without it, the middle of the path.
+    /// Point below the balancer, mm. The default is the point a quarter along the path, the middle of a path of two points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub balancer_mm: Option<[f64; 2]>,
     /// Surface along the path that the hand presses against.
@@ -58,26 +58,26 @@ pub struct FiveBarTable {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Plane {
-    /// The tool hangs on a rope above it.
+    /// Horizontal plane. The tool hangs on a rope above the plane.
     #[default]
     Horizontal,
-    /// Gravity acts against y, and the balancer lifts the hand.
+    /// Vertical plane. Gravity acts against y, and the balancer lifts the hand.
     Vertical,
 }
 
-/// Way to assemble the arm.
+/// Assembly mode of the arm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Assembly {
-    /// Link 1 is on the left of the line from the axis to the hand: q₁ is larger.
+    /// Link 1 is on the left of the line from the axis to the hand, so q₁ is larger.
     #[default]
     Left,
-    /// It is on the right.
+    /// Link 1 is on the right of that line.
     Right,
 }
 
 impl Assembly {
-    /// Number among the solutions of the inverse kinematics.
+    /// Index among the solutions of the inverse kinematics.
     const fn number(self) -> usize {
         match self {
             Self::Left => 0,
@@ -86,7 +86,7 @@ impl Assembly {
     }
 }
 
-/// `[five_bar.contact]`: the surface, and the hybrid position and force law.
+/// Scene table `[five_bar.contact]`: the surface, and the hybrid position and force law.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactTable {
@@ -271,7 +271,7 @@ impl FiveBarTable {
                 } else {
                     0.0
                 },
-                // Friction is that of the axes.
+                // The axes already have the friction.
                 friction_nm: [0.0; 2],
                 friction_speed_rad_s: 1.0,
                 load: suspension,
@@ -308,7 +308,7 @@ impl Table for FiveBarTable {
         true
     }
 
-    /// Adds a cam table for each joint, and the level of program entries that give none: the path at its own speed.
+    /// Adds a cam table for each joint. Program entries without a level get the one at which the path has its own speed.
     fn fill(&self, scene: &mut Scene) -> Result<(), SceneError> {
         self.check()?;
         let path = self.path()?;

@@ -25,7 +25,7 @@ fn arm(gravity_mps2: f64) -> Arm {
     }
 }
 
-/// If this fails, the arm under the loop is another one than that whose equations are held to virtual work and to published figures.
+/// If this fails, the simulated arm differs from the one that is verified against virtual work and published figures.
 #[test]
 fn it_moves_as_the_published_arm() {
     let ours = arm(9.81);
@@ -60,7 +60,7 @@ fn it_moves_as_the_published_arm() {
             let theirs = rates[2 + i];
             assert!((a[i] - theirs).abs() < 1e-9 * (1.0 + theirs.abs()), "{k}");
         }
-        // The hand moves as its joints do.
+        // The hand must move as its joints do.
         let moved = ours.moved(q, v, &a);
         let h = 1e-5;
         let place = |t: f64| {
@@ -77,7 +77,7 @@ fn it_moves_as_the_published_arm() {
     }
 }
 
-/// If this fails, arm, rotors and surface exchange energy that neither gives up.
+/// If this fails, arm and rotors create or lose energy.
 #[test]
 fn energy_stays() {
     let mut ours = arm(9.81);
@@ -102,7 +102,7 @@ fn energy_stays() {
     );
 }
 
-/// If this fails, the acceleration that the kinematic level shows is not that of the path, or the path does not return to where it began.
+/// If this fails, the acceleration on the kinematic level is not that of the path, or the path does not return to its start.
 #[test]
 fn the_path_returns_and_accelerates_as_its_place_does() {
     let path = arm(0.0).path;

@@ -6,7 +6,7 @@ use super::Screen;
 use crate::drawing::{Drawing, FIRST, SECOND};
 use crate::ink::{INK, MUTED};
 
-/// Draws it, as SVG text. Blocks stand at 60°; their distance from the shaft is drawn four times too large.
+/// Draws the screen, as SVG text. Blocks are at 60°, and their distance from the shaft is enlarged four times.
 pub fn draw(screen: &Screen) -> String {
     const LARGER: f64 = 4.0;
     let half = screen.springs_m;

@@ -1,8 +1,9 @@
-//! Vibrating screen: a box on springs that unbalanced shafts shake. The source is a Chinese thesis on a self-centring screen.
+//! Vibrating screen: a box on springs, which unbalanced shafts shake. The source is a Chinese thesis on a self-centring screen.
 //!
-//! The box moves along (x), across (z) and pitches (θ, small). Shaft i lies at p_i along the box and carries a block of mass G at R from its
-//! axis. With P the mass of the box, M = P + N G, I its pitch inertia about its centre, J a rotor's inertia, K and C of all springs together and K_θ, C_θ of
-//! their pitch, Lagrange gives for φ_i, x, z and θ, counted from rest under the weight of the box:
+//! The box moves along (x) and across (z), and pitches (θ, small). Shaft i is at p_i along the box and carries a block of
+//! mass G at a distance R from its axis. P is the mass of the box, M = P + N G, I the pitch inertia about the centre, and J
+//! a rotor's inertia. K and C are stiffness and damping of all springs together, and K_θ and C_θ those in pitch. Positions
+//! are relative to rest under the weight of the box. Lagrange's equations for φ_i, x, z and θ are:
 //!
 //! ```text
 //! (J + G R²) φ″ − G R sin φ x″ + G R cos φ (z″ + p θ″) = torque − G g R cos φ
@@ -11,8 +12,9 @@
 //! (I + Σ G p²) θ″ + Σ G p z″ + C_θ θ′ + K_θ θ = −Σ G R p (cos φ φ″ − sin φ φ′²)
 //! ```
 //!
-//! The controller is given a Scotch yoke of the *throw* G R N / M: far above its resonance the box moves by that against the blocks, so that its
-//! amplitude is throw · ω². Near the resonance it is more, which is what the forbidden band keeps the shafts from dwelling in.
+//! In the controller's settings the screen is a Scotch yoke whose radius is the *throw* G R N / M. Far above its resonance
+//! the box moves by the throw, opposite to the blocks, so that its amplitude is throw · ω². Near the resonance it is
+//! larger. There the forbidden band prevents a constant speed.
 //!
 //! Not modelled: stones that leave the deck, belts, and pitch beyond small angles.
 
@@ -36,33 +38,33 @@ pub use table::ScreenTable;
 /// Box on springs with unbalanced shafts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Screen {
-    /// Mass of the box with what lies on it, without the exciter blocks, kg.
+    /// Mass of the box with its contents, without the exciter blocks, kg.
     pub box_kg: f64,
-    /// Its pitch inertia about its centre, kg·m².
+    /// Pitch inertia of the box about its centre, kg·m².
     pub pitch_kgm2: f64,
     /// Mass of each exciter block, kg.
     pub block_kg: f64,
     /// Distance of a block's centre of mass from its shaft's axis, m.
     pub eccentricity_m: f64,
-    /// Place of each shaft along the box from its centre, m.
+    /// Position of each shaft along the box, relative to its centre, m.
     pub places_m: Vec<f64>,
-    /// Stiffness of all springs together, along and across, N/m.
+    /// Total stiffness of all springs, along and across, N/m.
     pub stiffness_n_per_m: f64,
-    /// Damping of the box on its springs, as a part of what is critical.
+    /// Damping of the box on its springs, as a fraction of critical damping.
     pub zeta: f64,
     /// Distance of the springs from the centre, m.
     pub springs_m: f64,
     /// Gravity, m/s².
     pub gravity_mps2: f64,
-    /// Greatest torque of a motor at the resonance, N·m; none if the scene gives none.
+    /// Largest torque of a motor at the resonance, N·m. `None` if the scene gives none.
     pub motor_nm: Option<f64>,
 }
 
-/// Amplification of the throw from which on a speed is too close to the resonance to dwell at.
+/// Amplification of the throw above which a speed is too close to the resonance for continuous running.
 pub const AMPLIFICATION: f64 = 2.0;
 
 impl Screen {
-    /// All that vibrates, kg.
+    /// Total vibrating mass, kg.
     #[must_use]
     pub fn mass_kg(&self) -> f64 {
         self.box_kg + self.places_m.len() as f64 * self.block_kg
@@ -89,8 +91,9 @@ impl Screen {
         2.0 * self.zeta * self.mass_kg() * self.natural_rad_s()
     }
 
-    /// Speeds between which the box moves by more than [`AMPLIFICATION`] throws in steady state, rev/s. Without damping r² / |1 − r²| equals the
-    /// amplification a at r² = a / (a ± 1), with r the speed over the natural one; damping narrows that.
+    /// Speeds between which the box moves by more than [`AMPLIFICATION`] throws in steady state, rev/s. Without damping,
+    /// r² / |1 − r²| equals the amplification a at r² = a / (a ± 1), where r is the speed over the natural one. Damping
+    /// narrows that band.
     #[must_use]
     pub fn band_hz(&self) -> (f64, f64) {
         let natural_hz = self.natural_rad_s() / TAU;
@@ -98,18 +101,19 @@ impl Screen {
         (edge(1.0), edge(-1.0))
     }
 
-    /// Torque of each motor, N·m, that is enough to turn steadily at the resonance: what the springs' damping dissipates on average, and the most
-    /// that a block's weight takes. It is an upper bound, as the weight gives back over the turn what it takes.
+    /// Torque of each motor, N·m, that is sufficient for steady rotation at the resonance: the mean dissipation of the
+    /// springs' damping, plus the peak torque of a block's weight. It is an upper bound, because the weight does no net
+    /// work over a turn.
     #[must_use]
     pub fn resonance_nm(&self) -> f64 {
         let (omega, count) = (self.natural_rad_s(), self.places_m.len() as f64);
         let amplitude_m = self.throw_m() / (2.0 * self.zeta);
-        // Along and across: C ω A² / 2 each.
+        // Dissipated power along and across the box: C ω² A² / 2 each, or a torque of C ω A² / 2.
         let dissipated = self.damping_ns_per_m() * omega * amplitude_m * amplitude_m / count;
         dissipated + self.moment_kgm() * self.gravity_mps2
     }
 
-    /// Steady motion of the box: x and z as functions of time, m, for shafts that turn steadily. The real part is x, the imaginary z.
+    /// Steady motion of the box for shafts that turn steadily, m. The real part is x, the imaginary part z.
     fn steady_m(&self, turns: &[f64], omega_rad_s: f64) -> Complex<f64> {
         let square = omega_rad_s * omega_rad_s;
         let blocks: Complex<f64> = turns
@@ -183,7 +187,7 @@ impl Plant for Screen {
             -self.stiffness_n_per_m * q[n + 1] - damping * v[n + 1],
             -square * (self.stiffness_n_per_m * q[n + 2] + damping * v[n + 2]),
         );
-        // Each shaft pulls the box along the direction in which φ″ moves its block; a free shaft yields to it.
+        // Each shaft pulls the box along the direction in which φ″ moves its block. An unlocked shaft yields to it.
         let mut directions = [(Vector3::zeros(), 0.0); crate::dynamics::MOST];
         for (i, &place) in self.places_m.iter().enumerate() {
             let (sine, cosine) = q[i].sin_cos();
@@ -247,7 +251,8 @@ impl Plant for Screen {
     }
 
     fn fastest_mode(&self) -> Mode {
-        // Blocks take part of the box's inertia away where they yield: by less than half, as their mass is a part of it.
+        // Where blocks yield, they reduce the effective inertia of the box. The reduction is less than half, because their
+        // mass is a part of it.
         let pitch = self.stiffness_n_per_m * self.springs_m * self.springs_m / self.pitch_kgm2;
         let omega_rad_s = (2.0 * pitch.max(self.stiffness_n_per_m / self.box_kg)).sqrt();
         Mode {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::Screen;
 use crate::plant::{Figure, Record, Tick};
 
-/// Time for which shafts must lag at the resonance before that counts as capture, s.
+/// Time for which the shafts must lag at the resonance before it counts as capture, s.
 const CAPTURED_S: f64 = 0.5;
 
 /// Figures of a run.
@@ -14,9 +14,9 @@ pub struct ScreenRecord {
     band_hz: (f64, f64),
     resonance_nm: f64,
     motor_nm: Option<f64>,
-    /// Largest distance of the box from rest, m, and the mean speed of the shafts there, rev/s.
+    /// Largest distance of the box from rest, m, and mean speed of the shafts at that time, rev/s.
     worst: (f64, f64),
-    /// The same in the ticks at the commanded speed, above the band.
+    /// Largest distance in ticks at constant commanded speed above the band, m.
     working_m: f64,
     captured_ticks: u32,
     captured_hz: Option<(f64, f64)>,
@@ -66,7 +66,7 @@ impl Record for ScreenRecord {
         if tick.acceleration_rad_s2 == 0.0 && commanded_hz > self.band_hz.1 {
             self.working_m = self.working_m.max(away_m);
         }
-        // Capture: the drives are on, the command is beyond the band, and the shafts stay below its upper edge.
+        // Capture means that the drives are on, the commanded speed is above the band, and the shafts remain below its upper edge.
         let lags = tick.drives_enabled
             && commanded_hz > self.band_hz.1
             && (0.5 * self.band_hz.0..self.band_hz.1).contains(&actual_hz);

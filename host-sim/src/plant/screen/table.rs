@@ -1,4 +1,4 @@
-//! `[screen]`: a box on springs with unbalanced shafts.
+//! Scene table `[screen]`: a box on springs with unbalanced shafts.
 
 use std::sync::Arc;
 
@@ -13,25 +13,25 @@ use crate::scene::{Scene, SceneError, in_range};
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScreenTable {
-    /// Mass of the box with what lies on it, without the exciter blocks, kg.
+    /// Mass of the box with its contents, without the exciter blocks, kg.
     pub box_kg: f64,
-    /// Length of the box, mm: its springs are at the ends, and its mass is even.
+    /// Length of the box, mm. The springs are at its ends, and its mass is evenly distributed.
     pub length_mm: f64,
     /// Mass of the exciter block on each shaft, kg.
     pub block_kg: f64,
     /// Distance of a block's centre of mass from its shaft's axis, mm.
     pub eccentricity_mm: f64,
-    /// Place of each shaft along the box from its centre, mm; one an axis.
+    /// Position of each shaft along the box, relative to its centre, mm. One per axis.
     pub shafts_mm: Vec<f64>,
-    /// Stiffness of all springs together, along and across the deck, N/mm.
+    /// Total stiffness of all springs, along and across the deck, N/mm.
     pub stiffness_n_per_mm: f64,
-    /// Damping of the box on its springs, as a part of what is critical.
+    /// Damping of the box on its springs, as a fraction of critical damping.
     #[serde(default = "default_zeta")]
     pub zeta: f64,
     /// Gravity, m/s².
     #[serde(default = "standard_gravity")]
     pub gravity_mps2: f64,
-    /// Runs the scene even if its motors have less torque than is enough at the resonance.
+    /// Permits a scene whose motors have less than the sufficient torque at the resonance.
     #[serde(default)]
     pub allow_capture: bool,
 }
@@ -92,7 +92,8 @@ impl ScreenTable {
         Ok(screen)
     }
 
-    /// Refuses motors that lack torque at the resonance, which every scene crosses: its band must end below the greatest speed.
+    /// Refuses motors without sufficient torque at the resonance. Every scene crosses it, as the band must end below the
+    /// largest speed.
     fn check_torque(&self, screen: &Screen, scene: &Scene) -> Result<(), SceneError> {
         let enough_nm = screen.resonance_nm();
         match screen.motor_nm {
@@ -122,7 +123,7 @@ impl Table for ScreenTable {
         "screen"
     }
 
-    /// Adds the forbidden band of the scene's own resonance.
+    /// Adds the forbidden band of the screen's resonance.
     fn fill(&self, scene: &mut Scene) -> Result<(), SceneError> {
         let (from_hz, to_hz) = self.screen(scene)?.band_hz();
         let own = Band { from_hz, to_hz };

@@ -4,7 +4,7 @@ use cophase_methods::{Equations, Scheme, advance};
 use super::*;
 use crate::dynamics::{Driven, Freedom, Motor, OnPlant, Servo};
 
-/// The source's screen with so many shafts in place of one.
+/// Screen of the source, with several shafts in place of one.
 fn screen(places_m: &[f64]) -> Screen {
     Screen {
         box_kg: 2900.0,
@@ -20,8 +20,8 @@ fn screen(places_m: &[f64]) -> Screen {
     }
 }
 
-/// If this fails, the screen under the loop is another one than that whose run-up and capture are held to published figures. Those
-/// equations are written for one shaft, separately.
+/// If this fails, the simulated screen differs from the one whose run-up and capture are verified against published
+/// figures. Those equations are separate, for one shaft.
 #[test]
 fn one_shaft_moves_as_the_published_screen() {
     let screen = screen(&[0.0]);
@@ -61,7 +61,7 @@ fn one_shaft_moves_as_the_published_screen() {
     }
 }
 
-/// If this fails, shafts and box exchange energy that neither gives up. Without damping, motors and friction it stays.
+/// If this fails, shafts and box create or lose energy. Without damping, motors and friction the energy is constant.
 #[test]
 fn energy_stays() {
     for places in [&[0.3][..], &[-1.0, 1.2], &[-1.5, -0.5, 0.4, 1.6]] {
@@ -96,14 +96,14 @@ fn energy_stays() {
     }
 }
 
-/// If this fails, the kinematic level has the box elsewhere than the equations do once it turns steadily.
+/// If this fails, the kinematic level shows the box elsewhere than the equations of motion do in steady rotation.
 #[test]
 fn steady_motion_solves_the_equations() {
     let screen = screen(&[-1.0, 1.0]);
     for omega in [5.0, 20.0, 40.0, 88.0] {
         let turns = [0.13, 0.13];
         let at = screen.steady_m(&turns, omega);
-        // x + i z turns with the shafts: derivatives are factors i ω.
+        // The complex position x + i z rotates with the shafts, so each derivative is a factor of i ω.
         let rate = at * Complex::new(0.0, omega);
         let acceleration = -at * omega * omega;
         let angle = turns[0] * TAU;
@@ -123,7 +123,7 @@ fn steady_motion_solves_the_equations() {
     }
 }
 
-/// If this fails, the forbidden band leaves speeds free at which the box moves by more than twice its throw, or is far too wide.
+/// If this fails, the forbidden band permits speeds at which the box moves by more than twice its throw, or is far too wide.
 #[test]
 fn the_band_holds_what_is_amplified() {
     let mut screen = screen(&[0.0]);
