@@ -146,17 +146,16 @@ impl Homing {
             return None;
         };
         self.proven += 1;
-        // The opposite tilt proves as much. It may have more room where the error of a reading alone could exceed a limit.
-        let tolerances = (0..MAX_AXES).map(|axis| monitor.tolerance(axis));
-        let spare = tolerances.max().unwrap_or_default();
-        let choice = [(false, spare), (true, Turns::ZERO), (false, Turns::ZERO)]
-            .into_iter()
-            .find(|&(over, spare)| has_room(&self.tilted(&pattern, over), spare, monitor, offsets));
-        let Some((over, _)) = choice else {
+        // The opposite tilt proves as much, and the trims may have room for that alone.
+        let mut trims = self.tilted(&pattern, false);
+        if !has_room(&trims, monitor, offsets) {
+            trims = self.tilted(&pattern, true);
+        }
+        if !has_room(&trims, monitor, offsets) {
             let fault = Fault::new(FaultKind::HomingRangeExceeded);
             return Some(fault.on_axis(monitor.furthest(&errors(monitor, offsets))));
-        };
-        self.move_to(self.tilted(&pattern, over), monitor, offsets)
+        }
+        self.move_to(trims, monitor, offsets)
     }
 
     /// Returns the trims without a tilt plus `pattern`, or minus it if `over`.
@@ -219,20 +218,12 @@ impl Homing {
     }
 }
 
-/// True if the trims are within their limits and keep the platform within its own, even if each reading errs by `spare`.
-#[inline(never)]
-fn has_room(
-    trims: &PerAxis<Turns>,
-    spare: Turns,
-    monitor: &DriftMonitor,
-    offsets: &PhaseOffsets,
-) -> bool {
+/// True if the trims are within their limits and keep the platform within its own.
+fn has_room(trims: &PerAxis<Turns>, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> bool {
     let mut after = errors(monitor, offsets);
     let moves = trims.iter().zip(offsets.now());
     for (after, (to, &from)) in after.iter_mut().zip(moves) {
-        let by = to.wrapping_sub(from);
-        let further = if by < 0 { spare.wrapping_neg() } else { spare };
-        *after = nearest(after.wrapping_add(by).wrapping_add(further));
+        *after = nearest(after.wrapping_add(to.wrapping_sub(from)));
     }
     offsets.beyond_limit(trims).is_none() && monitor.allows(&after)
 }
