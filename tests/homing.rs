@@ -194,8 +194,8 @@ fn swapped_wiring_is_refused_for_every_pair_and_right_wiring_is_not() {
     }
 }
 
-/// If this fails, the noise of encoders ends homing of a machine whose cranks are within their limits: the proof of the wiring moves these
-/// to 87 % of their limit.
+/// If this fails, the noise of encoders ends homing of a machine whose cranks are within their limits. The proof of the wiring moves
+/// them near a limit here.
 #[test]
 fn noise_of_encoders_near_a_limit_does_not_end_homing() {
     for seed in 0..10 {

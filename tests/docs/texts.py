@@ -1,4 +1,5 @@
 """Sentences of all pages, the rows that the code requires of troubleshooting.md, and the table of causes in campaign.md."""
+import collections
 import csv
 import math
 import re
@@ -116,14 +117,14 @@ def check_led(text):
 def cause_rows(counted):
     """Rows of the table of causes: names by one sensor with at least 50 runs, of which less than 98 % had one cause."""
     runs = {}
-    for name, sensor, cause, count, _ in list(csv.reader(counted.splitlines()))[1:]:
-        runs.setdefault((name, sensor), []).append((cause, int(count)))
+    for name, sensor, _, cause, count, _ in list(csv.reader(counted.splitlines()))[1:]:
+        causes = runs.setdefault((name, sensor), collections.Counter())
+        causes[cause] += int(count)
     for (name, sensor), causes in runs.items():
-        total = sum(count for _, count in causes)
-        shares = [(cause, math.floor(100 * count / total + 0.5)) for cause, count in causes]
-        if total >= 50 and max(share for _, share in shares) < 98:
+        if causes.total() >= 50 and max(causes.values()) < 0.98 * causes.total():
+            shares = [(cause, math.floor(100 * count / causes.total() + 0.5)) for cause, count in causes.most_common()]
             listed = ', '.join(f'`{cause}` {share}' for cause, share in shares if share)
-            yield f'| `{name}` | {sensor} | {total:,} | {listed} |'
+            yield f'| `{name}` | {sensor} | {causes.total():,} | {listed} |'
 
 
 def check_causes(text):

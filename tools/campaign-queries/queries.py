@@ -106,8 +106,10 @@ def table(found):
 
 def write(file, found):
     """Writes rows as a CSV file."""
+    if not found:
+        raise Refused(f'{file}: not written, as the query has no rows; give campaigns with such cases')
     with open(file, 'w', encoding='utf-8', newline='') as out:
-        writer = csv.DictWriter(out, list(found[0]) if found else [], lineterminator='\n')
+        writer = csv.DictWriter(out, list(found[0]), lineterminator='\n')
         writer.writeheader()
         writer.writerows(found)
 
@@ -131,10 +133,14 @@ def main():
         return 2
     for query in chosen:
         found = rows(connection, query)
-        if arguments.csv:
-            write(arguments.csv, found)
-        else:
+        if not arguments.csv:
             print(f'\n{query.stem}\n{table(found)}')
+            continue
+        try:
+            write(arguments.csv, found)
+        except (Refused, OSError) as error:
+            print(f'campaign-queries: {error}', file=sys.stderr)
+            return 2
     return 0
 
 

@@ -1,84 +1,154 @@
-//! How often each cause was behind a name, in the campaigns of `docs/campaign.md`.
+//! Probabilities of the causes of a fault's name, from the campaigns of `docs/campaign.md`.
 //!
-//! A campaign knows the true cause of each fault, and draws all kinds about equally often. So these shares are the probabilities of the
-//! causes of a name, if nothing is known about a machine beforehand.
+//! A campaign knows the true cause of each fault. So it counts how often a cause gets a name: the likelihood of the cause. If all causes are
+//! equally frequent, the likelihoods are proportional to the probabilities of the causes (Bayes' theorem).
 
-use cophase_core::supervisor::FaultKind;
+use cophase_core::settings::AxisSettings;
+use cophase_core::supervisor::Fault;
 
-/// Rows of sensor, name, cause, and number of faulty runs. [The manual](../../../docs/campaign.md#what-a-name-means) has the command that
-/// writes it.
+/// Numbers of faulty runs. [The manual](../../../docs/campaign.md#what-a-name-means) has the command that writes them.
 const COUNTED: &str = include_str!("../../../docs/causes.csv");
 
-/// Runs of a name below which a percentage says nothing.
+/// Runs with a name below which their causes are not compared.
 const LEAST_RUNS: u32 = 50;
 
-/// Numbers of faulty runs by cause, of faults with this name as an encoder or an index alone names them. The most frequent come first.
-fn counted(name: FaultKind, has_encoder: bool) -> impl Iterator<Item = (&'static str, u32)> {
-    let sensor = if has_encoder { "encoder" } else { "index" };
-    COUNTED.lines().filter_map(move |line| {
+/// Row of [`COUNTED`].
+struct Counted {
+    name: &'static str,
+    /// `encoder` if the axis has one beside its index, else `index`.
+    sensor: &'static str,
+    /// `ahead` or `behind`: the sense in which the cause moves the crank. Empty if it moves none.
+    sense: &'static str,
+    cause: &'static str,
+    runs: u32,
+}
+
+fn counted() -> impl Iterator<Item = Counted> {
+    COUNTED.lines().skip(1).filter_map(|line| {
         let mut cells = line.split(',');
-        let is_it = cells.next() == Some(name.name()) && cells.next() == Some(sensor);
-        let (cause, runs) = (cells.next()?, cells.next()?.parse().ok()?);
-        is_it.then_some((cause, runs))
+        Some(Counted {
+            name: cells.next()?,
+            sensor: cells.next()?,
+            sense: cells.next()?,
+            cause: cells.next()?,
+            runs: cells.next()?.parse().ok()?,
+        })
     })
 }
 
-/// Share of each cause of a name, 0 to 1, among the causes that the sensors cannot distinguish: the name itself, and `others`. Empty for
-/// a name that campaigns hardly had.
-fn shares(name: FaultKind, has_encoder: bool, others: &[&str]) -> Vec<(&'static str, f64)> {
-    let is_alike = |cause: &str| cause == name.name() || others.contains(&cause);
-    let alike: Vec<_> = counted(name, has_encoder)
-        .filter(|(cause, _)| is_alike(cause))
-        .collect();
-    let all: u32 = alike.iter().map(|(_, runs)| runs).sum();
+/// Probability of each cause, 0 to 1, if the name of the fault and `others` are the only causes and equally frequent. The most probable
+/// comes first. Empty for a name that campaigns hardly had.
+fn probabilities(
+    fault: &Fault,
+    has_encoder: bool,
+    others: &[&'static str],
+) -> Vec<(&'static str, f64)> {
+    let sensor = if has_encoder { "encoder" } else { "index" };
+    let name = fault.kind.name();
+    let is_seen = |row: &Counted| match row.sense {
+        "ahead" => fault.size >= 0,
+        "behind" => fault.size <= 0,
+        _ => true,
+    };
+    let (mut all, mut likelihoods) = (0, Vec::new());
+    for cause in [name].iter().chain(others) {
+        let of_cause = || counted().filter(|row| row.sensor == sensor && row.cause == *cause);
+        let named = of_cause().filter(|row| row.name == name && is_seen(row));
+        let named: u32 = named.map(|row| row.runs).sum();
+        let drawn: u32 = of_cause().map(|row| row.runs).sum();
+        if named > 0 {
+            all += named;
+            likelihoods.push((*cause, f64::from(named) / f64::from(drawn)));
+        }
+    }
     if all < LEAST_RUNS {
         return Vec::new();
     }
-    let share = |(cause, runs)| (cause, f64::from(runs) / f64::from(all));
-    alike.into_iter().map(share).collect()
+    let sum: f64 = likelihoods.iter().map(|(_, likelihood)| likelihood).sum();
+    likelihoods.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    let normalise = |(cause, likelihood)| (cause, likelihood / sum);
+    likelihoods.into_iter().map(normalise).collect()
 }
 
-/// A sentence about the shares of the causes, with those of at least one in 100.
-pub(super) fn causes_in_words(name: FaultKind, has_encoder: bool, others: &[&str]) -> String {
-    let shares: Vec<_> = shares(name, has_encoder, others)
-        .into_iter()
-        .map(|(cause, share)| (cause, (100.0 * share).round()))
-        .filter(|&(_, percent)| percent >= 1.0)
-        .map(|(cause, percent)| format!("{percent} {cause}"))
-        .collect();
-    if shares.is_empty() {
+/// A sentence about the probabilities of a fault's causes, with those of at least 1 %. Nothing if fewer than two remain, or if no campaign
+/// draws axes with such sensors.
+pub(super) fn causes_in_words(
+    fault: &Fault,
+    axis: &AxisSettings,
+    others: &[&'static str],
+) -> String {
+    if axis.index_turns.is_none() {
         return String::new();
     }
-    let causes = shares.join(", ");
-    format!(" Causes of 100 such faults in the campaign: {causes}.")
+    let causes: Vec<_> = probabilities(fault, axis.encoder, others)
+        .into_iter()
+        .map(|(cause, probability)| (cause, (100.0 * probability).round()))
+        .filter(|&(_, percent)| percent >= 1.0)
+        .map(|(cause, percent)| format!("{cause} {percent} %"))
+        .collect();
+    if causes.len() < 2 {
+        return String::new();
+    }
+    let causes = causes.join(", ");
+    format!(" If all of them are equally frequent, their probabilities are: {causes}.")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cophase_core::supervisor::FaultKind;
+    use cophase_core::units::Turns;
 
-    /// If shares were of the other sensor, or did not add up, a user would be given a wrong probability.
-    #[test]
-    fn shares_are_of_the_sensor_and_add_up() {
-        let others = ["stuck", "slip"];
-        let [index, encoder] = [false, true].map(|has| shares(FaultKind::LostSteps, has, &others));
-        for shares in [&index, &encoder] {
-            assert_eq!(shares[0].0, "lost-steps", "{shares:?}");
-            let sum: f64 = shares.iter().map(|(_, share)| share).sum();
-            assert!((sum - 1.0).abs() < 1e-12, "{shares:?}");
-        }
-        // An index alone does not show whether a crank was held, or lost steps.
-        assert!(index[0].1 < 0.9, "{index:?}");
-        assert!(encoder[0].1 > index[0].1, "{encoder:?}");
+    fn fault(kind: FaultKind, size: f64) -> Fault {
+        Fault::new(kind).with_size(Turns::from_num(size))
     }
 
+    /// If this fails, a user is sent to the coupling where the drive is as likely, or the other way round.
     #[test]
-    fn a_name_without_enough_runs_has_no_share() {
-        assert!(shares(FaultKind::Warp, true, &["slip"]).is_empty());
-        let words = causes_in_words(FaultKind::IndexTimeout, false, &["stuck", "index-missing"]);
+    fn a_crank_that_is_ahead_was_not_held_and_one_behind_does_not_run_away() {
+        let ahead = fault(FaultKind::Slip, 0.05);
+        let behind = fault(FaultKind::Slip, -0.05);
+        let others = ["runaway", "stuck"];
+        let causes = |fault| probabilities(fault, false, &others);
+        let names = |fault| {
+            causes(fault)
+                .iter()
+                .map(|(cause, _)| *cause)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(names(&ahead).len(), 2, "{:?}", causes(&ahead));
+        assert!(names(&ahead).contains(&"runaway"), "{:?}", causes(&ahead));
+        assert_eq!(names(&behind), ["slip", "stuck"], "{:?}", causes(&behind));
+        assert!(causes(&ahead)[1].1 > 0.2 && causes(&behind)[1].1 < 0.1);
+    }
+
+    /// If probabilities were of the other sensor, or did not add up, they would mislead.
+    #[test]
+    fn probabilities_are_of_the_sensor_and_add_up() {
+        let lost = fault(FaultKind::LostSteps, -0.02);
+        let [index, encoder] =
+            [false, true].map(|has| probabilities(&lost, has, &["stuck", "slip"]));
+        for causes in [&index, &encoder] {
+            assert_eq!(causes[0].0, "lost-steps", "{causes:?}");
+            let sum: f64 = causes.iter().map(|(_, probability)| probability).sum();
+            assert!((sum - 1.0).abs() < 1e-12, "{causes:?}");
+        }
+        // An index alone does not show whether a crank was held, or lost steps.
         assert!(
-            words.contains(" index-missing") && words.contains(" stuck"),
-            "{words}"
+            encoder[0].1 > index[0].1 && index[0].1 < 0.9,
+            "{index:?} {encoder:?}"
         );
+    }
+
+    /// If a few runs counted, chance would be given as a probability.
+    #[test]
+    fn a_name_with_few_runs_has_no_probabilities() {
+        let tilt = fault(FaultKind::Tilt, 0.0);
+        let runs: u32 = counted()
+            .filter(|row| row.name == "tilt")
+            .map(|row| row.runs)
+            .sum();
+        assert!((1..LEAST_RUNS).contains(&runs), "{runs}");
+        assert!(probabilities(&tilt, true, &["runaway", "swapped-wiring"]).is_empty());
     }
 }

@@ -178,7 +178,7 @@ fn alike(checked: &Checked, fault: &Fault) -> String {
         return String::new();
     };
     let others: Vec<_> = alternatives(fault, settings).map(FaultKind::name).collect();
-    let causes = causes_in_words(fault.kind, settings.encoder, &others);
+    let causes = causes_in_words(fault, settings, &others);
     match &others[..] {
         [] => String::new(),
         [other] => format!(" To the sensors of axis {axis}, {other} looks the same.{causes}"),

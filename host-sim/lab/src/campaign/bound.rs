@@ -15,13 +15,13 @@
 //! | swapped wiring | the travel by which homing moves a crank to prove the wiring: at most the error that one crank may have |
 //! | all others | 0: no crank moves |
 //!
-//! Where torque moves the cranks, some faults take other cranks out of step as well: a crank that is stuck, runs away or is loaded, and
-//! drives that are cut. The platform transmits the load to the other motors, and these lose their steps, too. Then the bound is the
-//! greatest tilt for any positions of the cranks ([`Geometry::any_tilt_mrad`]).
+//! Some faults take other cranks out of step as well, on model levels where torque moves the cranks: a crank that is stuck, runs away or
+//! is loaded, and drives that are cut. The platform transmits the load to the other motors, and these lose their steps, too. Then the
+//! bound is the greatest tilt for any positions of the cranks ([`Geometry::any_tilt_mrad`]).
 //!
-//! Where torque moves the cranks, their loads move them apart, too. This module does not compute by how much, and uses the largest possible
-//! value. A stepper's rotor is at most a quarter of an electrical cycle from its commanded position, or it loses the cycle. So e is larger
-//! by two of these quarters, one ahead and one behind.
+//! On these levels the loads move the cranks apart, too. This module does not compute by how much, and uses the largest possible
+//! value. A stepper's rotor is at most a quarter of an electrical cycle from its commanded position, or it loses the cycle. So e is
+//! larger by two of these quarters, one ahead and one behind.
 
 use host_sim::scene::file::{Drive, FaultAt, FaultName, Limits, Scene};
 
