@@ -45,7 +45,7 @@ fn probabilities(
 ) -> Vec<(&'static str, f64)> {
     let sensor = if has_encoder { "encoder" } else { "index" };
     let name = fault.kind.name();
-    let is_seen = |row: &Counted| match row.sense {
+    let fits_sense = |row: &Counted| match row.sense {
         "ahead" => fault.size >= 0,
         "behind" => fault.size <= 0,
         _ => true,
@@ -53,7 +53,7 @@ fn probabilities(
     let (mut all, mut likelihoods) = (0, Vec::new());
     for cause in [name].iter().chain(others) {
         let of_cause = || counted().filter(|row| row.sensor == sensor && row.cause == *cause);
-        let named = of_cause().filter(|row| row.name == name && is_seen(row));
+        let named = of_cause().filter(|row| row.name == name && fits_sense(row));
         let named: u32 = named.map(|row| row.runs).sum();
         let drawn: u32 = of_cause().map(|row| row.runs).sum();
         if named > 0 {
