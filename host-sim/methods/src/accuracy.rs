@@ -1,36 +1,36 @@
-//! How wrong a method is about an oscillation, for each radian that it turns; and the step that keeps that small.
+//! Error that a method makes in one radian of an oscillation, and the longest step that keeps it small.
 //!
-//! As in [`crate::stability`], the matrix is measured on the code. One of its eigenvalues μ stands for what the
-//! oscillation does in a step: the truth is exp(z hω) with z = −ζ + i √(1 − ζ²), so that |ln μ / hω − z| is what phase and
-//! size are off by, relative to the radian. For RK4 without damping it is (hω)⁴/120.
+//! The matrix of a step is measured on the code, as in [`crate::stability`]. One of its eigenvalues μ describes the
+//! oscillation in a step. Its exact value is exp(z hω) with z = −ζ + i √(1 − ζ²). So |ln μ / hω − z| is the error of phase and
+//! logarithm of the amplitude per radian. For RK4 without damping it is (hω)⁴/120.
 
 use nalgebra::Complex;
 
 use crate::Scheme;
 
-/// Longest step looked at: beyond a radian a method's error no longer falls as its order says.
+/// Longest step that is examined: for steps over a radian, the error of a method no longer follows its order.
 pub const LONGEST_H_OMEGA: f64 = 1.0;
-/// Shortest step looked at: below it rounding decides.
+/// Shortest step that is examined: for shorter ones, rounding errors dominate.
 pub const SHORTEST_H_OMEGA: f64 = 1e-3;
-/// Relative error of what is found.
+/// Relative error of the step that is found.
 const TOLERANCE: f64 = 1e-3;
 
 impl Scheme {
-    /// By how much the method is off an oscillation with damping ratio `zeta` (0 to below 1) a radian, in steps of
-    /// hω = `h_omega` up to 1; of phase and of logarithm of size, together. Infinite if it overflows.
+    /// Returns the error of the method in one radian of an oscillation with damping ratio `zeta` (0 to below 1), for steps of
+    /// hω = `h_omega` up to 1: that of phase and logarithm of the amplitude together. Infinite if it overflows.
     pub fn error_a_radian(self, h_omega: f64, zeta: f64) -> f64 {
         let matrix = self.amplification(h_omega, zeta);
         let (half_trace, determinant) = (0.5 * matrix.trace(), matrix.determinant());
         let root = Complex::from(half_trace * half_trace - determinant).sqrt();
         let truth = Complex::new(-zeta, (1.0 - zeta * zeta).sqrt());
-        // The eigenvalue that turns forward.
+        // The eigenvalue with positive frequency.
         let forward = half_trace + if root.im < 0.0 { -root } else { root };
         let error = (forward.ln() / h_omega - truth).norm();
         if error.is_nan() { f64::INFINITY } else { error }
     }
 
-    /// The longest step, as hω, at which the method is off an oscillation by no more than `error` a radian: from
-    /// [`SHORTEST_H_OMEGA`], even if it is off by more there, to [`LONGEST_H_OMEGA`].
+    /// Returns the longest step, as hω, at which the method's error is at most `error` per radian. It is at least
+    /// [`SHORTEST_H_OMEGA`], even if the error is larger there, and at most [`LONGEST_H_OMEGA`].
     pub fn step_for(self, zeta: f64, error: f64) -> f64 {
         let (mut low, mut high) = (SHORTEST_H_OMEGA, LONGEST_H_OMEGA);
         if self.error_a_radian(high, zeta) <= error {
@@ -52,7 +52,7 @@ impl Scheme {
 mod tests {
     use super::*;
 
-    /// Leading terms of the undamped oscillation's error, by theory: explicit Euler's size grows by hω/2 a radian,
+    /// Leading terms of the undamped oscillation's error, by theory: explicit Euler's amplitude grows by hω/2 per radian,
     /// symplectic Euler's and Verlet's phase leads by (hω)²/24, the midpoint's lags by (hω)²/12, and RK4's by (hω)⁴/120.
     #[test]
     fn errors_are_those_of_theory() {

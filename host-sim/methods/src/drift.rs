@@ -1,12 +1,12 @@
-//! What a quantity that ripples has wandered from the beginning of a run to its end: energy that a method is to keep.
+//! Drift of a rippling quantity over a run, such as the energy that a method should conserve.
 //!
-//! The energy that a method keeps is not quite the true one: it ripples around it within each period. So it is averaged over
-//! a window at either end, under Hann's bell, whose spectrum falls as the cube of the frequency: of a ripple that comes 200 times in
-//! the window less than 1e-6 gets through.
+//! A method conserves an energy that differs a little from the true one, so the true energy ripples within each period. Both ends of
+//! the run are therefore averaged over a Hann window. Its spectrum falls as the cube of the frequency: with 200 ripples in the
+//! window, less than 1e-6 of the ripple remains.
 
 use core::f64::consts::TAU;
 
-/// Means at both ends of a run, gathered value by value.
+/// Means at both ends of a run, accumulated value by value.
 #[derive(Clone, Debug)]
 pub struct Ends {
     values: u32,
@@ -16,7 +16,7 @@ pub struct Ends {
 }
 
 impl Ends {
-    /// Of a run of so many values, of which the first and the last `window` count.
+    /// Creates the means of a run with `values` values, over its first and its last `window` values.
     pub fn new(values: u32, window: u32) -> Self {
         Self {
             values,
@@ -26,7 +26,7 @@ impl Ends {
         }
     }
 
-    /// Takes in value `i`, counted from 0.
+    /// Adds value `i`, counted from 0.
     pub fn add(&mut self, i: u32, value: f64) {
         let from_end = self.values - self.window;
         if i < self.window {
@@ -36,13 +36,13 @@ impl Ends {
         }
     }
 
-    /// The means at the beginning and at the end; NaN where nothing was taken in.
+    /// Means at the beginning and at the end; NaN where no value was added.
     pub fn means(&self) -> (f64, f64) {
         (self.first.value(), self.last.value())
     }
 }
 
-/// A mean under Hann's bell.
+/// Mean with the weights of a Hann window.
 #[derive(Clone, Debug, Default)]
 struct Mean {
     sum: f64,
@@ -65,7 +65,7 @@ impl Mean {
 mod tests {
     use super::*;
 
-    /// Were it wrong, ripple would be taken for drift, or drift be lost.
+    /// If this fails, ripple counts as drift, or drift is not measured.
     #[test]
     fn ripple_is_left_out_and_drift_is_not() {
         let (values, window) = (100_000, 10_000);

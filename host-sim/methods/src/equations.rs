@@ -1,6 +1,6 @@
-//! What a method is given: a machine as first-order equations y′ = f(t, y).
+//! Input of a method: a machine as first-order equations y′ = f(t, y).
 //!
-//! Words:
+//! Terms:
 //! - **rates**: f(t, y), the derivative of every component of the state;
 //! - **second-order**: y = (q, v), positions then their velocities, and the rates of q *are* v. Symplectic methods
 //!   need this;
@@ -8,7 +8,7 @@
 //! - **Jacobian**: ∂f/∂y. Implicit methods use it to iterate, never for the answer itself: a rough one costs
 //!   iterations and not accuracy.
 //!
-//! A machine that has more than its rates to offer says so by overriding a default; nothing else changes.
+//! A machine that provides more than its rates overrides the default of a function.
 
 use nalgebra::DMatrix;
 
@@ -19,16 +19,16 @@ pub trait Equations {
 
     /// Writes f(t, y) into `rates`. Both slices have [`Equations::dimension`] components.
     ///
-    /// The same arguments must give the same rates: methods evaluate where they like, and as often.
+    /// The same arguments must give the same rates, as methods evaluate at any time and any number of times.
     fn rates(&self, t_s: f64, y: &[f64], rates: &mut [f64]);
 
-    /// Whether the state is (q, v), each half of it, with q′ = v. False unless overridden.
+    /// Returns true if the halves of the state are q and v, with q′ = v. The default is false.
     fn is_second_order(&self) -> bool {
         false
     }
 
-    /// Writes ∂f/∂y into `jacobian`, a square matrix of [`Equations::dimension`]. By forward differences unless
-    /// overridden ([`Differences::take`]).
+    /// Writes ∂f/∂y into `jacobian`, a square matrix of [`Equations::dimension`]. The default uses forward differences
+    /// ([`Differences::take`]).
     fn jacobian(
         &self,
         t_s: f64,
@@ -39,7 +39,7 @@ pub trait Equations {
         differences.take(self, t_s, y, jacobian);
     }
 
-    /// The same system as y′ = A y + b(t), if it is one. `None` unless overridden.
+    /// Returns the same system as y′ = A y + b(t), if it is linear. The default is `None`.
     fn linear(&self) -> Option<&dyn Linear> {
         None
     }
@@ -47,14 +47,14 @@ pub trait Equations {
 
 /// A linear system y′ = A y + b(t) with constant A.
 pub trait Linear {
-    /// A.
+    /// Matrix A.
     fn matrix(&self) -> DMatrix<f64>;
 
     /// Writes b(t) into `input`.
     fn input(&self, t_s: f64, input: &mut [f64]);
 }
 
-/// Forward differences, with the memory they need.
+/// Forward differences, with their working memory.
 #[derive(Clone, Debug)]
 pub struct Differences {
     moved: Vec<f64>,
@@ -63,7 +63,7 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// Differences for systems of `dimension` components.
+    /// Creates the memory for systems of `dimension` components.
     pub fn new(dimension: usize) -> Self {
         Self {
             moved: vec![0.0; dimension],
@@ -74,9 +74,9 @@ impl Differences {
 
     /// Writes the difference quotients of `equations` at (t, y) into `jacobian`, one column for each component.
     ///
-    /// A component is moved by √ε = 1.5e-8 of the larger of its size and 1e-3, away from 0, which balances
-    /// rounding against curvature for rates that change by their own size over the component's own size: relative
-    /// error some 1e-8.
+    /// A component is changed by √ε = 1.5e-8 of the larger of its size and 1e-3, away from 0. That balances rounding
+    /// against curvature, for rates that change by their own size when the component does. The relative error is then
+    /// about 1e-8.
     pub fn take(
         &mut self,
         equations: &(impl Equations + ?Sized),

@@ -1,42 +1,42 @@
-//! What can go wrong: before the first step, and in one.
+//! Errors of a method: before the first step, and in a step.
 
 use crate::Needs;
 
-/// Why a method cannot be made for a machine and a step.
+/// Reason why a method cannot be prepared for a machine and a step.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Refused {
-    /// The step is no length of time.
+    /// The step is not finite and above 0.
     #[error("step {0} s: must be a finite time above 0")]
     Step(f64),
-    /// The machine lacks the structure that the method rests on.
+    /// The machine lacks the structure that the method requires.
     #[error("{method} needs {needs}, which these equations do not offer: {instead}")]
     Structure {
-        /// The method's name.
+        /// Name of the method.
         method: &'static str,
-        /// What it needs.
+        /// Structure that it requires.
         needs: Needs,
-        /// What would be right.
+        /// Suggested method.
         instead: &'static str,
     },
     /// The exponential of the system's matrix over one step has no finite value.
     #[error("step {step_s} s: the system grows beyond f64 within it; take a shorter step")]
     Exponential {
-        /// The requested step.
+        /// Requested step.
         step_s: f64,
     },
 }
 
-/// Why a step was not made. The state is as it was before.
+/// Reason why a step was not made. The state is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
-    /// A component of the new state, or of what it comes from, is infinite or not a number.
+    /// A component of the new state, or of an intermediate value, is infinite or not a number.
     #[error(
         "component {component} is not finite in the step from t = {t_s} s: the step is too long for this method, or the equations have no value there"
     )]
     NotFinite {
         /// Start of the step.
         t_s: f64,
-        /// The first such component.
+        /// First such component.
         component: usize,
     },
     /// The implicit equation of a stage was not solved within the iteration limit.
@@ -46,9 +46,9 @@ pub enum StepError {
     NotConverged {
         /// Start of the step.
         t_s: f64,
-        /// Iterations made.
+        /// Number of iterations made.
         iterations: u32,
-        /// The last correction, as a multiple of the tolerance.
+        /// Last correction, as a multiple of the tolerance.
         excess: f64,
     },
     /// The matrix of the implicit equation cannot be inverted.
@@ -62,7 +62,7 @@ pub enum StepError {
 }
 
 impl StepError {
-    /// The same, of steps whose time began `by_s` after 0.
+    /// Returns the same error with its time later by `by_s`, for steps whose time did not begin at 0.
     #[must_use]
     pub fn later(mut self, by_s: f64) -> Self {
         let (Self::NotFinite { t_s, .. } | Self::NotConverged { t_s, .. } | Self::Singular { t_s }) =

@@ -1,22 +1,22 @@
 //! Events: a step that ends where something happens, such as a contact closing.
 //!
 //! A method's order holds where the rates are smooth. Where they jump, a step should end. [`step_to_crossing`] makes one step
-//! and, if a quantity falls below 0 in it, ends it there instead: it repeats the step, shorter, from the same start, until
-//! the moment is found by bisection. So the state at the event is the method's own, not an interpolation between steps.
+//! and, if a quantity falls below 0 in it, ends it there instead. It finds the moment by bisection, with shorter steps from the
+//! same start. So the state at the event is the method's own, not an interpolation between steps.
 //!
-//! It makes methods as it searches, which allocates; events are rare. A quantity that falls below 0 and rises again
-//! within one step is not seen.
+//! The search prepares methods, which allocates memory; events are rare. A quantity that falls below 0 and rises again
+//! within one step is not detected.
 
 use crate::stability::NotMeasured;
 use crate::{Equations, Scheme};
 
-/// Halvings of the step: down to 2⁻⁵² of it, the resolution of `f64`.
+/// Number of halvings of the step: down to 2⁻⁵² of it, the resolution of `f64`.
 const HALVINGS: u32 = 52;
 
-/// Makes one step of `step_s`, or a shorter one to where `quantity(y)`, not negative at its start, falls below 0.
+/// Makes one step of `step_s`, or a shorter one up to the moment at which `quantity(y)` falls below 0. It is not negative at the start.
 ///
-/// Gives the length of the step made if it was cut short: the last moment found at which the quantity is not yet negative,
-/// which is within 2⁻⁵² of the step of the first at which it is. `None` if the whole step was made.
+/// Returns the length of the step if it was shortened, `None` if the whole step was made. It ends at the last moment at which the
+/// quantity is not negative, to within 2⁻⁵² of the step.
 pub fn step_to_crossing(
     scheme: Scheme,
     equations: &dyn Equations,

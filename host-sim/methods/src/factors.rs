@@ -1,11 +1,11 @@
-//! Factors of a square matrix, P M = L U, made and used again and again without allocating.
+//! Factors of a square matrix, P M = L U, computed and used repeatedly without allocation.
 //!
-//! nalgebra's own `LU` allocates its permutation each time it is made. The steps below are its arithmetic in place:
+//! nalgebra's own `LU` allocates its permutation for each matrix. The steps below are its arithmetic in place:
 //! Gaussian elimination with partial pivoting, right-looking.
 
 use nalgebra::{DMatrix, DVector};
 
-/// L below the diagonal (its own diagonal being 1), U on it and above, and the row taken for each pivot.
+/// L below the diagonal (its own diagonal is 1), U on and above the diagonal, and the row of each pivot.
 #[derive(Clone, Debug)]
 pub(crate) struct Factors {
     matrix: DMatrix<f64>,
@@ -13,7 +13,7 @@ pub(crate) struct Factors {
 }
 
 impl Factors {
-    /// Room for a matrix of `dimension`. Nothing is factored yet.
+    /// Allocates memory for a matrix of `dimension`. It has no factors yet.
     pub fn new(dimension: usize) -> Self {
         Self {
             matrix: DMatrix::identity(dimension, dimension),
@@ -21,7 +21,7 @@ impl Factors {
         }
     }
 
-    /// Factors the matrix that `fill` writes. False if it is singular, or has an entry that is not finite.
+    /// Factors the matrix that `fill` writes. Returns false if it is singular, or has an entry that is not finite.
     pub fn factor(&mut self, fill: impl FnOnce(&mut DMatrix<f64>)) -> bool {
         fill(&mut self.matrix);
         let n = self.pivots.len();
@@ -66,8 +66,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Were a swap or an elimination wrong, the product with the matrix would not give the right-hand side
-        /// back. The bound is that of backward stability: n² ε times the size of what was multiplied, with 10 for growth.
+        /// If this fails, a swap or an elimination is wrong: the matrix times the solution is not the right-hand side. The
+        /// bound is that of backward stability: n² ε times the size of the factors, with 10 for growth.
         #[test]
         fn solves(
             entries in prop::collection::vec(-1.0..1.0_f64, 49),
@@ -84,8 +84,8 @@ mod tests {
         }
     }
 
-    /// Were a zero pivot not noticed, the solution would be infinite; were rows not swapped, a matrix with a zero in its
-    /// first place would be taken for singular.
+    /// If this fails, a zero pivot gives an infinite solution, or a regular matrix with a zero in its first entry counts as
+    /// singular.
     #[test]
     fn distinguishes_singular_from_regular() {
         let mut factors = Factors::new(2);

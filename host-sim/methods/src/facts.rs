@@ -1,29 +1,29 @@
-//! What is known of a method, and what it needs.
+//! Properties of a method, and its requirements.
 
 use core::fmt;
 
 use crate::Equations;
 
-/// What is known of a method.
+/// Properties of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facts {
-    /// Name, as in a sentence.
+    /// Name, as within a sentence.
     pub name: &'static str,
-    /// Order p: over a fixed time, on smooth equations, the error goes as h^p. Where rates jump (a contact, a kink in a
-    /// law) it falls to 1 for whatever method, unless a step ends at the jump.
+    /// Order p: on smooth equations, the error after a fixed time is proportional to h^p. Where rates jump (a contact, a kink in
+    /// a law), the order of every method falls to 1, unless a step ends at the jump.
     pub order: u32,
-    /// What the equations must offer.
+    /// Structure that the equations must have.
     pub needs: Needs,
-    /// Whether it keeps the energy of an undamped machine for ever, up to a ripple, without gaining or losing.
+    /// True if the energy of an undamped machine ripples, but neither grows nor falls in the long run.
     pub keeps_energy: bool,
-    /// Evaluations of the rates a step; for an implicit method, as many as its iterations need on a linear machine.
+    /// Number of evaluations of the rates per step; for an implicit method, that of its iterations on a linear machine.
     pub evaluations: u32,
 }
 
-/// What a method needs of the equations.
+/// Structure that a method requires of the equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// Nothing but rates.
+    /// Rates only.
     Rates,
     /// Positions and velocities as the two halves of the state ([`Equations::is_second_order`]).
     SecondOrder,
@@ -32,7 +32,7 @@ pub enum Needs {
 }
 
 impl Needs {
-    /// Whether equations offer it.
+    /// Returns true if the equations have it.
     pub fn met_by(self, equations: &dyn Equations) -> bool {
         match self {
             Self::Rates => true,

@@ -1,31 +1,30 @@
 //! Fixed-step methods: they advance a machine by one step, in lockstep with a control loop.
 //!
-//! A control loop in virtual time asks a machine, tick after tick, "and now?". The step is therefore the loop's, not the
-//! solver's: it cannot shrink where the machine is fast. What is left to choose is the **method**, and whether the step is
+//! A control loop in virtual time reads the machine in every tick. So the step is that of the loop, and a solver cannot
+//! shorten it where the machine is fast. What remains to choose is the **method**, and to check that the step is
 //! short enough for it.
 //!
-//! # Which one
+//! # Choice of a method
 //!
-//! | the machine | take |
+//! | the machine | method |
 //! | --- | --- |
 //! | is linear with a constant matrix | [`Scheme::Exact`]: no stability limit, exact but for the curvature of its input |
 //! | its fastest mode turns less than some 1 rad a step | [`Scheme::Rk4`] |
-//! | the same, undamped or nearly, forces that depend on places alone, and must neither gain nor lose energy over hours | [`Scheme::VelocityVerlet`] |
-//! | has modes the step cannot resolve, and they must die away | [`Scheme::Sdirk4`] |
-//! | has modes the step cannot resolve, or forces that depend on speed (an inertia that changes with the angle), and energy must be kept | [`Scheme::ImplicitMidpoint`] |
+//! | the same, with little damping and forces that depend on positions alone, and must neither gain nor lose energy over hours | [`Scheme::VelocityVerlet`] |
+//! | has modes that the step cannot resolve, and they must decay | [`Scheme::Sdirk4`] |
+//! | has modes that the step cannot resolve, or forces that depend on speed (an inertia that changes with the angle), and must conserve energy | [`Scheme::ImplicitMidpoint`] |
 //!
-//! [`Scheme::ExplicitEuler`] and [`Scheme::SymplecticEuler`] are what controllers and games are full of, here to be measured
-//! against.
+//! [`Scheme::ExplicitEuler`] and [`Scheme::SymplecticEuler`] are common in controllers and games. They are here for comparison.
 //!
-//! Ask [`Scheme::check_step`] before the first step. It knows, for a mode of given frequency and damping, where the method
-//! blows up. Where it becomes inaccurate [`Scheme::step_for`] knows: RK4 is off by (hω)⁴/120 a radian of phase.
+//! Call [`Scheme::check_step`] before the first step. For a mode of given frequency and damping, it reports whether the method
+//! is unstable. [`Scheme::step_for`] gives the step for a given accuracy: the phase error of RK4 is (hω)⁴/120 per radian.
 //!
-//! # How
+//! # Use
 //!
-//! A machine implements [`Equations`]: how many components, and their rates. What else it can offer (positions and
-//! velocities, a Jacobian, a constant matrix) opens more methods to it. [`Scheme::prepare`] makes a [`Method`] for the machine
-//! and the step; after that a step allocates nothing and fails only in ways that [`StepError`] lists, leaving the state as
-//! it was.
+//! A machine implements [`Equations`]: the number of components, and their rates. More structure (positions and velocities, a
+//! Jacobian, a constant matrix) allows more methods. [`Scheme::prepare`] creates a [`Method`] for the machine and the step. After
+//! that, a step allocates nothing. It fails only in the ways that [`StepError`] lists, and leaves the state unchanged
+//! then.
 //!
 //! ```
 //! use cophase_methods::{Scheme, advance};
@@ -42,15 +41,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Where things are
+//! # Modules
 //!
-//! - [`equations`]: what a machine offers; [`method`]: what a method is; [`scheme`]: the list of them;
-//! - [`methods`]: one file each; [`newton`]: how the implicit ones solve their equation;
-//! - [`stability`]: limits, and [`accuracy`]: errors of an oscillation, both measured on the code; [`event`]: steps that end where something happens; [`drift`]:
-//!   whether energy is kept;
-//! - [`problems`]: machines whose answers are known.
+//! - [`equations`]: interface of a machine; [`method`]: interface of a method; [`scheme`]: list of the methods;
+//! - [`methods`]: one file for each; [`newton`]: solution of the implicit equations;
+//! - [`stability`]: limits of the step, and [`accuracy`]: errors of an oscillation, both measured on the code;
+//! - [`event`]: steps that end at an event; [`drift`]: conservation of energy;
+//! - [`problems`]: machines whose exact solution is known.
 //!
-//! `docs/methods.md` has what was measured, and the commands that show it.
+//! `docs/methods.md` has the measured figures, and the commands that reproduce them.
 #![forbid(unsafe_code)]
 
 pub mod accuracy;

@@ -1,30 +1,30 @@
-//! What every method is: facts that can be relied on, and a step.
+//! Interface of every method: its properties, and a step.
 //!
-//! A file of [`methods`](crate::methods) has a `Rule`: what makes one state of another, and the memory that takes. All else
-//! that methods have in common is `Fixed`, written once.
+//! A file of [`methods`](crate::methods) has a `Rule`, which computes the next state, and the memory for that. `Fixed` has what all
+//! methods share.
 
 use core::fmt;
 
 use crate::{Equations, Facts, Refused, StepError};
 
-/// A method, made for one machine and one length of step, that moves a state on by that step.
+/// Method for one machine and one step length. It advances a state by that step.
 ///
-/// Stepping allocates nothing and depends on nothing but its arguments: same input, same bits.
+/// A step allocates nothing and depends on its arguments alone: the same input gives the same bits.
 pub trait Method: fmt::Debug {
-    /// What is known of the method.
+    /// Properties of the method.
     fn facts(&self) -> &'static Facts;
 
-    /// The step h, s.
+    /// Step h, s.
     fn step_s(&self) -> f64;
 
     /// Replaces `y`, the state at `t_s`, by the state one step later.
     ///
-    /// `equations` must be those the method was made for; panics if their dimension differs, or that of `y`.
-    /// On an error `y` is as it was.
+    /// `equations` must be those that the method was prepared for. Panics if their dimension differs, or that of `y`.
+    /// On an error, `y` is unchanged.
     fn step(&mut self, equations: &dyn Equations, t_s: f64, y: &mut [f64])
     -> Result<(), StepError>;
 
-    /// Copy of the method with its memory.
+    /// Returns a copy of the method with its memory.
     fn clone_box(&self) -> Box<dyn Method>;
 }
 
@@ -34,7 +34,7 @@ impl Clone for Box<dyn Method> {
     }
 }
 
-/// Makes `steps` steps from `t0_s` on. The time of each is t0 + i h, not a sum that gathers rounding.
+/// Makes `steps` steps from `t0_s` on. The time of each is t0 + i h, so rounding errors do not accumulate.
 pub fn advance(
     method: &mut dyn Method,
     equations: &dyn Equations,
@@ -48,16 +48,16 @@ pub fn advance(
     Ok(())
 }
 
-/// What a method does in a step, and nothing else.
+/// Computation of a step.
 pub(crate) trait Rule: Clone + fmt::Debug + Sized + 'static {
-    /// What is known of it.
+    /// Properties of the method.
     const FACTS: &'static Facts;
 
-    /// Its memory, for equations that offer what it needs and a step that is finite and above 0.
+    /// Allocates the memory for equations that have the required structure, and for a step that is finite and above 0.
     fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused>;
 
-    /// Writes the state at `t_s` + `h` into `next`, from the state `y` at `t_s`. Whether it is finite is looked at
-    /// afterwards.
+    /// Writes the state at `t_s` + `h` into `next`, from the state `y` at `t_s`. The caller checks whether it is
+    /// finite.
     fn step(
         &mut self,
         equations: &dyn Equations,
@@ -68,7 +68,7 @@ pub(crate) trait Rule: Clone + fmt::Debug + Sized + 'static {
     ) -> Result<(), StepError>;
 }
 
-/// A rule at a fixed step: a method.
+/// Method: a rule with a fixed step.
 #[derive(Clone, Debug)]
 pub(crate) struct Fixed<R> {
     rule: R,
@@ -77,7 +77,7 @@ pub(crate) struct Fixed<R> {
 }
 
 impl<R: Rule> Fixed<R> {
-    /// Refuses a step that is not finite and above 0, equations that lack what the rule needs, and what the rule itself
+    /// Refuses a step that is not finite and above 0, and equations that lack the required structure or that the rule
     /// refuses.
     pub fn prepare(equations: &dyn Equations, step_s: f64) -> Result<Box<dyn Method>, Refused> {
         if !(step_s.is_finite() && step_s > 0.0) {

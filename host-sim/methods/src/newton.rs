@@ -5,15 +5,15 @@
 //! has not after [`CHORD_LIMIT`] iterations, it starts over with a Jacobian of its own at each, up to
 //! [`NEWTON_LIMIT`].
 //!
-//! **Damping.** Where a rate levels off, as dry friction does beside standstill, whole corrections jump from one level side to
-//! the other without end. So in these later iterations a correction is halved, up to [`HALVINGS`] times, until the next one,
-//! by the same Jacobian, would be shorter: the natural monotonicity test of P. Deuflhard, *Newton Methods for Nonlinear
+//! **Damping.** Where a rate saturates, as dry friction does near standstill, full corrections can jump between the two saturated
+//! sides forever. So these later iterations halve a correction, up to [`HALVINGS`] times, until the next one
+//! by the same Jacobian would be shorter: the natural monotonicity test of P. Deuflhard, *Newton Methods for Nonlinear
 //! Problems*, 2004, section 3.3.
 //!
 //! **Tolerance.** The iteration ends when no component is moved by more than [`TOLERANCE`] of its own size (|y| + |z|)
-//! plus what rounding alone can move it: [`ROUNDINGS`] ε of hγ Σ |J_ij| |y_j|, the sum that its rate is computed from. (And what has decayed to below 2e-308, where `f64` loses its digits, may move by that.) The
-//! correction is still made, so what is left is smaller by the factor at which the iteration converges. If the iteration
-//! limit is reached instead, that is an error.
+//! plus what rounding alone can move it: [`ROUNDINGS`] ε of hγ Σ |J_ij| |y_j|, the sum that its rate is computed from. (A component
+//! below 2e-308, where `f64` loses its digits, may move by that.) This last correction is still made, so the remaining error is
+//! smaller by the factor at which the iteration converges. It is an error if the iteration limit is reached instead.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -24,16 +24,16 @@ use crate::{Equations, StepError};
 /// Correction, relative to the component, at which an iteration ends.
 pub const TOLERANCE: f64 = 1e-12;
 
-/// Rounding errors of one rate that are granted to it, as multiples of ε and of the terms that it is a sum of.
+/// Permitted rounding error of a rate, as a multiple of ε and of the sum of its terms.
 pub const ROUNDINGS: f64 = 16.0;
 
-/// Most iterations with the Jacobian from the start of the step.
+/// Limit of iterations with the Jacobian from the start of the step.
 pub const CHORD_LIMIT: u32 = 10;
 
-/// Most iterations, after those, with a Jacobian of their own.
+/// Limit of further iterations, each with a Jacobian of its own.
 pub const NEWTON_LIMIT: u32 = 50;
 
-/// Most halvings of one correction.
+/// Limit of halvings of one correction.
 pub const HALVINGS: u32 = 12;
 
 /// Solves the stages of one method, at one hγ.
@@ -49,12 +49,12 @@ pub(crate) struct Stage {
     rates: Vec<f64>,
     guess: Vec<f64>,
     correction: DVector<f64>,
-    /// Where a damped correction starts, and the whole of it.
+    /// Start of a damped correction, and the undamped correction.
     start: Vec<f64>,
     whole: DVector<f64>,
     /// Tolerance of each component's correction.
     allowed: Vec<f64>,
-    /// What rounding can move each component by.
+    /// Change of each component by rounding alone, at most.
     rounding: Vec<f64>,
 }
 
@@ -78,7 +78,7 @@ impl Stage {
         }
     }
 
-    /// Opens a step from (t, y): takes the Jacobian there, and factors.
+    /// Begins a step at (t, y): computes the Jacobian there, and factors the matrix.
     pub fn begin(
         &mut self,
         equations: &dyn Equations,
@@ -90,7 +90,7 @@ impl Stage {
         self.linearise(equations, t_s)
     }
 
-    /// Solves z = hγ f(t, base + z), from the guess in `z` on.
+    /// Solves z = hγ f(t, base + z), starting at the guess in `z`.
     pub fn solve(
         &mut self,
         equations: &dyn Equations,
@@ -131,7 +131,7 @@ impl Stage {
         })
     }
 
-    /// One iteration. Returns the correction as a multiple of the tolerance, NaN if it is not a number.
+    /// Makes one iteration. Returns the correction as a multiple of the tolerance, NaN if it is not a number.
     fn correct(&mut self, equations: &dyn Equations, t_s: f64, base: &[f64], z: &mut [f64]) -> f64 {
         self.place(base, z);
         self.find_correction(equations, t_s, z);
@@ -142,8 +142,8 @@ impl Stage {
         self.excess()
     }
 
-    /// One iteration with the Jacobian at `z`, damped. Returns as [`Self::correct`] does; a damped correction is never within
-    /// the tolerance.
+    /// Makes one damped iteration with the Jacobian at `z`. Returns as [`Self::correct`] does; a damped correction is never
+    /// within the tolerance.
     fn correct_damped(
         &mut self,
         equations: &dyn Equations,
@@ -171,7 +171,7 @@ impl Stage {
             self.place(base, z);
             self.find_correction(equations, t_s, z);
             let next = self.excess();
-            // What is not a number is reported by the next iteration, and not avoided.
+            // The next iteration reports a value that is not a number.
             if next.is_nan() || next <= (1.0 - 0.5 * damping) * excess {
                 break;
             }
@@ -180,7 +180,7 @@ impl Stage {
         excess.max(2.0)
     }
 
-    /// Solves for the correction of `z`, where the state of the stage is `self.at`.
+    /// Computes the correction of `z`, at the state `self.at` of the stage.
     fn find_correction(&mut self, equations: &dyn Equations, t_s: f64, z: &[f64]) {
         equations.rates(t_s, &self.at, &mut self.rates);
         for (i, correction) in self.correction.iter_mut().enumerate() {
@@ -197,11 +197,11 @@ impl Stage {
         }
     }
 
-    /// The correction as a multiple of the tolerance, NaN if it is not a number.
+    /// Returns the correction as a multiple of the tolerance, NaN if it is not a number.
     fn excess(&self) -> f64 {
         let mut excess = 0.0;
         for (correction, allowed) in self.correction.iter().zip(&self.allowed) {
-            // Not f64::max, which passes over NaN.
+            // f64::max would skip NaN.
             let this = correction.abs() / allowed;
             if this > excess || this.is_nan() {
                 excess = this;
@@ -216,7 +216,7 @@ impl Stage {
         }
     }
 
-    /// Takes the Jacobian at `self.at` and factors I − hγJ.
+    /// Computes the Jacobian at `self.at` and factors I − hγJ.
     fn linearise(&mut self, equations: &dyn Equations, t_s: f64) -> Result<(), StepError> {
         let h_gamma = self.h_gamma_s;
         equations.jacobian(t_s, &self.at, &mut self.differences, &mut self.jacobian);

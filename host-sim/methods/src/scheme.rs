@@ -1,4 +1,4 @@
-//! The list of methods, and how one is made for a machine and a step.
+//! List of the methods, and their preparation for a machine and a step.
 
 use core::fmt;
 
@@ -8,7 +8,7 @@ use crate::methods::{
 };
 use crate::{Equations, Facts, Method, Refused};
 
-/// One of the methods, by name.
+/// Name of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scheme {
     /// [`explicit_euler`](crate::methods::explicit_euler)
@@ -28,7 +28,7 @@ pub enum Scheme {
 }
 
 impl Scheme {
-    /// All of them, the simplest first.
+    /// All methods, the simplest first.
     pub const ALL: [Self; 7] = [
         Self::ExplicitEuler,
         Self::SymplecticEuler,
@@ -39,7 +39,7 @@ impl Scheme {
         Self::Exact,
     ];
 
-    /// What is known of the method.
+    /// Properties of the method.
     pub const fn facts(self) -> &'static Facts {
         match self {
             Self::ExplicitEuler => ExplicitEuler::FACTS,
@@ -52,15 +52,15 @@ impl Scheme {
         }
     }
 
-    /// Whether the equations offer what the method needs.
+    /// Returns true if the equations have the structure that the method requires.
     pub fn suits(self, equations: &dyn Equations) -> bool {
         self.facts().needs.met_by(equations)
     }
 
-    /// Makes the method for these equations and a step of `step_s`.
+    /// Prepares the method for these equations and a step of `step_s`.
     ///
-    /// Refuses a step that is not finite and above 0, and equations that lack what the method needs. It does not
-    /// judge whether the step is short enough: that is [`Scheme::check_step`].
+    /// Refuses a step that is not finite and above 0, and equations that lack the required structure. It does not check
+    /// whether the step is short enough ([`Scheme::check_step`]).
     pub fn prepare(
         self,
         equations: &dyn Equations,

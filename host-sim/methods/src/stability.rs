@@ -1,15 +1,15 @@
-//! How long a step may be: where a method stops being stable, and a guard that says so beforehand.
+//! Longest stable step of a method, and a check before the first step.
 //!
-//! Words:
+//! Terms:
 //! - **hω**: step × frequency, dimensionless: 2π over the steps a period;
 //! - **damping ratio** ζ of the oscillator q″ + 2ζω q′ + ω² q = 0;
-//! - **amplification**: the matrix by which a method multiplies (ω q, v) in one step. The method is stable where no
-//!   eigenvalue of it is larger than 1.
+//! - **amplification**: the matrix by which a method multiplies (ω q, v) in one step. The method is stable if no
+//!   eigenvalue has a magnitude above 1.
 //!
-//! Nothing here is a table. The matrix is measured: the method itself steps the two unit vectors. So the limit is that of the
+//! The matrix is measured, not taken from a table: the method itself steps the two unit vectors. So the limit is that of the
 //! code, and the tests compare it with theory.
 //!
-//! Stable is not accurate. An implicit method at hω = 10 does not blow up, and is wrong about that mode.
+//! A stable step need not be accurate. An implicit method at hω = 10 is stable, but gives a wrong result for that mode.
 
 use core::cell::RefCell;
 use core::fmt;
@@ -21,34 +21,34 @@ use nalgebra::{DMatrix, Matrix2};
 use crate::problems::Oscillator;
 use crate::{Equations, Refused, Scheme, StepError};
 
-/// Largest hω looked at. A method that is stable up to here is taken to have no limit.
+/// Largest hω that is examined. A method that is stable up to here counts as having no limit.
 pub const LARGEST_H_OMEGA: f64 = 1e6;
 
-/// Relative error of a limit found by bisection.
+/// Relative error of a limit, from bisection.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
 
-/// Growth a step that counts as rounding, per radian that the step spans: 16 ε (1 + hω). (The exponential of a matrix loses
-/// an ε for each.) A method that is unstable from 0 on, but grows by less than this in a step of
-/// [`SMALLEST_H_OMEGA`], would be taken for stable; explicit Euler grows by 100 times as much.
+/// Growth per step that counts as rounding, per radian of the step: 16 ε (1 + hω). (The exponential of a matrix loses one ε per
+/// radian.) A method that is unstable at any step, but grows by less than this in a step of
+/// [`SMALLEST_H_OMEGA`], would count as stable; explicit Euler grows by 100 times as much.
 pub const GROWTH: f64 = 16.0 * f64::EPSILON;
 
-/// Smallest hω looked at. A method that is unstable here is taken to be so at any step.
+/// Smallest hω that is examined. A method that is unstable here counts as unstable at any step.
 pub const SMALLEST_H_OMEGA: f64 = 1e-6;
 
-/// Growth a step that counts as rounding where the state is a machine's own, whose units spread the entries of the step
-/// matrix over many powers of ten.
+/// Growth per step that counts as rounding for the state of a machine. Its units spread the entries of the step matrix over
+/// many powers of ten.
 const MACHINE_GROWTH: f64 = 1e-9;
 
-/// Limits that a thread keeps: more than a machine with six different rotors on a frame needs.
+/// Number of limits that a thread keeps: more than a machine with six different rotors on a frame needs.
 const LIMITS_KEPT: usize = 16;
 
-/// Ratio of one step length tried to the next. Between two that are stable nothing unstable is looked for.
+/// Ratio between successive step lengths of the search. An unstable range between two stable ones is not found.
 const SCAN_RATIO: f64 = 1.05;
 
-/// Why the growth over a step could not be measured.
+/// Reason why the growth over a step could not be measured.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotMeasured {
-    /// The method cannot be made for these equations.
+    /// The method cannot be prepared for these equations.
     #[error(transparent)]
     Refused(#[from] Refused),
     /// A step failed.
@@ -56,10 +56,10 @@ pub enum NotMeasured {
     Step(#[from] StepError),
 }
 
-/// Why a step should not be taken.
+/// Reason why a step must not be used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unstable {
-    /// Step, frequency or damping ratio are no such thing: finite, the step and the frequency above 0, the ratio 0 or more.
+    /// Step, frequency or damping ratio is out of range: finite, the step and the frequency above 0, the ratio 0 or more.
     Input {
         /// Step, s.
         step_s: f64,
@@ -68,9 +68,9 @@ pub enum Unstable {
         /// Damping ratio.
         zeta: f64,
     },
-    /// The step is beyond the limit.
+    /// The step is longer than the limit.
     Step {
-        /// The method.
+        /// Method.
         scheme: Scheme,
         /// Requested step, s.
         step_s: f64,
@@ -125,10 +125,10 @@ impl fmt::Display for Unstable {
 impl core::error::Error for Unstable {}
 
 impl Scheme {
-    /// The matrix by which the method multiplies (ω q, v) of q″ + 2ζω q′ + ω² q = 0 in a step of hω = `h_omega`, for
-    /// finite hω and ζ from 0 on.
+    /// Returns the matrix by which the method multiplies (ω q, v) of q″ + 2ζω q′ + ω² q = 0 in a step of hω = `h_omega`, for
+    /// finite hω and ζ ≥ 0.
     ///
-    /// It is measured, by stepping (1, 0) and (0, 1) at ω = 1. Infinite where the method overflows.
+    /// It is measured by steps from (1, 0) and (0, 1) at ω = 1. It is infinite where the method overflows.
     pub fn amplification(self, h_omega: f64, zeta: f64) -> Matrix2<f64> {
         if h_omega == 0.0 {
             return Matrix2::identity();
@@ -140,7 +140,7 @@ impl Scheme {
         }
     }
 
-    /// Largest magnitude of an eigenvalue of [`Scheme::amplification`]: growth a step, in the long run.
+    /// Returns the largest magnitude of an eigenvalue of [`Scheme::amplification`]: the growth per step in the long run.
     pub fn growth(self, h_omega: f64, zeta: f64) -> f64 {
         let matrix = self.amplification(h_omega, zeta);
         let (half_trace, determinant) = (0.5 * matrix.trace(), matrix.determinant());
@@ -157,11 +157,11 @@ impl Scheme {
         }
     }
 
-    /// Largest stable hω for an oscillation of damping ratio `zeta`; `None` if there is no limit up to
+    /// Returns the largest stable hω for an oscillation of damping ratio `zeta`; `None` if there is no limit up to
     /// [`LARGEST_H_OMEGA`], `Some(0.0)` if no step is stable.
     ///
-    /// The first change from stable to unstable, in steps of 5 %, then bisected to [`LIMIT_TOLERANCE`]. A machine is made several times
-    /// before it runs, and needs the same limits each time, so each thread keeps those that it found last.
+    /// The search goes up in steps of 5 % to the first unstable hω, and bisects to [`LIMIT_TOLERANCE`]. A machine is created several
+    /// times before it runs, and needs the same limits each time. So each thread keeps its last results.
     pub fn stability_limit(self, zeta: f64) -> Option<f64> {
         thread_local! {
             static FOUND: RefCell<VecDeque<(Scheme, u64, Option<f64>)>> = const { RefCell::new(VecDeque::new()) };
@@ -183,7 +183,7 @@ impl Scheme {
         })
     }
 
-    /// Refuses a step that is beyond the method's limit for the machine's fastest mode.
+    /// Refuses a step that is longer than the method's limit for the machine's fastest mode.
     ///
     /// ```
     /// use cophase_methods::Scheme;
@@ -213,11 +213,11 @@ impl Scheme {
         }
     }
 
-    /// Longest stable step, s, for a linear machine with all its modes, between two step lengths; `None` if the longest
-    /// is stable, `Some(0.0)` if the shortest is not.
+    /// Returns the longest stable step, s, for a linear machine with all its modes, between two step lengths; `None` if the
+    /// longest is stable, `Some(0.0)` if the shortest is not.
     ///
-    /// Growth below 1e-9 a step counts as rounding, so the shortest should be no shorter than a millionth of the
-    /// fastest mode's period. The equations must be linear: of others it gives the stability at y = 0 only roughly.
+    /// Growth below 1e-9 per step counts as rounding, so the shortest step should be at least a millionth of the fastest mode's
+    /// period. The equations must be linear. For others, the result approximates the stability at y = 0.
     pub fn longest_stable_step_s(
         self,
         equations: &dyn Equations,
@@ -232,8 +232,8 @@ impl Scheme {
     }
 }
 
-/// The matrix by which a method multiplies the state of a linear machine in one step: what becomes of each unit vector,
-/// less what becomes of 0.
+/// Measures the matrix by which a method multiplies the state of a linear machine in one step: the result for each unit
+/// vector, minus the result for 0.
 pub fn step_matrix(
     scheme: Scheme,
     equations: &dyn Equations,
@@ -253,10 +253,10 @@ pub fn step_matrix(
     Ok(matrix)
 }
 
-/// Largest magnitude of an eigenvalue.
+/// Returns the largest magnitude of an eigenvalue.
 ///
-/// The matrix is balanced first: positions and velocities of a stiff machine are many powers of ten apart, and the
-/// eigenvalues of an undamped one, all on the unit circle, would come out up to 1e-8 off it.
+/// The matrix is balanced first, as positions and velocities of a stiff machine are many powers of ten apart. Otherwise the
+/// eigenvalues of an undamped machine would be up to 1e-8 off the unit circle.
 pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     let mut balanced = matrix.clone();
     balance_parlett_reinsch(&mut balanced);
@@ -264,7 +264,7 @@ pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     magnitudes.iter().copied().fold(0.0, f64::max)
 }
 
-/// Where `stable` first turns false between `low` and `high`; `None` if it does not.
+/// Returns the first value between `low` and `high` at which `stable` is false; `None` if it is true at all.
 fn first_edge(low: f64, high: f64, stable: impl Fn(f64) -> bool) -> Option<f64> {
     if !stable(low) {
         return Some(0.0);

@@ -1,10 +1,10 @@
 //! Exact discretisation of a linear machine y′ = A y + b(t), with first-order hold of the input.
 //!
-//! y₁ = Φ y + P b(t) + Q b(t + h): what the equations themselves would do if b ran straight from its value at the start of
-//! the step to that at its end. Without input, or with a straight one, it is exact to rounding at any step; a
-//! curved input costs h²/8 max|b″| of itself, order 2. Stable at any step, as the machine is.
+//! y₁ = Φ y + P b(t) + Q b(t + h): the exact solution if b is linear between its values at the start and the end of the step.
+//! So it is exact to rounding for any step, without input or with a linear one. For other inputs the error of b is at most
+//! h²/8 max|b″|, which gives order 2. It is stable at any step if the machine is stable.
 //!
-//! Φ, P, Q come once, when the method is made, from one matrix exponential (C. F. Van Loan, *Computing integrals involving
+//! Φ, P, Q are computed once, when the method is prepared, from one matrix exponential (C. F. Van Loan, *Computing integrals involving
 //! the matrix exponential*, IEEE TAC 23, 1978):
 //!
 //! ```text
@@ -13,15 +13,15 @@
 //!     ⎣ 0   0   0 ⎦     ⎣ 0  0   I  ⎦
 //! ```
 //!
-//! A step is then three products of matrix and vector. The matrix A is taken when the method is made: equations
-//! whose matrix changes need a new one.
+//! A step is then three products of matrix and vector. The method keeps the matrix A of its preparation: equations
+//! whose matrix changes need a new method.
 
 use nalgebra::{DMatrix, DVector, DVectorView, DVectorViewMut};
 
 use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// Exact discretisation's memory.
+/// Memory of the exact discretisation.
 #[derive(Clone, Debug)]
 pub(crate) struct Exact {
     transition: DMatrix<f64>,

@@ -1,13 +1,13 @@
 //! Explicit (forward) Euler: y₁ = y + h f(t, y).
 //!
-//! Order 1. It gives energy to every oscillation: an undamped one grows by √(1 + (hω)²) a step whatever the step,
-//! a damped one is stable up to hω = 2ζ (for ζ ≤ 1; above, up to 2 / (ζ + √(ζ² − 1))). Here as the one to beat, and
-//! because controllers are full of it.
+//! Order 1. It adds energy to every oscillation: an undamped one grows by √(1 + (hω)²) per step at any step length. A damped
+//! one is stable up to hω = 2ζ (for ζ ≤ 1; above, up to 2 / (ζ + √(ζ² − 1))). It is here for comparison, as controllers
+//! often use it.
 
 use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// Explicit Euler's memory.
+/// Memory of explicit Euler.
 #[derive(Clone, Debug)]
 pub(crate) struct ExplicitEuler;
 

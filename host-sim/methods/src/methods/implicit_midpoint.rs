@@ -1,8 +1,8 @@
 //! Implicit midpoint: y₁ = y + h f(t + h/2, (y + y₁)/2), the Gauss method of one stage.
 //!
-//! Order 2, stable at any step (A-stable), symplectic, and keeps quadratic invariants such as the energy of a linear
-//! machine to rounding. It does not damp what the step does not resolve: at hω ≫ 1 a mode keeps ringing, with alternating
-//! sign, at whatever amplitude it was given; where that matters take SDIRK4.
+//! Order 2, stable at any step (A-stable), and symplectic. It conserves quadratic invariants, such as the energy of a linear
+//! machine, to rounding. It does not damp modes that the step does not resolve: at hω ≫ 1 a mode keeps its amplitude, with
+//! alternating sign. Where that matters, use SDIRK4.
 //!
 //! The implicit equation is solved by [`newton`](crate::newton), with the tolerance stated there.
 
@@ -10,7 +10,7 @@ use crate::method::Rule;
 use crate::newton::Stage;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// Implicit midpoint's memory.
+/// Memory of the implicit midpoint method.
 #[derive(Clone, Debug)]
 pub(crate) struct ImplicitMidpoint {
     stage: Stage,

@@ -1,4 +1,4 @@
-//! The methods, one file each. [`Scheme`](crate::Scheme) makes them.
+//! The methods, one file for each. [`Scheme`](crate::Scheme) prepares them.
 
 pub mod exact;
 pub mod explicit_euler;

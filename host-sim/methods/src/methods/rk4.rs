@@ -1,12 +1,12 @@
 //! The classic Runge-Kutta method of order 4 (Kutta 1901).
 //!
-//! Four evaluations a step. An undamped oscillation is stable up to hω = 2√2, and loses (hω)⁶/72 of its energy a step
-//! below that. The best value for smooth machines whose fastest mode the step resolves.
+//! Four evaluations per step. An undamped oscillation is stable up to hω = 2√2. Below that it loses (hω)⁶/72 of its energy
+//! per step. It is the cheapest method for smooth machines whose fastest mode the step resolves.
 
 use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// RK4's memory.
+/// Memory of RK4.
 #[derive(Clone, Debug)]
 pub(crate) struct Rk4 {
     slopes: [Vec<f64>; 4],
@@ -51,7 +51,7 @@ impl Rule for Rk4 {
     }
 }
 
-/// `stage` = `y` + `h` `slope`.
+/// Computes `stage` = `y` + `h` `slope`.
 fn along(stage: &mut [f64], y: &[f64], h: f64, slope: &[f64]) {
     for ((stage, y), slope) in stage.iter_mut().zip(y).zip(slope) {
         *stage = y + h * slope;

@@ -1,9 +1,8 @@
 //! SDIRK4: a singly diagonally implicit Runge-Kutta method of five stages and order 4, L-stable and stiffly accurate.
 //!
-//! For machines with modes far faster than the step, and for equations with very different time constants: what the step
-//! does not resolve is damped away at once (L-stable), and the step ends on the last stage, so that what must hold
-//! at its end holds exactly there (stiffly accurate). It damps a resolved oscillation a little, too: energy is lost as
-//! (hω)⁶.
+//! It is for machines with modes far faster than the step, and for equations with very different time constants. Modes that the
+//! step does not resolve decay at once (L-stable). The last stage is the end of the step, so algebraic conditions hold exactly
+//! there (stiffly accurate). It damps a resolved oscillation a little, too: the loss of energy is proportional to (hω)⁶.
 //!
 //! Coefficients: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., 1996, section IV.6,
 //! formula (6.16), γ = 1/4. All five stages share the matrix I − hγJ, factored once a step.
@@ -16,13 +15,13 @@ use crate::{Equations, Facts, Needs, Refused, StepError};
 
 const STAGES: usize = 5;
 
-/// The diagonal of A.
+/// Diagonal of A.
 const GAMMA: f64 = 0.25;
 
-/// Where in the step each stage lies.
+/// Time of each stage, as a part of the step.
 const C: [f64; STAGES] = [0.25, 0.75, 11.0 / 20.0, 0.5, 1.0];
 
-/// A below its diagonal. The last row is also the weights.
+/// Entries of A below its diagonal. The last row also has the weights.
 const A: [[f64; STAGES - 1]; STAGES] = [
     [0.0, 0.0, 0.0, 0.0],
     [0.5, 0.0, 0.0, 0.0],
@@ -31,7 +30,7 @@ const A: [[f64; STAGES - 1]; STAGES] = [
     [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
 ];
 
-/// SDIRK4's memory.
+/// Memory of SDIRK4.
 #[derive(Clone, Debug)]
 pub(crate) struct Sdirk4 {
     stage: Stage,
@@ -68,14 +67,14 @@ impl Rule for Sdirk4 {
         for i in 0..STAGES {
             let (earlier, rest) = self.moves.split_at_mut(i);
             let this = &mut rest[0];
-            // Where the stage starts from, until the last of them has become the next state.
+            // `next` holds the start of the stage, until the last stage is the next state.
             next.copy_from_slice(y);
             for (a, earlier) in A[i].iter().zip(&*earlier) {
                 for (base, earlier) in next.iter_mut().zip(earlier) {
                     *base += a / GAMMA * earlier;
                 }
             }
-            // The first guess: as fast as in the stage before.
+            // First guess: the rates of the stage before.
             match earlier.last() {
                 Some(before) => this.copy_from_slice(before),
                 None => this.fill(0.0),
@@ -93,7 +92,7 @@ impl Rule for Sdirk4 {
 mod tests {
     use super::*;
 
-    /// The whole of A, its diagonal included.
+    /// Returns A with its diagonal.
     fn a(i: usize, j: usize) -> f64 {
         if i == j {
             GAMMA
@@ -102,9 +101,9 @@ mod tests {
         }
     }
 
-    /// Were a coefficient wrong, one of the eight conditions for order 4 would fail (Hairer, Nørsett, Wanner,
-    /// *Solving ODEs I*, table II.2.1), or a row would not sum to its place in the step. Rounding only: 1e-13, for sums of
-    /// terms up to 10.
+    /// If this fails, a coefficient is wrong: one of the eight conditions for order 4 does not hold (Hairer, Nørsett, Wanner,
+    /// *Solving ODEs I*, table II.2.1), or the sum of a row is not the time of its stage. The bound is that of rounding: 1e-13,
+    /// for sums of terms up to 10.
     #[test]
     fn fulfils_the_order_conditions() {
         let b = |i| a(STAGES - 1, i);

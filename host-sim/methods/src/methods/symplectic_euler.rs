@@ -1,14 +1,14 @@
 //! Symplectic (semi-implicit) Euler: v₁ = v + h a(t, q, v), then q₁ = q + h v₁.
 //!
-//! Order 1, one evaluation a step. Without damping it keeps an energy that differs from the true one by a ripple of the
-//! order of hω/2, for ever, and is stable up to hω = 2. Damping enters with the velocity before the step; that costs
+//! Order 1, one evaluation per step. Without damping, it conserves an energy that differs from the true one by a ripple of the
+//! order of hω/2, and is stable up to hω = 2. Damping uses the velocity before the step, which reduces the
 //! stability: the limit is hω = 2 (√(1 + ζ²) − ζ), from 1 − trace + det = 0 at the eigenvalue −1 of
 //! [[1 − x², x (1 − 2ζx)], [−x, 1 − 2ζx]], x = hω. At ζ = 0.34 that is 1.43.
 
 use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// Symplectic Euler's memory.
+/// Memory of symplectic Euler.
 #[derive(Clone, Debug)]
 pub(crate) struct SymplecticEuler;
 

@@ -7,14 +7,14 @@
 //! v₁ = v + h/2 (a₀ + a(t + h, q₁, v*))
 //! ```
 //!
-//! Order 2, kept with damping: v* is off by O(h²), which enters v₁ through h/2, as O(h³) a step. (With the half-step
-//! velocity in place of v*, as it is often written, damping lowers the order to 1.) Without damping v* is not used, it is
-//! plain Verlet, symplectic, stable up to hω = 2. With damping both accelerations are new in each step: two evaluations.
+//! Order 2, also with damping: the error of v* is O(h²), and the factor h/2 makes it O(h³) per step in v₁. (With the half-step
+//! velocity in place of v*, as in many texts, damping lowers the order to 1.) Without damping, v* is not used. The method is then
+//! plain Verlet: symplectic, and stable up to hω = 2. With damping, each step evaluates both accelerations.
 
 use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// Velocity Verlet's memory.
+/// Memory of velocity Verlet.
 #[derive(Clone, Debug)]
 pub(crate) struct VelocityVerlet {
     before: Vec<f64>,

@@ -1,7 +1,7 @@
 //! Andrews' squeezing mechanism: seven bodies in one plane, joined without friction in three closed loops, driven by a
 //! constant torque and held by a spring.
 //!
-//! W. Schiehlen (ed.), *Multibody Systems Handbook*, 1990; here after the *Test Set for IVP Solvers* (Bari/Geneva),
+//! W. Schiehlen (ed.), *Multibody Systems Handbook*, 1990; from the *Test Set for IVP Solvers* (Bari/Geneva),
 //! problem `andrews`, and E. Hairer, G. Wanner, *Solving ODEs II*, section VII.7. The names of lengths and angles are theirs.
 //!
 //! Seven angles q = (β, Θ, γ, Φ, δ, Ω, ε) under six constraints g(q) = 0. Differentiated twice, these give the accelerations w
@@ -12,8 +12,8 @@
 //! ⎣ G  0  ⎦ ⎣ λ ⎦ = ⎣ −g_qq(v, v) ⎦
 //! ```
 //!
-//! which makes it q″ = a(q, v) of seven components (index reduced from 3 to 0). The constraints then hold only as well as
-//! the method integrates; over the 30 ms of the problem that is enough.
+//! This gives q″ = a(q, v) of seven components (index reduced from 3 to 0). The constraints then hold to the accuracy of the
+//! method, which is enough over the 30 ms of the problem.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -87,7 +87,7 @@ impl Andrews {
         1.230_547_444_549_821_2,
     ];
 
-    /// When the published state is reached, s.
+    /// Time of the published state, s.
     pub const END_S: f64 = 0.03;
 
     /// Published angles at [`Andrews::END_S`], rad: PSIDE at tolerance 1e-14 in 128-bit arithmetic.
@@ -105,7 +105,7 @@ impl Andrews {
     pub const PUBLISHED_START_ACCELERATION: [f64; 2] =
         [14_222.443_919_954_114, -10_666.832_939_965_585];
 
-    /// The constraints g(q), m; 0 where the loops are closed.
+    /// Returns the constraints g(q), m; 0 where the loops are closed.
     pub fn constraints(&self, q: &[f64]) -> [f64; CONSTRAINTS] {
         let &[beta, theta, gamma, phi, delta, omega, epsilon] = q.first_chunk().expect("7 angles");
         let x = RR * beta.cos() - D * (beta + theta).cos();
@@ -150,7 +150,7 @@ impl Equations for Andrews {
         if matrix.lu().solve_mut(&mut right) {
             accelerations.copy_from_slice(right.fixed_rows::<BODIES>(0).as_slice());
         } else {
-            // At a singular position there is no acceleration; the method reports what is not finite.
+            // A singular position has no acceleration; the method reports a value that is not finite.
             accelerations.fill(f64::NAN);
         }
     }
@@ -160,7 +160,7 @@ impl Equations for Andrews {
     }
 }
 
-/// M(q), symmetric.
+/// Mass matrix M(q), symmetric.
 fn masses(q: &[f64]) -> SMatrix<f64, BODIES, BODIES> {
     let (cos_theta, sin_phi, sin_omega) = (q[1].cos(), q[3].sin(), q[5].sin());
     let (e, zf) = (E - EA, ZF - FA);
@@ -181,7 +181,7 @@ fn masses(q: &[f64]) -> SMatrix<f64, BODIES, BODIES> {
     m
 }
 
-/// f(q, v): torque, spring, and what comes of rotating frames.
+/// Forces f(q, v): torque, spring, and the terms of rotating frames.
 fn forces(q: &[f64], v: &[f64]) -> SVector<f64, BODIES> {
     let (sin_theta, cos_phi, cos_omega) = (q[1].sin(), q[3].cos(), q[5].cos());
     let (sin_gamma, cos_gamma) = q[2].sin_cos();
@@ -202,7 +202,7 @@ fn forces(q: &[f64], v: &[f64]) -> SVector<f64, BODIES> {
     ])
 }
 
-/// G = ∂g/∂q.
+/// Jacobian G = ∂g/∂q of the constraints.
 fn constraint_jacobian(q: &[f64]) -> SMatrix<f64, CONSTRAINTS, BODIES> {
     let (sin_beta, cos_beta) = q[0].sin_cos();
     let (sin_crank, cos_crank) = (q[0] + q[1]).sin_cos();
@@ -231,7 +231,7 @@ fn constraint_jacobian(q: &[f64]) -> SMatrix<f64, CONSTRAINTS, BODIES> {
     g
 }
 
-/// g_qq(v, v): what of g″ is left without accelerations.
+/// Term g_qq(v, v): g″ without accelerations.
 fn constraint_curvature(q: &[f64], v: &[f64]) -> SVector<f64, CONSTRAINTS> {
     let (sin_beta, cos_beta) = q[0].sin_cos();
     let (sin_crank, cos_crank) = (q[0] + q[1]).sin_cos();

@@ -1,7 +1,7 @@
-//! A ball that is dropped and bounces ever lower, until it lies.
+//! A ball that is dropped and bounces until it is at rest.
 //!
-//! Its bounces crowd together: from a height H, with restitution e, there are infinitely many, and the last is at
-//! √(2H/g) (1 + e) / (1 − e). What it tries is not the flight, a parabola, but the finding of events.
+//! Its bounces come at ever shorter intervals. From a height H, with restitution e, there are infinitely many, and they end at
+//! √(2H/g) (1 + e) / (1 − e). The problem tests the detection of events; the flight is a parabola.
 
 use nalgebra::DMatrix;
 
@@ -15,27 +15,27 @@ use crate::stability::NotMeasured;
 pub struct BouncingBall {
     /// Gravity g, m/s², above 0.
     pub gravity_mps2: f64,
-    /// Height it is dropped from, m, above 0.
+    /// Height from which it is dropped, m, above 0.
     pub height_m: f64,
     /// Speed after a bounce over speed before, above 0 and below 1.
     pub restitution: f64,
 }
 
 impl BouncingBall {
-    /// A flight shorter than this, s, counts as lying.
+    /// Duration of a flight, s, below which the ball counts as at rest.
     pub const RESTING_S: f64 = 1e-12;
 
-    /// When the last bounce is: √(2H/g) (1 + e) / (1 − e), s.
+    /// Returns the time of the last bounce: √(2H/g) (1 + e) / (1 − e), s.
     pub fn last_bounce_s(&self) -> f64 {
         let fall_s = (2.0 * self.height_m / self.gravity_mps2).sqrt();
         fall_s * (1.0 + self.restitution) / (1.0 - self.restitution)
     }
 
-    /// Drops the ball and follows it by a method in steps of `step_s`, which bounces cut short, until it lies. Gives
-    /// the time of the last bounce and how many there were, or `None` if it still bounces at twice that time: explicit
-    /// Euler gives it speed in each flight, and it never lies.
+    /// Drops the ball and simulates it in steps of `step_s`, which end early at bounces, until it is at rest. Returns the time of
+    /// the last bounce and the number of bounces, or `None` if it still bounces at twice that time. Explicit Euler adds speed in
+    /// each flight, so its ball never comes to rest.
     ///
-    /// What is left out after it lies is [`BouncingBall::RESTING_S`] / (1 − e) at most.
+    /// The neglected time after that is [`BouncingBall::RESTING_S`] / (1 − e) at most.
     pub fn play(&self, scheme: Scheme, step_s: f64) -> Result<Option<(f64, u32)>, NotMeasured> {
         let mut y = [self.height_m, 0.0];
         let (mut t_s, mut bounces) = (0.0, 0);

@@ -1,4 +1,4 @@
-//! Cam laws: how a follower rises and returns.
+//! Cam laws: displacement of a follower over a rise or a return.
 //!
 //! A **law** is a displacement s(u) from 0 to 1 as u goes from 0 to 1, at rest at both ends, with its velocity ds/du and
 //! acceleration d²s/du². Its **peak coefficient** is the largest acceleration: over a stroke H in a time T it is Ca H/T².
@@ -11,16 +11,16 @@
 //! | modified trapezoid | 8π/(2 + π) = 4.8881 | quarter waves of a sine around constant acceleration (Neklutin) |
 //!
 //! **The skewed cycloid.** "Modified cycloid" names a curve in the literature whose peak coefficient is 5.8883, and
-//! gives no formula. The cycloid draws s = (φ − sin φ)/2π over u = φ/2π: a straight line less a sine, laid off upright. Lay the
-//! sine off at a slant instead, and u becomes (φ − k sin φ)/2π. Then
+//! gives no formula. The cycloid is s = (φ − sin φ)/2π over u = φ/2π: a straight line minus a sine that is drawn vertically. With
+//! the sine drawn at a slant, u becomes (φ − k sin φ)/2π. Then
 //!
 //! ```text
 //! ds/du = (1 − cos φ) / (1 − k cos φ)
 //! d²s/du² = 2π (1 − k) sin φ / (1 − k cos φ)³
 //! ```
 //!
-//! and the slant with the smallest peak is k = 1 − √3/2, whose peak is 5.88825: the number printed, to all its digits. (k = 0.12
-//! and 0.15 give 5.891 and 5.893, which would not round to it.)
+//! and the slant with the smallest peak is k = 1 − √3/2, whose peak is 5.88825. This is the printed number to all its digits. (k =
+//! 0.12 and 0.15 give 5.891 and 5.893, which do not round to it.)
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI, TAU};
 
@@ -37,14 +37,14 @@ pub enum Law {
     ModifiedTrapezoid,
 }
 
-/// Displacement, velocity and acceleration, in whatever units.
+/// Displacement, velocity and acceleration, in any units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// s.
+    /// Displacement s.
     pub displacement: f64,
-    /// s′.
+    /// Velocity s′.
     pub velocity: f64,
-    /// s″.
+    /// Acceleration s″.
     pub acceleration: f64,
 }
 
@@ -52,7 +52,7 @@ pub struct Motion {
 const SKEW: f64 = 0.133_974_596_215_561_35;
 
 impl Law {
-    /// All four, in the order of the source.
+    /// All four laws, in the order of the source.
     pub const ALL: [Self; 4] = [
         Self::Cycloid,
         Self::SkewedCycloid,
@@ -60,7 +60,7 @@ impl Law {
         Self::ModifiedTrapezoid,
     ];
 
-    /// The largest d²s/du².
+    /// Returns the largest d²s/du².
     pub fn peak_coefficient(self) -> f64 {
         match self {
             Self::Cycloid => TAU,
@@ -75,7 +75,7 @@ impl Law {
         }
     }
 
-    /// The law at `u` from 0 to 1, with its derivatives by u.
+    /// Returns the law at `u` from 0 to 1, with its derivatives by u.
     pub fn at(self, u: f64) -> Motion {
         match self {
             Self::Cycloid => {
@@ -122,7 +122,7 @@ fn modified_sine(u: f64) -> Motion {
     let peak = Law::ModifiedSine.peak_coefficient();
     let scale = peak / (4.0 * PI);
     // The fast quarter waves at the ends have period 1/2, the slow half wave between them 3/2. Each is a sine of `angle`
-    // with 1/slowness its frequency; what is added to u makes the displacement join.
+    // with frequency 1/slowness. The constants added to u make the displacement continuous.
     let (angle, slowness, added) = if u < 0.125 {
         (4.0 * PI * u, 1.0, 0.0)
     } else if u <= 0.875 {
@@ -179,24 +179,24 @@ fn first_half_of_modified_trapezoid(u: f64) -> Motion {
 /// for the rest of the turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cam {
-    /// The law.
+    /// Law of the rise and the return.
     pub law: Law,
-    /// How far it lifts, m.
+    /// Lift, m.
     pub stroke_m: f64,
     /// Speed of the cam, rad/s.
     pub speed_rad_s: f64,
-    /// Where it stands at the time 0, rad; at 0 it begins to lift.
+    /// Angle at time 0, rad; at angle 0 the lift begins.
     pub start_rad: f64,
-    /// Angle over which it lifts, rad.
+    /// Angle of the rise, rad.
     pub rise_rad: f64,
-    /// Angle over which it holds, rad.
+    /// Angle of the dwell at the top, rad.
     pub dwell_rad: f64,
-    /// Angle over which it lets it return, rad.
+    /// Angle of the return, rad.
     pub return_rad: f64,
 }
 
 impl Cam {
-    /// The pusher of the wrapping machine: 84 mm up in 120 deg, held for 135 deg, down in 105 deg, at 450 turns a minute.
+    /// Returns the cam of the wrapping machine: 84 mm up in 120 deg, a dwell of 135 deg, down in 105 deg, at 450 turns per minute.
     pub fn wrapper(law: Law) -> Self {
         Self {
             law,
@@ -209,39 +209,39 @@ impl Cam {
         }
     }
 
-    /// Time to rise, s.
+    /// Returns the time of the rise, s.
     pub fn rise_s(&self) -> f64 {
         self.rise_rad / self.speed_rad_s
     }
 
-    /// Time held, s.
+    /// Returns the time of the dwell at the top, s.
     pub fn dwell_s(&self) -> f64 {
         self.dwell_rad / self.speed_rad_s
     }
 
-    /// Time to return, s.
+    /// Returns the time of the return, s.
     pub fn return_s(&self) -> f64 {
         self.return_rad / self.speed_rad_s
     }
 
-    /// Time of a turn, s.
+    /// Returns the time of a turn, s.
     pub fn cycle_s(&self) -> f64 {
         TAU / self.speed_rad_s
     }
 
-    /// Design peak accelerations Ca H/T² of rise and return, m/s².
+    /// Returns the design peak accelerations Ca H/T² of rise and return, m/s².
     pub fn peaks_mps2(&self) -> (f64, f64) {
         let over = |time_s: f64| self.law.peak_coefficient() * self.stroke_m / (time_s * time_s);
         (over(self.rise_s()), over(self.return_s()))
     }
 
-    /// Largest acceleration at a speed of 1 rad/s, m: at ω it is ω² times that.
+    /// Returns the largest acceleration at a speed of 1 rad/s, m; at ω it is ω² times as large.
     pub fn peak_m(&self) -> f64 {
         let least_rad = self.rise_rad.min(self.return_rad);
         self.law.peak_coefficient() * self.stroke_m / (least_rad * least_rad)
     }
 
-    /// The follower at `t_s`, in m, m/s, m/s².
+    /// Returns the motion of the follower at `t_s`, in m, m/s, m/s².
     pub fn at(&self, t_s: f64) -> Motion {
         let by_angle = self.at_angle(self.start_rad + self.speed_rad_s * t_s);
         Motion {
@@ -251,7 +251,7 @@ impl Cam {
         }
     }
 
-    /// The follower where the cam stands at an angle, in m, m/rad, m/rad²: whatever the cam's speed.
+    /// Returns the motion of the follower at an angle of the cam, in m, m/rad, m/rad², which does not depend on its speed.
     pub fn at_angle(&self, angle_rad: f64) -> Motion {
         let angle_rad = angle_rad.rem_euclid(TAU);
         let down_rad = self.rise_rad + self.dwell_rad;

@@ -10,37 +10,37 @@
 //! M₃ x₃″ − C₃ x₂′ + C₃ x₃′ − K₃ x₂ + K₃ x₃ = 0
 //! ```
 //!
-//! Printed without the term in brackets: the shaft's damper then goes to the ground and not to the cam ([`Shaft`]).
-//! Of the damping only "0.402, 0.175, ?.1" is legible, its unit lost. At damping factor 0.1, C = 0.2 √(K M) gives 401.6, 174.9
-//! and 2030 N s/m, so the unit is 10³ N s/m and the third 2.03, or 2.1 if the digit that is left can be trusted.
+//! The article prints it without the term in brackets: then the shaft's damper ends at the ground and not at the cam ([`Shaft`]).
+//! Of the damping, only "0.402, 0.175, ?.1" is legible, without a unit. At damping factor 0.1, C = 0.2 √(K M) gives 401.6, 174.9
+//! and 2030 N s/m. So the unit is 10³ N s/m, and the third value 2.03, or 2.1 if its legible digit is right.
 
 use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
 
 use super::Cam;
 use crate::equations::{Differences, Equations, Linear};
 
-/// Where the damper of the shaft ends.
+/// Second end of the shaft's damper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shaft {
-    /// At the ground, as printed: it brakes the motion itself.
+    /// At the ground, as printed: it brakes the motion of the mass.
     DampedToGround,
-    /// At the cam, as the shaft does: it brakes only what the shaft gives.
+    /// At the cam, as the shaft does: it brakes the twist of the shaft.
     DampedToCam,
 }
 
-/// What the chain is made of, from the shaft to the pusher, carried to the pusher.
+/// Links of the chain, from the shaft to the pusher, referred to the pusher.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Links {
     /// Masses, kg.
     pub mass_kg: [f64; 3],
-    /// Stiffnesses, N/m: each of the link before its mass.
+    /// Stiffnesses, N/m, each of the link before its mass.
     pub stiffness_n_m: [f64; 3],
-    /// Dampings, N s/m, beside the stiffnesses.
+    /// Dampings, N s/m, in parallel to the stiffnesses.
     pub damping_n_s_m: [f64; 3],
 }
 
 impl Links {
-    /// Links whose dampers have the factor `zeta` each, C = 2 ζ √(K M).
+    /// Returns links whose dampers each have the factor `zeta`, C = 2 ζ √(K M).
     pub fn damped(mass_kg: [f64; 3], stiffness_n_m: [f64; 3], zeta: f64) -> Self {
         let damper = |i: usize| 2.0 * zeta * (stiffness_n_m[i] * mass_kg[i]).sqrt();
         Self {
@@ -54,9 +54,9 @@ impl Links {
 /// The chain; state (x₁, x₂, x₃, v₁, v₂, v₃), m and m/s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// What excites it.
+    /// Excitation.
     pub cam: Cam,
-    /// Where its first damper ends.
+    /// Second end of its first damper.
     pub shaft: Shaft,
     matrix: SMatrix<f64, 6, 6>,
     mass_kg: Vector3<f64>,
@@ -81,12 +81,12 @@ impl Chain {
     /// Dampings, N s/m: two as printed, the third reconstructed.
     pub const DAMPING_N_S_M: [f64; 3] = [402.0, 175.0, 2030.0];
 
-    /// The chain of the source.
+    /// Returns the chain of the source.
     pub fn wrapper(cam: Cam, shaft: Shaft) -> Self {
         Self::new(cam, shaft, Self::DAMPING_N_S_M)
     }
 
-    /// The chain of the source with other dampings, N s/m.
+    /// Returns the chain of the source with other dampings, N s/m.
     pub fn new(cam: Cam, shaft: Shaft, damping_n_s_m: [f64; 3]) -> Self {
         let links = Links {
             mass_kg: Self::MASS_KG,
@@ -96,7 +96,7 @@ impl Chain {
         Self::of(cam, shaft, &links)
     }
 
-    /// A chain of other links.
+    /// Returns a chain of other links.
     pub fn of(cam: Cam, shaft: Shaft, links: &Links) -> Self {
         let mass_kg = Vector3::from(links.mass_kg);
         let stiffness_n_m = Vector3::from(links.stiffness_n_m);
@@ -120,7 +120,7 @@ impl Chain {
         }
     }
 
-    /// Undamped natural frequencies, rad/s, rising: those of M⁻½ K M⁻½.
+    /// Returns the undamped natural frequencies, rad/s, in rising order, from M⁻½ K M⁻½.
     pub fn undamped_rad_s(&self) -> [f64; 3] {
         let root = Matrix3::from_diagonal(&self.mass_kg.map(|mass| 1.0 / mass.sqrt()));
         let squares = (root * coupling(self.stiffness_n_m) * root).symmetric_eigenvalues();
@@ -129,7 +129,7 @@ impl Chain {
         omega
     }
 
-    /// The modes with their damping, from the eigenvalues −ζω ± iω√(1 − ζ²) of the whole system, frequency rising.
+    /// Returns the damped modes in rising order of frequency, from the eigenvalues −ζω ± iω√(1 − ζ²) of the whole system.
     pub fn modes(&self) -> [Mode; 3] {
         let mut modes = [Mode {
             omega_rad_s: 0.0,
@@ -145,7 +145,7 @@ impl Chain {
         modes
     }
 
-    /// The fastest that anything in it oscillates or decays, rad/s: the largest magnitude of an eigenvalue.
+    /// Returns the fastest rate of oscillation or decay, rad/s: the largest magnitude of an eigenvalue.
     pub fn fastest_rad_s(&self) -> f64 {
         let eigenvalues = self.matrix.complex_eigenvalues();
         eigenvalues
@@ -154,7 +154,7 @@ impl Chain {
             .fold(0.0, f64::max)
     }
 
-    /// Acceleration of the first mass by the cam alone, m/s².
+    /// Returns the acceleration of the first mass by the cam alone, m/s².
     fn excitation_mps2(&self, t_s: f64) -> f64 {
         let cam = self.cam.at(t_s);
         let mut force_n = self.stiffness_n_m[0] * cam.displacement;
@@ -165,7 +165,7 @@ impl Chain {
     }
 }
 
-/// The matrix of three springs, or dampers, in a chain whose first one ends outside.
+/// Returns the matrix of three springs, or dampers, in a chain whose first one ends outside.
 fn coupling(of: Vector3<f64>) -> Matrix3<f64> {
     let [a, b, c] = of.into();
     Matrix3::new(a + b, -b, 0.0, -b, b + c, -c, 0.0, -c, c)

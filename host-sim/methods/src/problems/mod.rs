@@ -1,20 +1,20 @@
-//! Problems whose answers are known, to judge methods by.
+//! Problems with known solutions, to compare methods.
 //!
-//! One file each: the equations, their parameters with the source, and the values to compare with. Values that were published
-//! are marked so; what was computed here is in the tests instead.
+//! Each file has the equations, their parameters with the source, and the values to compare with. Published values are marked
+//! so; values that were computed here are in the tests.
 //!
-//! | problem | what it tries |
+//! | problem | tests |
 //! | --- | --- |
-//! | [`Oscillator`] | stability, order, energy: the answer is a formula |
+//! | [`Oscillator`] | stability, order, energy: the solution is a formula |
 //! | [`Pendulum`] | smooth and nonlinear; conservative, or damped and driven |
 //! | [`Andrews`] | a closed-loop linkage at speed: seven bodies, six constraints |
 //! | [`Hires`] | mildly stiff chemistry |
 //! | [`VanDerPol`] | very stiff, with jumps |
-//! | [`BouncingBall`] | events that crowd together |
+//! | [`BouncingBall`] | events at ever shorter intervals |
 //! | [`Chain`] | the elastic follower of a cam: a machine of this kind, linear, with a fast mode |
 //! | [`Crusher`] | forces that begin and end within a turn, an inertia that changes with the angle |
 //! | [`FiveBarArm`] | two coupled rotors: an inertia that changes with the angles, contact and friction |
-//! | [`Screen`] | a decision: whether a motor of limited power gets through a resonance |
+//! | [`Screen`] | a decision: whether a motor of limited power passes a resonance |
 
 pub mod andrews;
 pub mod bouncing_ball;

@@ -18,7 +18,7 @@ pub struct Oscillator {
 }
 
 impl Oscillator {
-    /// An oscillator that nothing drives.
+    /// Returns an oscillator without a driving force.
     pub fn free(omega_rad_s: f64, zeta: f64) -> Self {
         Self {
             omega_rad_s,
@@ -28,19 +28,19 @@ impl Oscillator {
         }
     }
 
-    /// A, of y′ = A y + b.
+    /// Returns A of y′ = A y + b.
     fn matrix_2(&self) -> Matrix2<f64> {
         let omega = self.omega_rad_s;
         Matrix2::new(0.0, 1.0, -omega * omega, -2.0 * self.zeta * omega)
     }
 
-    /// Energy per unit mass, ½ v² + ½ ω² q².
+    /// Returns the energy per unit mass, ½ v² + ½ ω² q².
     pub fn energy(&self, y: &[f64]) -> f64 {
         0.5 * (y[1] * y[1] + (self.omega_rad_s * y[0]).powi(2))
     }
 
-    /// The state at `t_s` of an underdamped (ζ < 1) oscillator that was at `y0` at time 0, to rounding: the steady motion
-    /// under the force, and the free decay of what differs from it at the start. Not for ν = ω without damping.
+    /// Returns the state at `t_s` of an underdamped (ζ < 1) oscillator that was at `y0` at time 0, to rounding. It is the steady
+    /// motion under the force, and the free decay of the difference at the start. It does not hold for ν = ω without damping.
     pub fn exact(&self, t_s: f64, y0: [f64; 2]) -> [f64; 2] {
         let (omega, nu) = (self.omega_rad_s, self.drive_rad_s);
         let decay = self.zeta * omega;

@@ -1,6 +1,6 @@
 //! The pendulum q″ = −sin q − c q′ + F cos νt, in units of its own small-swing time 1/ω₀.
 //!
-//! Smooth and nonlinear. Free (c = F = 0) it keeps its energy; damped and driven it has all that a general machine has.
+//! It is smooth and nonlinear. Free (c = F = 0), it conserves its energy; damped and driven, it is like a general machine.
 
 use nalgebra::DMatrix;
 
@@ -18,21 +18,21 @@ pub struct Pendulum {
 }
 
 impl Pendulum {
-    /// Neither damped nor driven.
+    /// Returns a pendulum that is neither damped nor driven.
     pub const FREE: Self = Self {
         damping: 0.0,
         torque: 0.0,
         drive: 0.0,
     };
 
-    /// Damped and driven, far from linear at a start such as (2, 0).
+    /// Returns a damped and driven pendulum, far from linear at a start such as (2, 0).
     pub const DRIVEN: Self = Self {
         damping: 0.2,
         torque: 0.5,
         drive: 2.0 / 3.0,
     };
 
-    /// Energy ½ v² + 1 − cos q.
+    /// Returns the energy ½ v² + 1 − cos q.
     pub fn energy(&self, y: &[f64]) -> f64 {
         0.5 * y[1] * y[1] + 1.0 - y[0].cos()
     }
