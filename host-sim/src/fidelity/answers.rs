@@ -1,4 +1,4 @@
-//! The outputs of a run, gathered tick by tick, and within a tick step by step.
+//! Outputs of a run, collected in every tick, and in every step within a tick.
 
 use cophase_core::supervisor::State;
 use cophase_core::units::PerAxis;
@@ -8,24 +8,24 @@ use crate::axes::per_axis;
 use crate::machine::Pose;
 use crate::sim::{Moment, Observer};
 
-/// What a run answered, an entry for each of [`Output::ALL`]; none where its model level does not know.
+/// Answers of a run, one for each of [`Output::ALL`]; `None` for an output that its model level does not compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answers {
     greatest: [Option<f64>; Output::ALL.len()],
-    /// The machine's equations went no further.
+    /// True if the machine's equations diverged.
     is_broken: bool,
-    /// Commanded places of the cranks at the end of the last tick, turns.
+    /// Commanded positions of the cranks at the end of the last tick, turns.
     aim_before: PerAxis<f64>,
 }
 
 impl Answers {
-    /// One of them.
+    /// Returns one answer.
     pub fn of(&self, output: Output) -> Option<f64> {
         self.greatest[output as usize]
     }
 
-    /// True if every motor kept step, none was at its torque limit, and the machine's equations came to their end. Otherwise what comes
-    /// after may be another answer with every step and model level.
+    /// Returns true if no motor lost a step or reached its torque limit, and the equations did not diverge. Otherwise, later
+    /// values may differ with every step length and model level.
     pub fn is_regular(&self) -> bool {
         !self.is_broken && self.of(Output::Slips).is_none_or(|axes| axes == 0.0)
     }
@@ -35,7 +35,7 @@ impl Answers {
         *most = Some(most.map_or(value, |most| most.max(value)));
     }
 
-    /// How far cranks are from where they are to be, turns.
+    /// Adds the deviations of the cranks from their commanded positions, turns.
     fn errors(&mut self, errors: impl Iterator<Item = f64>) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for error in errors {
@@ -46,13 +46,13 @@ impl Answers {
         self.most(Output::Spread, high - low);
     }
 
-    /// Takes in tilt and acceleration of the platform.
+    /// Adds tilt and acceleration of the platform.
     fn posed(&mut self, pose: &Pose) {
         self.most(Output::Tilt, pose.tilt_x_mrad.hypot(pose.tilt_y_mrad));
         self.most(Output::Amax, pose.accel_mps2.abs());
     }
 
-    /// The tick's end.
+    /// Adds the values at the end of a tick.
     fn at_end(&mut self, moment: &Moment<'_>) {
         self.errors(moment.errors());
         self.posed(&moment.pose());
@@ -65,7 +65,7 @@ impl Answers {
         }
     }
 
-    /// Between the ticks' ends: extremes fall there, and torques jump with what drives are commanded.
+    /// Adds the values of a step within a tick. Extremes occur there, and torques jump with the commands of the drives.
     fn within(&mut self, moment: &Moment<'_>) {
         let machine = moment.machine;
         for accel_mps2 in machine
@@ -99,8 +99,8 @@ impl Answers {
     }
 }
 
-/// Observes the cranks while they move as commanded: in running and stopping. What drives do as they are switched on is not
-/// requested.
+/// Observes the cranks while they move as commanded: in running and stopping. The motion when drives are switched on does not
+/// count.
 impl Observer for Answers {
     fn tick(&mut self, moment: &Moment<'_>) {
         let machine = moment.machine;

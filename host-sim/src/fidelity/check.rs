@@ -1,4 +1,4 @@
-//! Whether the model level that was chosen does, by running a sample of the scene on it and on others.
+//! Check of the chosen model level: runs a sample of the scene on it and on other levels.
 
 use super::choice::{Choice, Judged};
 use super::choose::{STEP_PART, available, is_undisturbed, judge, questions};
@@ -8,11 +8,11 @@ use crate::scene::file::{Fidelity, Questions};
 use crate::scene::{Checked, SceneError};
 use crate::sim::simulate;
 
-/// A model level is taken by what a sample shows if that is no more of a difference than this part of each tolerance: what the rest
-/// of the scene may add has the other part.
+/// Part of each tolerance that the difference in a sample may use, if it is to confirm a model level. The other part is for the rest
+/// of the scene.
 const WELL_WITHIN: f64 = 0.5;
 
-/// The sample of a scene, run on one of its model levels.
+/// Runs the sample of a scene on one of its model levels.
 ///
 /// # Errors
 /// The scene lacks what the model level needs.
@@ -20,18 +20,18 @@ pub fn answers(checked: &Checked, model_level: Fidelity) -> Result<Answers, Scen
     run(&sample::on(checked, model_level)?)
 }
 
-/// Answers of a whole scene.
+/// Runs a scene, and returns its answers.
 pub(super) fn run(checked: &Checked) -> Result<Answers, SceneError> {
     let mut answers = Answers::default();
     simulate(checked, &mut answers, |_, _| {})?;
     Ok(answers)
 }
 
-/// A scene on the model level, and with the step, that its sample bears out. It is the same as before if the scene itself requires a
-/// model level, or nothing.
+/// Returns a scene with the model level and the step that its sample confirms. The scene is unchanged if it sets its model level, or
+/// has no questions.
 ///
 /// # Errors
-/// A model level that cannot be run after all.
+/// A model level cannot be run.
 pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     let Some(choice) = checked.choice.take_if(|choice| !choice.judged.is_empty()) else {
         return Ok(checked);
@@ -45,7 +45,7 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     let trial = Trial::new(&checked);
     let run = |model_level| Settled::new(sample::on(&checked, model_level)?);
     let right = run(top)?.settled(&trial.questions)?;
-    // The lowest first: bounds are wide.
+    // The lowest first, as bounds are wide.
     for &model_level in below {
         let mut judged = trial.judge(model_level);
         let first = run(model_level)?;
@@ -64,15 +64,15 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     Ok(taken(checked, choice, why, top, judged, &right))
 }
 
-/// Evidence that the sample of a scene gives.
+/// Evidence from the sample of a scene.
 struct Trial {
     questions: Questions,
-    /// Bounds of the scene's machine; none where something happens to it that they do not know of.
+    /// Bounds of the scene's machine; `None` for a disturbed machine.
     bounds: Option<Bounds>,
     resolution: f64,
-    /// The sample is all of the scene.
+    /// True if the sample is the whole scene.
     is_whole: bool,
-    /// The method is the scene's own: both runs have its steps, so that the sample does not show what these are off by.
+    /// True if the scene sets the method. Then both runs have the same steps, and the sample does not show the errors of these.
     is_imposed: bool,
 }
 
@@ -98,17 +98,17 @@ impl Trial {
         )
     }
 
-    /// True for an output that is known to be within its tolerance, which no sample denies.
+    /// Returns true if an output is known to be within its tolerance, and the sample does not contradict that.
     fn is_fair(&self, judged: &Judged, right: &Settled) -> bool {
         let is_known = judged.is_bounded() || !self.is_imposed && self.is_borne_out(judged, right);
         is_known && !is_denied(judged)
     }
 
-    /// True if the sample shows an output to be well within its tolerance, where it is evidence at all.
+    /// Returns true if the sample is evidence, and shows an output to be well within its tolerance.
     fn is_borne_out(&self, judged: &Judged, right: &Settled) -> bool {
-        // A part of a scene does not show what nothing bounds, nor which motors slip in the rest.
+        // A part of a scene is no evidence for an output without a bound, nor for motors that slip in the rest.
         let is_evidence = self.is_whole || judged.output != Output::Slips && judged.bound.is_some();
-        // A motor that slips decides what comes after.
+        // After a motor has slipped, runs are not comparable.
         right.is_regular
             && is_evidence
             && judged
@@ -116,7 +116,7 @@ impl Trial {
                 .is_some_and(|(off, _)| off <= self.well_within() * judged.tolerance)
     }
 
-    /// The part of a tolerance that a difference in the sample may use up.
+    /// Returns the part of a tolerance that a difference in the sample may use.
     fn well_within(&self) -> f64 {
         if self.is_whole {
             1.0 - STEP_PART
@@ -144,7 +144,7 @@ impl Trial {
     }
 }
 
-/// False where no sample can change anything: there is one model level alone, or the bounds of the lowest are enough.
+/// Returns false if a sample cannot change the choice: there is one model level only, or the bounds of the lowest are sufficient.
 pub(super) fn needs_sample(choice: &Choice, model_levels: &[Fidelity]) -> bool {
     let is_plain = |judged: &Judged| {
         judged
@@ -155,7 +155,7 @@ pub(super) fn needs_sample(choice: &Choice, model_levels: &[Fidelity]) -> bool {
     !(is_lowest && (model_levels.len() == 1 || choice.judged.iter().all(is_plain)))
 }
 
-/// Whether the sample is farther off than is required, or than the bound has it.
+/// Returns true if the difference in the sample exceeds the tolerance, or the bound.
 fn is_denied(judged: &Judged) -> bool {
     judged.measured.is_none_or(|(off, _)| {
         off > judged.tolerance || judged.bound.is_some_and(|bound| off > bound)
@@ -181,7 +181,7 @@ fn taken(
     checked
 }
 
-/// A scene with the values that its run has for what was requested. Bounds are those of a run in which all is regular.
+/// Returns a scene with the values of its run for each requested output. Bounds hold only for a regular run.
 #[must_use]
 pub fn answered(mut checked: Checked, answers: &Answers) -> Checked {
     let judged = checked
@@ -199,7 +199,7 @@ pub fn answered(mut checked: Checked, answers: &Answers) -> Checked {
     checked
 }
 
-/// Puts how far a run's answers are off another's, on the model level `against`, beside each bound.
+/// Adds the difference between a run's answers and those of another run, on the model level `against`, to each bound.
 pub fn compare(judged: &mut [Judged], found: &Answers, right: &Answers, against: Fidelity) {
     for judged in judged {
         let output = judged.output;

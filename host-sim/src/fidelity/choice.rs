@@ -1,40 +1,40 @@
-//! A model level that was chosen, and why.
+//! Chosen model level, and the reason.
 
 use super::Output;
 use crate::scene::file::Fidelity;
 
-/// A model level, and why.
+/// Chosen model level, and the reason.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    /// The model level.
+    /// Model level.
     pub model_level: Fidelity,
-    /// Why, in a sentence.
+    /// Reason, as a sentence.
     pub why: String,
-    /// Part that it leaves out of each requested output.
+    /// Judgement of each requested output.
     pub judged: Vec<Judged>,
-    /// By how much what swings may be off by the method's step, of itself.
+    /// Permitted relative error of oscillations by the method's step.
     pub resolution: f64,
 }
 
-/// A requested output, and how well a model level answers it.
+/// Requested output, and the accuracy of its answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judged {
-    /// Which.
+    /// Output.
     pub output: Output,
-    /// By how much it may be off, in [`Output::unit`].
+    /// Permitted error, in [`Output::unit`].
     pub tolerance: f64,
-    /// By how much it is off at most; none where nothing bounds it, or the scene does not say enough to compute it.
+    /// Bound on the error; `None` if there is none, or if the scene lacks data for it.
     pub bound: Option<f64>,
-    /// Value in the run, in [`Output::value_unit`]; none before the run, and where the model level does not know it.
+    /// Value in the run, in [`Output::value_unit`]; `None` before the run, and if the model level does not compute it.
     pub value: Option<f64>,
-    /// By how much it differed over a sample, and from which model level; none before that was run.
+    /// Difference in a sample, and the model level compared with; `None` before the sample was run.
     pub measured: Option<(f64, Fidelity)>,
-    /// By how much half the step changes it over a sample; none where nothing is integrated, and before that was run.
+    /// Change in a sample by half the step; `None` if nothing is integrated, and before the sample was run.
     pub step_error: Option<f64>,
 }
 
 impl Judged {
-    /// Whether it is surely within what is required.
+    /// Returns true if the bound is within the tolerance.
     pub fn is_bounded(&self) -> bool {
         self.bound.is_some_and(|bound| bound <= self.tolerance)
     }

@@ -1,4 +1,4 @@
-//! Which model level, by what is known without a run.
+//! Choice of a model level without a run.
 
 use super::choice::{Choice, Judged};
 use super::{Bounds, Output};
@@ -6,7 +6,7 @@ use crate::machine::RESOLUTION;
 use crate::scene::file::{Fidelity, Questions};
 use crate::scene::{Checked, SceneError};
 
-/// Part of each tolerance that the method's step may use up.
+/// Part of each tolerance that the method's step may use.
 pub(super) const STEP_PART: f64 = 0.1;
 
 /// All model levels, the lowest first.
@@ -18,7 +18,7 @@ pub const LADDER: [Fidelity; 5] = [
     Fidelity::Elastic,
 ];
 
-/// What a scene asks: what it declares, or else whether its motors keep step, if it says what they can.
+/// Returns the questions of a scene. Without any, the question is which motors slip, if the scene has their torque limits.
 pub fn questions(checked: &Checked) -> Questions {
     let declared = checked.scene.questions;
     let axes = &checked.scene.axes;
@@ -32,7 +32,7 @@ pub fn questions(checked: &Checked) -> Questions {
     declared
 }
 
-/// How well a model level answers what is required, with a method of that resolution.
+/// Judges each requested output of a model level, with a method of that resolution.
 pub fn judge(
     bounds: Option<&Bounds>,
     questions: &Questions,
@@ -54,11 +54,11 @@ pub fn judge(
         .collect()
 }
 
-/// The lowest model level whose bounds are within what is required, of those that a scene says enough for. The level is chosen as if
-/// nothing disturbed the machine; if something does, no bound is claimed.
+/// Chooses the lowest model level whose bounds are within the tolerances, of those for which a scene has enough data. The choice
+/// assumes an undisturbed machine. A disturbed one has no bounds.
 ///
 /// # Errors
-/// A question that only model levels answer for which the scene lacks something.
+/// A question needs a model level for which the scene lacks data.
 pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     let mut choice = choose_undisturbed(checked)?;
     if !is_undisturbed(checked) {
@@ -69,7 +69,7 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     Ok(choice)
 }
 
-/// True if nothing happens to the machine that bounds do not know of.
+/// Returns true if no fault or noise of the load disturbs the machine. Bounds do not include these.
 pub(super) fn is_undisturbed(checked: &Checked) -> bool {
     checked.scene.fault.is_empty() && checked.scene.noise.load_nm == 0.0
 }
@@ -85,11 +85,11 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
     let bounds = Bounds::new(checked);
     let bounds = match bounds {
         Ok(bounds) => bounds,
-        // Of servos the torques cannot be compared without rotors.
+        // Without rotors, the torques of servos cannot be compared.
         Err(_) if checked.scene.questions.is_none() && checked.scene.axes.pull_out.is_empty() => {
             return Ok(without_questions(checked));
         }
-        // Nothing was requested explicitly: the torques are compared, and that is said.
+        // There is no explicit question, so the torques are compared. The reason says so.
         Err(_) if checked.scene.questions.is_none() => {
             return Ok(Choice {
                 model_level: Fidelity::QuasiStatic,
@@ -100,7 +100,7 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
                 resolution: RESOLUTION,
             });
         }
-        // Nothing is lacking: what it says of the method, or of cranks apart, does not go.
+        // No data is missing, but the method or the cranks' offsets are invalid.
         Err(wrong)
             if ["method", "axes.offset_deg", "axes.ratio"]
                 .iter()
@@ -121,7 +121,7 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
             ));
         }
     };
-    // A method or step of the scene's own is as good as it is.
+    // A method or step that the scene sets is not changed.
     let resolution = bounds
         .imposed()
         .unwrap_or_else(|| resolution(&bounds, &questions));
@@ -150,15 +150,15 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
     })
 }
 
-/// Part of a model level's error text that says what to give, without what it says of the model level.
+/// Returns the part of a model level's error text that says which data to give.
 fn what_is_needed(problem: &str) -> &str {
     let given = problem.split("so give ").nth(1).unwrap_or(problem);
     given.split(", or let fidelity").next().unwrap_or(given)
 }
 
-/// How well a method has to follow what swings, as far as that is known without a run: to [`STEP_PART`] of the tightest tolerance, by
-/// what torque does to that output at most. Never worse than a percent, as what slips is a matter of more than its size, nor better than
-/// is ever seen.
+/// Returns the permitted relative error of oscillations, as far as it is known without a run. It makes at most [`STEP_PART`] of the
+/// tightest tolerance, by the largest effect of torque on that output. It is at most a percent, as slipping depends on more than the
+/// amplitude, and at least 1e-6, below which no difference shows.
 fn resolution(bounds: &Bounds, questions: &Questions) -> f64 {
     let parts = Output::ALL.into_iter().filter_map(|output| {
         let whole = bounds.of(Fidelity::QuasiStatic, output)?;
@@ -168,8 +168,8 @@ fn resolution(bounds: &Bounds, questions: &Questions) -> f64 {
     parts.fold(1e-2, f64::min).max(1e-6)
 }
 
-/// Nothing is required: cranks are where commanded, and followers, where the scene gives their masses and springs, what these
-/// make of the law.
+/// Returns the choice for a scene without questions: kinematic for cranks. For followers whose masses and springs the scene has, it
+/// is elastic.
 fn without_questions(checked: &Checked) -> Choice {
     let gives = checked.cam.is_some_and(|cam| cam.links.is_some());
     let (model_level, why) = if gives {
@@ -206,7 +206,7 @@ fn why(bounds: &Bounds, model_level: Fidelity, is_top: bool) -> String {
     }
 }
 
-/// Model levels that the scene says enough for, the lowest first.
+/// Returns the model levels for which the scene has enough data, the lowest first.
 pub fn available(checked: &Checked) -> Vec<Fidelity> {
     LADDER
         .into_iter()

@@ -1,27 +1,27 @@
-//! Time that the choice of a model level takes, estimated before it is made.
+//! Estimate of the time that the choice of a model level takes.
 
 use super::check::needs_sample;
 use super::choose::available;
 use super::sample;
 use crate::scene::{Checked, SceneError};
 
-/// Sample runs of a scene, in runs on its top model level.
+/// Sample runs of a scene, expressed as runs on its top model level.
 #[derive(Clone, Debug)]
 pub struct SampleRuns {
-    /// The sample, on that level.
+    /// Sample on that level.
     pub sample: Checked,
-    /// How many runs of it take about as long as all of them.
+    /// Number of its runs that take about as long as all sample runs.
     pub times: f64,
 }
 
-/// The sample is run on the top level, and again with half the step, which takes twice as long. The level that is taken may be another
-/// one, likewise. Over random scenes it comes to 3 to 8 runs; a step that has to be halved again adds 4 and more.
+/// Typical number of such runs. The sample is run on the top level, and again with half the step, which takes twice as long; and the
+/// same on the level that is chosen. Random scenes need 3 to 8 runs; a further halving of the step adds 4 and more.
 const TIMES: f64 = 5.0;
 
-/// Sample runs that [`super::check`] will make; none where no sample is run.
+/// Returns the sample runs that [`super::check`] will make; `None` if it makes none.
 ///
 /// # Errors
-/// The scene lacks what its top model level needs.
+/// The scene lacks data for its top model level.
 pub fn sample_runs(checked: &Checked) -> Result<Option<SampleRuns>, SceneError> {
     let Some(choice) = checked
         .choice

@@ -1,18 +1,18 @@
-//! How much model a scene needs: the lowest model level of the ladder that answers what it asks, as well as it asks.
+//! Choice of a scene's model level: the lowest that answers its questions within their tolerances.
 //!
-//! Words:
-//! - a **model level** is a [`Fidelity`](crate::scene::file::Fidelity); each knows all that those below it know, and more;
-//! - an **output** is a number that a run comes to ([`Output`]): the largest lag, the largest tilt …;
+//! Terms:
+//! - a **model level** is a [`Fidelity`](crate::scene::file::Fidelity); each computes all that the levels below it compute, and more;
+//! - an **output** is a result of a run ([`Output`]), such as the largest lag or tilt;
 //! - a **question** is an output with a tolerance, from a scene's `[questions]`;
-//! - a **bound** says by how much a model level's output may be off what the top model level has, for what the model level leaves out.
+//! - a **bound** limits the difference between an output of a model level and that of the top level, by the effects that the level
+//!   neglects.
 //!
-//! It goes in two steps. [`choose`] computes bounds from dimensionless numbers: torque over pull-out torque, frequency over
-//! that of motor and crank, and the phase errors that come of them ([`Bounds`]). That needs no run, and is done with every
-//! scene that leaves its fidelity to be chosen. Then [`check`] runs a sample of the scene ([`sample`]) on the model level and on the one
-//! above, and on those below: a model level whose measured difference is too large is left for the next, and one below whose
-//! measured difference is well within tolerance is taken, as bounds are wide.
+//! The choice has two steps. [`choose`] computes bounds from dimensionless numbers ([`Bounds`]): torque over pull-out torque, frequency
+//! over that of motor and crank, and the resulting phase errors. That needs no run, and is done for every scene with `fidelity =
+//! "auto"`. Then [`check`] runs a sample of the scene ([`sample`]) on the top level and on those below, the lowest first. It rejects a
+//! level whose difference is too large. As bounds are wide, it takes a level whose difference is well within the tolerance.
 //!
-//! What the sample does not show, the bound has to: both are reported, side by side.
+//! The report has both the bound and the difference in the sample.
 
 mod answers;
 mod bounds;

@@ -1,8 +1,8 @@
-//! What a run comes to, as far as it can be requested.
+//! Outputs of a run that a scene can request.
 
 use crate::scene::file::Questions;
 
-/// An output, in the order of [`Output::ALL`].
+/// Output of a run, in the order of [`Output::ALL`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
     /// Largest lag or lead of a crank while running, degrees.
@@ -11,18 +11,18 @@ pub enum Output {
     Spread,
     /// Largest tilt of the platform, mrad.
     Tilt,
-    /// Largest acceleration of the platform, m/s²; requested in percent of itself.
+    /// Largest acceleration of the platform, m/s²; its tolerance is in percent of it.
     Amax,
-    /// Largest torque of a motor, N·m; requested in percent of itself.
+    /// Largest torque of a motor, N·m; its tolerance is in percent of it.
     Torque,
-    /// Which steppers fell out of step, and which servos reached their torque limit, a bit each; requested exactly.
+    /// Set of the steppers that slipped and the servos that reached their torque limit, a bit each; always exact.
     Slips,
-    /// Largest force on the ground beyond the weight, N; requested in percent of itself.
+    /// Largest force on the ground beyond the weight, N; its tolerance is in percent of it.
     Ground,
 }
 
 impl Output {
-    /// All of them.
+    /// All outputs.
     pub const ALL: [Self; 7] = [
         Self::Lag,
         Self::Spread,
@@ -33,7 +33,7 @@ impl Output {
         Self::Ground,
     ];
 
-    /// Its key in `[questions]`, which carries the unit of its tolerance.
+    /// Returns its key in `[questions]`, which has the unit of its tolerance.
     pub const fn key(self) -> &'static str {
         match self {
             Self::Lag => "lag_deg",
@@ -46,7 +46,7 @@ impl Output {
         }
     }
 
-    /// What it is, in words.
+    /// Returns its name in words.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Lag => "lag of a crank",
@@ -59,7 +59,7 @@ impl Output {
         }
     }
 
-    /// The unit of tolerance, bound and difference.
+    /// Returns the unit of tolerance, bound and difference.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Lag | Self::Spread => "°",
@@ -69,7 +69,7 @@ impl Output {
         }
     }
 
-    /// The unit of its value.
+    /// Returns the unit of its value.
     pub const fn value_unit(self) -> &'static str {
         match self {
             Self::Amax => "m/s²",
@@ -79,7 +79,7 @@ impl Output {
         }
     }
 
-    /// By how much it may be off, if it is requested.
+    /// Returns the permitted error, if the output is requested.
     pub fn tolerance(self, questions: &Questions) -> Option<f64> {
         match self {
             Self::Lag => questions.lag_deg,
@@ -87,13 +87,13 @@ impl Output {
             Self::Tilt => questions.tilt_mrad,
             Self::Amax => questions.amax_percent,
             Self::Torque => questions.torque_percent,
-            // Half a motor: none may differ.
+            // Half a motor, so no motor may differ.
             Self::Slips => (questions.slips == Some(true)).then_some(0.5),
             Self::Ground => questions.ground_percent,
         }
     }
 
-    /// How far `found` is off `right`, in the unit of the tolerance.
+    /// Returns the difference between `found` and `right`, in the unit of the tolerance.
     pub fn difference(self, found: f64, right: f64) -> f64 {
         match self {
             Self::Lag | Self::Spread | Self::Tilt => (found - right).abs(),

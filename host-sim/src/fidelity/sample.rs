@@ -1,19 +1,19 @@
-//! A shorter scene that shows what the whole one would.
+//! Sample of a scene: a shorter scene with the same lags and torques.
 //!
-//! Lags and torques come of speeds and of changing them; holding a speed for longer shows the same turns again. So holds are
-//! cut, repeated blocks are played once, and ramps stay as they are. A scene in which something happens at a time stays
-//! whole, as that would come at another moment of its program. So does a short scene.
+//! Lags and torques depend on speeds and ramps; a longer hold repeats the same turns. So holds are shortened, repeated blocks are
+//! played once, and ramps are unchanged. A scene with events at stated times stays whole, as these would come at another moment of
+//! its program. A short scene stays whole, too.
 
 use crate::scene::file::{Fidelity, Segment};
 use crate::scene::{Checked, Scene, SceneError};
 
-/// What is left of a hold, s: time for what a change of speed sets swinging to die away, and for some turns.
+/// Duration of a shortened hold, s: enough for the oscillation after a ramp to decay, and for some turns.
 pub const HOLD_S: f64 = 0.3;
 
-/// Programs up to this length, s, stay whole: what the whole scene shows needs no bound to be believed.
+/// Duration of a program, s, up to which the sample is the whole scene. Such a sample is evidence without a bound.
 pub const WHOLE_S: f64 = 10.0;
 
-/// How long a scene's program takes, s.
+/// Returns the duration of a scene's program, s.
 fn program_s(scene: &Scene) -> f64 {
     length_s(&scene.program)
 }
@@ -27,10 +27,10 @@ fn length_s(program: &[Segment]) -> f64 {
     lengths.sum()
 }
 
-/// The sample of a scene on one of its model levels, with the scene's own step.
+/// Returns the sample of a scene on one of its model levels, with the scene's own step.
 ///
 /// # Errors
-/// The scene lacks what the model level needs.
+/// The scene lacks data for the model level.
 pub fn on(checked: &Checked, model_level: Fidelity) -> Result<Checked, SceneError> {
     let mut scene = of(&checked.scene);
     scene.fidelity = model_level;
@@ -40,7 +40,7 @@ pub fn on(checked: &Checked, model_level: Fidelity) -> Result<Checked, SceneErro
     Ok(sample)
 }
 
-/// The sample of a scene.
+/// Returns the sample of a scene.
 pub fn of(scene: &Scene) -> Scene {
     let mut sample = scene.clone();
     let is_timed = !(scene.command.is_empty()
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
     use crate::scene::library;
 
-    /// Were it wrong, a sample would take as long as its scene, or leave out its fastest turns.
+    /// If this fails, a sample takes as long as its scene, or lacks its fastest turns.
     #[test]
     fn holds_are_cut_and_levels_kept() {
         let scene = library::SCENES[0].scene();
@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(block, Some(1));
     }
 
-    /// Were it wrong, a stop that comes while the level is held would come after the program.
+    /// If this fails, a stop during a hold comes after the end of the sample's program.
     #[test]
     fn what_is_timed_stays_whole() {
         let mut scene = library::SCENES[0].scene();

@@ -1,4 +1,4 @@
-//! How short a method's step has to be: it is halved until half of it changes no answer any more.
+//! Step length of a method: it is halved until half of it changes no answer.
 
 use super::check::run;
 use super::choice::Judged;
@@ -8,28 +8,28 @@ use crate::machine::Machine;
 use crate::scene::file::Questions;
 use crate::scene::{Checked, SceneError};
 
-/// Steps are halved so often at most: what they still change then is not a matter of the step.
+/// Limit of halvings. A change that remains after that does not come from the step.
 const MOST_HALVINGS: u32 = 6;
 
-/// A method of order 1 is off by twice what half its step changes, and those of higher orders by less than that.
+/// Factor from the change by half a step to the error. It is 2 for a method of order 1, and less for higher orders.
 const OF_HALF_A_STEP: f64 = 2.0;
 
-/// Answers of a scene on a model level, and how much of them is due to the method's step.
+/// Answers of a scene on a model level, and their errors by the method's step.
 pub(super) struct Settled {
     checked: Checked,
-    /// Its answers.
+    /// Answers of the scene.
     pub answers: Answers,
-    /// All is regular, with this step and with half of it.
+    /// True if the runs with this step and with half of it are regular.
     pub is_regular: bool,
-    /// Answers with half the step; none before that was run, and where nothing is integrated.
+    /// Answers with half the step; `None` before that run, and if nothing is integrated.
     finer: Option<Answers>,
-    /// Half the step changes no answer by more than its part of the tolerance; always so of a step of the scene's own, which
-    /// is as good as it is.
+    /// True if half the step changes no answer by more than its part of the tolerance. Always true for a step that the scene sets,
+    /// which is not changed.
     is_short: bool,
 }
 
 impl Settled {
-    /// With the step that the scene has.
+    /// Runs a scene with its own step.
     pub fn new(checked: Checked) -> Result<Self, SceneError> {
         let answers = run(&checked)?;
         Ok(Self {
@@ -41,13 +41,13 @@ impl Settled {
         })
     }
 
-    /// How often the step that theory has was halved.
+    /// Returns how often the step from theory was halved.
     pub fn halvings(&self) -> u32 {
         self.checked.halvings
     }
 
-    /// The same with a step that is halved until half of it changes no answer by more than [`STEP_PART`] of its tolerance. A step of the
-    /// scene's own stays.
+    /// Halves the step until half of it changes no answer by more than [`STEP_PART`] of its tolerance. A step that the scene sets is
+    /// not changed.
     pub fn settled(mut self, questions: &Questions) -> Result<Self, SceneError> {
         if Machine::new(&self.checked)?.method().is_none() {
             return Ok(self);
@@ -75,7 +75,7 @@ impl Settled {
 
     fn is_short_for(&self, questions: &Questions) -> bool {
         Output::ALL.into_iter().all(|output| {
-            // Otherwise which motors slip is all that can be compared.
+            // Otherwise only the set of slipping motors can be compared.
             let is_compared = output == Output::Slips || self.is_regular;
             let allowed = output.tolerance(questions).filter(|_| is_compared);
             let both = allowed.zip(self.step_error(output));
@@ -83,7 +83,7 @@ impl Settled {
         })
     }
 
-    /// Puts the step's errors beside bounds, and adds them.
+    /// Adds the errors of the step to the bounds.
     pub fn add_steps(&self, judged: &mut [Judged]) {
         if self.finer.is_none() {
             return;

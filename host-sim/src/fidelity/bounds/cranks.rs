@@ -1,4 +1,4 @@
-//! By how much each model level of a platform on cranks may be off the top one, output by output.
+//! Bounds on the error of each model level of a platform on cranks, relative to the top level, for each output.
 
 use std::f64::consts::TAU;
 
@@ -9,39 +9,40 @@ use crate::fidelity::Output;
 use crate::mechanism::Mechanism;
 use crate::scene::file::Fidelity;
 
-/// What is allowed for that the computation leaves out: coefficients that change within a turn, and transients.
+/// Factor for effects that the computation neglects: coefficients that change within a turn, and transients.
 ///
-/// A crank whose inertia and stiffness change by a part ε twice a turn answers, to first order, with sidebands of ε/2 each,
-/// at most; where both are within their ranges of a resonance the worst over the ranges has been taken already.
+/// If inertia and stiffness of a crank change by a part ε twice a turn, its response has, to first order, sidebands of at most
+/// ε/2 each. Where their ranges hold a resonance, the bound already uses the worst values in these ranges.
 const MARGIN: f64 = 1.5;
 
-/// Factor on the steady answer of a mode that carries no crank, of a frame or of rods, as a ramp sets it swinging: at most twice that,
-/// as if the ramp came at once.
+/// Factor on the steady response of a mode of the frame or the rods, for the oscillation that a ramp excites. It is at most 2, as
+/// for a step.
 const SET_SWINGING: f64 = 2.0;
 
-/// What is to be known of a platform on cranks to bound what a model level leaves out.
+/// Data of a platform on cranks from which the bounds follow.
 #[derive(Clone, Debug)]
 pub struct Cranks {
     worst: Worst,
-    /// What a moving frame does to the platform's acceleration, as a part of it; 0 if the machine has none.
+    /// Change of the platform's acceleration by a moving frame, relative to amax; 0 without a frame.
     frame: f64,
-    /// What springs for rods do to it, which only model levels with cranks of their own know; 0 where rods settle.
+    /// Change of the platform's acceleration by elastic rods, relative to amax. Only levels from phased on compute it. It is 0 for
+    /// quasi-static rods.
     rods: f64,
-    /// How far the platform is from where quasi-static rods have it, m; 0 where they spring.
+    /// Largest distance of the platform from its position on quasi-static rods, m; 0 for elastic rods.
     quasi_static_m: f64,
-    /// mrad of tilt to a rad between cranks.
+    /// Tilt per difference between two cranks, mrad/rad.
     tilt_mrad: f64,
-    /// What is missed of a peak between two ticks, as a part of it.
+    /// Largest part of a peak that the samples at ticks miss.
     sampling: f64,
-    /// Motors whose torque has a limit: steppers beyond it slip, servos fall behind.
+    /// True for a motor with a torque limit: beyond it, a stepper slips and a servo lags.
     limited: Vec<bool>,
-    /// Whether all cranks turn as one, which is all that the linear computation knows; up to three may also be apart. With more, rods
-    /// pull on cranks that are apart, harder and softer over each turn, and what that excites has no bound here.
+    /// True if all cranks turn in phase, as the linear computation assumes. Up to three cranks may also be apart. With more, the
+    /// force of the rods on cranks that are apart changes within a turn, and its effect has no bound here.
     in_phase: bool,
 }
 
 impl Cranks {
-    /// Of a machine whose worst is known.
+    /// Creates the bounds of a machine from its worst values.
     pub fn new(
         driven: &Driven,
         drive: &Drive,
@@ -55,9 +56,9 @@ impl Cranks {
         let most_s = mechanism.greatest_s();
         let step_rad = drive.top_rad_s * drive.tick_s;
         Self {
-            // Corners ± half the spread away: at most 0.71 of it in the plane of 3 to 6, 0.5 of two.
+            // Corners that are off by ± half the spread tilt the plane of 3 to 6 of them by at most 0.71 of it, and of two by 0.5.
             tilt_mrad: 0.75e3 * mechanism.crank_radius_m() * most_s / body.mount_radius_m,
-            // Half a tick beside the peak.
+            // The nearest sample is at most half a tick from the peak.
             sampling: mechanism.peak_sharpness() * step_rad * step_rad / 8.0,
             limited: driven
                 .motors()
@@ -81,7 +82,7 @@ impl Cranks {
         }
     }
 
-    /// The dimensionless numbers and phase errors that they are made of, in words.
+    /// Returns a sentence with the dimensionless numbers and phase errors from which the bounds follow.
     pub fn numbers(&self) -> String {
         let worst = &self.worst;
         let most = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
@@ -101,21 +102,21 @@ impl Cranks {
         )
     }
 
-    /// Axis whose motor has the smallest part of the torque that steady turning requires of it, and required over available torque:
-    /// infinite where the motor has none left.
+    /// Returns the axis with the highest torque ratio at a steady speed, and that ratio: required over available torque. It is infinite
+    /// where the motor has no torque.
     pub fn torque_ratio(&self) -> (usize, f64) {
         let ratios = self.worst.torque_ratio_steady.iter().copied();
-        // Of equal ones the first.
+        // The first of equal ones.
         let most = ratios.enumerate().rev().max_by(|a, b| a.1.total_cmp(&b.1));
         most.unwrap_or((0, 0.0))
     }
 
-    /// How far the platform is from where quasi-static rods have it at most, m.
+    /// Returns the largest distance of the platform from its position on quasi-static rods, m.
     pub fn quasi_static_m(&self) -> f64 {
         self.quasi_static_m
     }
 
-    /// Whether every motor surely gives the torque that is required of it, oscillation and margin included.
+    /// Returns true if every motor can give the required torque, including oscillation and margin.
     pub fn keeps_step(&self) -> bool {
         self.worst
             .torque_ratio
@@ -123,8 +124,8 @@ impl Cranks {
             .all(|used| MARGIN * used < 1.0)
     }
 
-    /// By how much a model level's output may be off the top model level's, in the unit of its tolerance; infinite where the model level cannot
-    /// answer, or nothing bounds it.
+    /// Returns the bound on the difference between an output of a model level and that of the top level, in the unit of its tolerance.
+    /// It is infinite if the level does not compute the output, or if there is no bound.
     pub fn of(&self, model_level: Fidelity, output: Output) -> f64 {
         if output == Output::Slips {
             return self.slips();
@@ -133,7 +134,7 @@ impl Cranks {
             let knows = model_level == Fidelity::Elastic;
             return if knows { 0.0 } else { f64::INFINITY };
         }
-        // Half slipped is anywhere, and motors that are alike do not slip alike where they swing past what they have.
+        // A crank that slips can be anywhere, and equal motors that oscillate beyond their torque need not slip equally.
         if model_level < Fidelity::Phased && !(self.keeps_step() && self.in_phase) {
             return f64::INFINITY;
         }
@@ -148,10 +149,10 @@ impl Cranks {
         }
     }
 
-    /// Cranks that never lag.
+    /// Returns the bound of levels on which cranks do not lag.
     fn left_out_below_rigid(&self, output: Output) -> f64 {
         let worst = &self.worst;
-        // What changes the platform's acceleration changes what it asks of the cranks, where their lever is longest.
+        // A change of the platform's acceleration changes the required torque, most at the longest lever.
         let shaken = worst.torque_of_amax * (self.frame + self.rods);
         let of_torque = MARGIN * worst.torque + shaken;
         let shaken = 1.0 + shaken;
@@ -165,7 +166,7 @@ impl Cranks {
         }
     }
 
-    /// Cranks that lag alike.
+    /// Returns the bound of a level on which all cranks have the same lag.
     fn left_out_by_rigid(&self, output: Output) -> f64 {
         let rods = match output {
             Output::Amax => 100.0 * self.rods,
@@ -178,7 +179,7 @@ impl Cranks {
         }
         let worst = &self.worst;
         let apart = self.apart_rad();
-        // The part of what a crank does that is not the others'.
+        // Part of a crank's motion that the other cranks do not share.
         let part = (apart / (MARGIN * worst.lag_rad)).min(1.0);
         match output {
             Output::Lag | Output::Spread => degrees(apart) + rods,
@@ -191,12 +192,12 @@ impl Cranks {
         }
     }
 
-    /// A frame that does not move.
+    /// Returns the bound of a level on which the frame does not move.
     fn left_out_by_phased(&self, output: Output) -> f64 {
         if self.frame == 0.0 {
             return 0.0;
         }
-        // What shakes it by heave alone is known.
+        // The response of the frame is known for heave alone.
         if !self.in_phase {
             return f64::INFINITY;
         }
@@ -207,8 +208,8 @@ impl Cranks {
         }
     }
 
-    /// By how many motors a model level may be wrong about which of them slip. Where one may, nothing bounds it: a motor that
-    /// slips leaves its load to the others, and a step of the method may decide which does.
+    /// Returns the number of motors for which a model level may give a wrong answer about slipping. If one may slip, there is no
+    /// bound: its load passes to the others, and the method's step may decide which of them slips.
     fn slips(&self) -> f64 {
         let worst = &self.worst.torque_ratio;
         let may_slip = |i: usize| self.limited[i] && !(self.in_phase && MARGIN * worst[i] < 1.0);
@@ -223,7 +224,8 @@ impl Cranks {
         MARGIN * self.bent(self.worst.spread_rad)
     }
 
-    /// What a spring that gives way as a sine does gives more than a straight one: asin(e)/e at the worst motor.
+    /// Returns the deflection of a motor whose torque is a sine of its lag, from that of a linear spring: times asin(e)/e at the worst
+    /// motor.
     fn bent(&self, rad: f64) -> f64 {
         let used = self.worst.torque_ratio.iter().copied().fold(0.0, f64::max);
         let used = (MARGIN * used).clamp(1e-9, 1.0);

@@ -1,7 +1,7 @@
-//! By how much a pusher that follows its law may be off one that hangs on springs.
+//! Bounds on the difference between a pusher that follows its law exactly and one that is driven through springs.
 //!
-//! The chain of masses is linear, so that harmonic n of the law comes to the pusher times H(i nω), its transfer function. What is
-//! missed of the law's acceleration is then at most the sum of (nω)² |sₙ| |H(i nω) − 1|.
+//! The chain of masses is linear. So harmonic n of the law reaches the pusher multiplied by the transfer function H(i nω). The error
+//! of the acceleration is then at most the sum of (nω)² |sₙ| |H(i nω) − 1|.
 
 use nalgebra::{Complex, Matrix3, Vector3};
 
@@ -10,31 +10,31 @@ use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 use cophase_methods::problems::{Cam, Links, Shaft};
 
-/// Harmonics of the law. A modified sine has a jerk that jumps: harmonic n of its acceleration falls as 1/n², and what is beyond
-/// these is some percent of the peak, which [`TAIL`] allows for.
+/// Number of harmonics of the law. The jerk of a modified sine jumps, so harmonic n of its acceleration falls as 1/n². The harmonics
+/// beyond these are some percent of the peak, which [`TAIL`] allows for.
 const HARMONICS: u32 = 96;
 const SAMPLES: u32 = 1024;
-/// What the harmonics beyond may add, of the peak.
+/// Allowance for the harmonics beyond, relative to the peak.
 const TAIL: f64 = 0.02;
-/// What exact discretisation at its own step misses of a peak, of itself: half a step of 0.05 rad of the slowest mode.
+/// Part of a peak that exact discretisation misses at its own step: half a step of 0.05 rad of the slowest mode.
 const RESOLVED: f64 = 3.2e-4;
-/// Speeds looked at, up to the top.
+/// Number of speeds that are compared, up to the top speed.
 const SPEEDS: u32 = 40;
 
-/// How far followers are off their law.
+/// Deviation of followers from their law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Followers {
-    /// Of the acceleration, as a part of the law's greatest at top speed.
+    /// Deviation of the acceleration, relative to the law's peak at top speed.
     off: f64,
-    /// Highest speed over the frequency of the slowest mode.
+    /// Ratio of the highest speed to the frequency of the slowest mode.
     frequency_ratio: f64,
 }
 
 impl Followers {
-    /// Of a scene with cams.
+    /// Creates the bounds of a scene with cams.
     ///
     /// # Errors
-    /// It does not say what gives.
+    /// The scene has no masses and springs of followers.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
         let top = checked.on(Fidelity::Elastic)?;
         let given = top
@@ -59,7 +59,8 @@ impl Followers {
         })
     }
 
-    /// By how much a model level's output may be off the elastic one's. Cams turn as commanded on both.
+    /// Returns the bound on the difference between an output of a model level and that of the elastic level. Cams turn as commanded
+    /// on both.
     pub fn of(&self, model_level: Fidelity, output: Output) -> f64 {
         match output {
             Output::Torque | Output::Ground => f64::INFINITY,
@@ -69,7 +70,7 @@ impl Followers {
         }
     }
 
-    /// The numbers that it is made of, in words.
+    /// Returns a sentence with the numbers from which the bounds follow.
     pub fn numbers(&self) -> String {
         format!(
             "frequency ratio {:.3}, acceleration off by at most {:.1} %",
@@ -79,7 +80,7 @@ impl Followers {
     }
 }
 
-/// Sizes of the harmonics of the law's acceleration at 1 rad/s, m.
+/// Returns the amplitudes of the harmonics of the law's acceleration at 1 rad/s, m.
 fn harmonics(cam: &Cam) -> Vec<f64> {
     let by = std::f64::consts::TAU / f64::from(SAMPLES);
     let law: Vec<f64> = (0..SAMPLES)
@@ -97,7 +98,7 @@ fn harmonics(cam: &Cam) -> Vec<f64> {
     (1..=HARMONICS).map(size).collect()
 }
 
-/// x₃ over s at a frequency.
+/// Returns the transfer function x₃/s at a frequency.
 fn transfer(links: &Links, shaft: Shaft, radians: f64) -> Complex<f64> {
     let link = |i: usize| Complex::new(links.stiffness_n_m[i], radians * links.damping_n_s_m[i]);
     let mass = |i: usize| Complex::from(links.mass_kg[i] * radians * radians);
@@ -121,7 +122,8 @@ fn transfer(links: &Links, shaft: Shaft, radians: f64) -> Complex<f64> {
     solved.map_or(Complex::from(f64::INFINITY), |solved| solved[2])
 }
 
-/// All masses on all springs in a row: below the slowest mode of the chain, and near it where the last mass is the largest.
+/// Returns the frequency of all masses on all springs in series, rad/s. It is below the slowest mode of the chain, and near it if the
+/// last mass is the largest.
 fn slowest_rad_s(links: &Links) -> f64 {
     let compliance: f64 = links.stiffness_n_m.iter().map(|k| k.recip()).sum();
     let mass: f64 = links.mass_kg.iter().sum();
@@ -133,8 +135,8 @@ mod tests {
     use super::*;
     use cophase_methods::problems::Law;
 
-    /// Were the transfer function wrong, so would the bound be: slowly turned, the pusher follows; undamped, it is infinite where
-    /// the chain resonates (its published modes: 1718.3, 5610.0 and 34190.8 rad/s).
+    /// If this fails, the transfer function is wrong, and with it the bound. At low speed the pusher follows its law. Without damping
+    /// the function is infinite at the chain's modes (published: 1718.3, 5610.0 and 34190.8 rad/s).
     #[test]
     fn the_transfer_function_has_the_modes_of_the_chain() {
         let links = Links::damped([0.525, 0.102, 1.01], [0.768e7, 0.75e7, 10.2e7], 0.0);
@@ -146,7 +148,7 @@ mod tests {
         }
     }
 
-    /// The harmonics add up to the law's peak, or nearly: the tail is what is allowed for.
+    /// If this fails, the harmonics do not add up to the law's peak within the allowance for the tail.
     #[test]
     fn harmonics_hold_the_law() {
         let cam = Cam {

@@ -1,4 +1,4 @@
-//! What a frame that moves does to the platform's acceleration, by the frequency response of what stands on the ground.
+//! Effect of a moving frame on the platform's acceleration, from the frequency response of frame and foundation.
 //!
 //! Cranks in phase move the platform by z against the frame. Frame and platform together then have heave f with
 //!
@@ -7,7 +7,7 @@
 //! M_b b″ + c_g b′ + k_g b = c (f′ − b′) + k (f − b)
 //! ```
 //!
-//! (without a foundation b = 0), so that harmonic n of z″ is answered by G(nω) of itself in f″.
+//! (without a foundation b = 0). So harmonic n of z″ makes G(nω) of itself in f″.
 
 use nalgebra::{Complex, Matrix2, Vector2};
 
@@ -18,8 +18,8 @@ use crate::mechanism::Mechanism;
 
 const SPEEDS: u32 = 400;
 
-/// The largest acceleration of the frame at any steady speed up to the top, as a part of amax at the top: an upper bound,
-/// the sum over harmonics. 0 without a frame.
+/// Returns the largest acceleration of the frame at any steady speed up to the top speed, relative to amax at the top speed. It is an
+/// upper bound, the sum over harmonics; 0 without a frame.
 pub fn share(driven: &Driven, drive: &Drive) -> f64 {
     let Some(frame) = driven.frame() else {
         return 0.0;
@@ -53,7 +53,7 @@ pub fn share(driven: &Driven, drive: &Drive) -> f64 {
     even.chain(met).map(at_speed).fold(0.0, f64::max)
 }
 
-/// Frequencies in heave without damping, rad/s: of the frame with the platform on its springs, and of the foundation's.
+/// Returns the undamped heave frequencies, rad/s: that of frame and platform on the frame's springs, and that of the foundation.
 fn modes_rad_s(frame: &Layer, foundation: Option<&Layer>, load_kg: f64) -> [f64; 2] {
     let upper = frame.stiffness[0] / (frame.masses[0] + load_kg);
     let Some(block) = foundation else {
@@ -67,12 +67,12 @@ fn modes_rad_s(frame: &Layer, foundation: Option<&Layer>, load_kg: f64) -> [f64;
     [(mean - apart).max(0.0).sqrt(), (mean + apart).sqrt()]
 }
 
-/// |f″ / z″| at a frequency.
+/// Returns |f″ / z″| at a frequency.
 fn answer(frame: &Layer, foundation: Option<&Layer>, load_kg: f64, radians: f64) -> f64 {
     let spring = |layer: &Layer| Complex::new(layer.stiffness[0], radians * layer.damping[0]);
     let square = radians * radians;
     let own = spring(frame) - (frame.masses[0] + load_kg) * square;
-    // z″ = 1 pushes with −m.
+    // With z″ = 1, the force is −m.
     let push = Complex::from(-load_kg);
     let heave = match foundation {
         None => push / own,
@@ -90,8 +90,8 @@ fn answer(frame: &Layer, foundation: Option<&Layer>, load_kg: f64, radians: f64)
 mod tests {
     use super::*;
 
-    /// Were it wrong, a frame would be taken to move too little. Far above its resonance a free frame of mass M moves by
-    /// m/(M + m) of the platform; at it, by m ω²/(c ω) = m/((M + m) 2 ζ).
+    /// If this fails, the bound is below the true motion of a frame. Far above its resonance, a free frame of mass M moves by
+    /// m/(M + m) of the platform's motion; at resonance, by m ω²/(c ω) = m/((M + m) 2 ζ).
     #[test]
     fn a_frame_answers_as_its_closed_form() {
         let frame = Layer::new([90.0, 1.0, 1.0], [10.0, 1.0, 1.0], 1e6, 0.2, 0.05);
@@ -99,7 +99,7 @@ mod tests {
         let resonance = (1e6_f64 / 100.0).sqrt();
         let at_it = answer(&frame, None, 10.0, resonance);
         assert!((at_it - 0.1 / (2.0 * 0.05)).abs() < 1e-9, "{at_it}");
-        // A foundation that is very heavy is the ground.
+        // A very heavy foundation is like the ground.
         let heavy = Layer::new([1e9, 1.0, 1.0], [100.0, 1.0, 1.0], 1e12, 0.2, 0.05);
         let on_it = answer(&frame, Some(&heavy), 10.0, resonance);
         assert!((on_it / at_it - 1.0).abs() < 1e-3, "{on_it}");

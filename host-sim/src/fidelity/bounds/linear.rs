@@ -1,20 +1,20 @@
-//! How cranks answer to what their load asks of them, each a mass on its motor's spring: dimensionless numbers, and the
-//! phase errors that come of them.
+//! Linear response of cranks to the torque of their load, each a mass on its motor's spring: dimensionless numbers, and the
+//! resulting phase errors.
 //!
-//! Turning evenly at ω, a platform asks of each crank the torque T(α) = Σ Tₙ e^(inα). With the motor's
-//! stiffness k and damping d, and the inertia J of rotor and load's share, harmonic n moves the crank by
+//! At a steady speed ω, a platform requires the torque T(α) = Σ Tₙ e^(inα) of each crank. With the motor's stiffness k and damping
+//! d, and the inertia J of the rotor and its share of the load, harmonic n moves the crank by
 //!
 //! ```text
 //! xₙ = Tₙ / (k − J (nω)² + i nω d)
 //! ```
 //!
-//! J changes within a turn, from the rotor's alone to R² s² m/N more, and the load's own slope dT/dα adds to k or takes from
-//! it. So the worst is taken of both over their ranges: where these hold a resonance, only damping bounds the answer. The sum of
-//! the |xₙ| is an upper bound of a linear machine at any steady speed; that its coefficients change within the
-//! turn, and speeds within seconds, is left to the factor that [`super::Bounds`] has.
+//! J changes within a turn, between that of the rotor alone and R² s² m/N more. The slope dT/dα of the load adds to k, or reduces
+//! it. So the worst values within both ranges are used: where these hold a resonance, only damping bounds the response. The sum of
+//! the |xₙ| is an upper bound for a linear machine at any steady speed. The factor in [`super::Bounds`] allows for coefficients that
+//! change within the turn, and for speeds that change.
 //!
-//! A servo with torque feed-forward is left with what a tick's hold leaves of it: a part nω·tick of harmonic n. One without full
-//! velocity feed-forward follows its command besides, by a lag that grows with speed and needs no torque.
+//! With torque feed-forward, a servo's error is what the hold of a tick leaves: a part nω·tick of harmonic n. Without full velocity
+//! feed-forward, it also has a following error that grows with speed and needs no torque.
 
 use std::f64::consts::TAU;
 
@@ -24,56 +24,56 @@ use super::required_torque::{HARMONICS, RequiredTorque, SAMPLES};
 use crate::dynamics::{Body, Driven, Motor};
 use crate::mechanism::Mechanism;
 
-/// Speeds looked at, besides those of resonances.
+/// Number of speeds that are compared, beside those of resonances.
 const SPEEDS: u32 = 160;
 
-/// How a scene drives its cranks.
+/// Drive of a scene's cranks.
 #[derive(Clone, Debug)]
 pub struct Drive {
     /// Greatest speed of the master, rad/s.
     pub top_rad_s: f64,
-    /// Its greatest acceleration, rad/s².
+    /// Greatest acceleration of the master, rad/s².
     pub acceleration_rad_s2: f64,
-    /// How fast that changes at most, rad/s³.
+    /// Greatest jerk of the master, rad/s³.
     pub jerk_rad_s3: f64,
     /// Control tick, s.
     pub tick_s: f64,
-    /// Crank turns to a master turn, each axis.
+    /// Crank turns per master turn, of each axis.
     pub ratios: Vec<f64>,
-    /// Phase relative to the master, each axis, turns.
+    /// Phase relative to the master, of each axis, turns.
     pub offsets: Vec<f64>,
-    /// Whether the motor is commanded the torque of its load, each axis.
+    /// True for an axis with torque feed-forward.
     pub has_feed_forward: Vec<bool>,
 }
 
-/// The worst over all speeds up to the top.
+/// Worst values over all speeds up to the top speed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Worst {
-    /// Largest lag of any crank, rad; infinite where nothing bounds it.
+    /// Largest lag of any crank, rad; infinite if there is no bound.
     pub lag_rad: f64,
     /// Largest difference of two cranks' lags, rad.
     pub spread_rad: f64,
-    /// What the cranks' lag does to the platform's acceleration, as a part of amax at top speed.
+    /// Change of the platform's acceleration by the cranks' lags, relative to amax at top speed.
     pub amax: f64,
-    /// By how much motors' torques differ from what the load asks, as a part of the greatest of it.
+    /// Difference between the motors' torques and the load's, relative to the greatest torque of the load.
     pub torque: f64,
-    /// Torque of a crank at its longest lever under amax at top speed, over the greatest torque that the load asks of it: by how
-    /// much more a part of the acceleration may be of the torque.
+    /// Ratio of a crank's torque at its longest lever under amax at top speed to the greatest torque of its load. A relative change
+    /// of the acceleration, times this ratio, bounds that of the torque.
     pub torque_of_amax: f64,
-    /// Greatest stiffness of a motor over the greatest torque that the load asks of it, 1/rad.
+    /// Ratio of a motor's greatest stiffness to the greatest torque of its load, 1/rad.
     pub spring_per_rad: f64,
-    /// Torque over the most that the motor has (pull-out torque, or a servo's limit), each axis.
+    /// Torque over the motor's greatest torque (pull-out torque, or a servo's limit), of each axis.
     pub torque_ratio: Vec<f64>,
-    /// The same as the load alone asks it, without what oscillation adds.
+    /// The same ratio for the torque of the load alone, without oscillation.
     pub torque_ratio_required: Vec<f64>,
-    /// The same at a steady speed, and with the load's greatest torque in a turn instead of the sum of its harmonics: an estimate from
-    /// below where those two are bounds.
+    /// The same ratio at a steady speed, with the load's greatest torque in a turn in place of the sum of its harmonics. The other
+    /// two are upper bounds; this is a lower one.
     pub torque_ratio_steady: Vec<f64>,
-    /// Highest frequency that the load has at top speed (its second harmonic), over the lowest of motor and crank.
+    /// Ratio of the load's frequency at top speed (its second harmonic) to the lowest frequency of motor and crank.
     pub frequency_ratio: f64,
 }
 
-/// One crank at one speed.
+/// Crank at a speed.
 struct Crank {
     omega_rad_s: f64,
     stiffness: (f64, f64),
@@ -82,15 +82,15 @@ struct Crank {
     has_feed_forward: bool,
     /// Following error of its drive without load, rad.
     following_rad: f64,
-    /// What moves it: constant, then harmonics.
+    /// Torques that move it: a constant, then harmonics.
     torque_nm: [Complex<f64>; HARMONICS + 1],
-    /// Torque that the load requires, with feed-forward or without: at most the sum of its harmonics.
+    /// Upper bound on the load's torque, with or without feed-forward: the sum of its harmonics.
     required_nm: f64,
     most_nm: f64,
 }
 
 impl Crank {
-    /// By how much harmonic `n` moves it at most, rad.
+    /// Returns the largest motion by harmonic `n`, rad.
     fn moved_rad(&self, n: usize) -> f64 {
         let radians = n as f64 * self.omega_rad_s;
         let (low, high) = (
@@ -109,7 +109,7 @@ impl Crank {
         self.torque_nm[n].norm() / held
     }
 
-    /// How harmonic `n` moves it, at a place within the ranges of stiffness and inertia.
+    /// Returns the response to harmonic `n` at a point within the ranges of stiffness and inertia, rad.
     fn response(&self, n: usize, place: (f64, f64)) -> Complex<f64> {
         let radians = n as f64 * self.omega_rad_s;
         let stiffness = self.stiffness.0 + place.0 * (self.stiffness.1 - self.stiffness.0);
@@ -121,7 +121,7 @@ impl Crank {
         self.torque_nm[n] / held
     }
 
-    /// What the constant torque moves it by, rad; infinite where the load's slope is more than the spring.
+    /// Returns the deflection by the constant torque, rad; infinite if the load's slope exceeds the stiffness.
     fn standing_rad(&self) -> f64 {
         if self.stiffness.0 > 0.0 {
             self.torque_nm[0].re / self.stiffness.0
@@ -131,7 +131,7 @@ impl Crank {
     }
 }
 
-/// Places within the ranges of stiffness and inertia at which two cranks are compared.
+/// Points within the ranges of stiffness and inertia at which two cranks are compared.
 const PLACES: [(f64, f64); 6] = [
     (0.0, 0.0),
     (0.0, 0.5),
@@ -141,7 +141,7 @@ const PLACES: [(f64, f64); 6] = [
     (1.0, 1.0),
 ];
 
-/// The worst of a machine under a drive.
+/// Computes the worst values of a machine with a drive.
 pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     let body = driven.body();
     let required = RequiredTorque::by(body);
@@ -181,7 +181,7 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     worst
 }
 
-/// Takes in one speed.
+/// Adds the values at one speed.
 fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst) {
     for (i, crank) in cranks.iter().enumerate() {
         let mut lag = crank.standing_rad().abs();
@@ -193,7 +193,7 @@ fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst)
             let n_f64 = n as f64;
             // x″ = −R (h ω² + s α″): 2 h ω δω, and s δα″, with |s| at most the greatest h.
             amax += moved * (2.0 * n_f64 + n_f64 * n_f64);
-            // What the motor gives beyond what the load asks is what turns the inertia.
+            // The motor's torque beyond that of the load accelerates the inertia.
             let radians = n_f64 * crank.omega_rad_s;
             torque += crank.inertia.1 * radians * radians * moved;
         }
@@ -202,7 +202,7 @@ fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst)
         worst.amax = worst.amax.max(amax * at_top);
         worst.torque = worst.torque.max(torque);
         worst.spring_per_rad = worst.spring_per_rad.max(crank.stiffness.1);
-        // A servo gives its commanded torque besides what its lag makes it give.
+        // A servo's torque is its commanded torque, and that of its lag.
         let feed_forward_nm = if crank.has_feed_forward {
             crank.required_nm
         } else {
@@ -222,7 +222,7 @@ fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst)
     }
 }
 
-/// By how much two cranks' lags may differ, rad.
+/// Returns the bound on the difference between the lags of two cranks, rad.
 fn apart_rad(
     (i, one): (usize, &Crank),
     (j, other): (usize, &Crank),
@@ -250,7 +250,7 @@ fn apart_rad(
     standing + moved.fold(0.0, f64::max)
 }
 
-/// What is no number, as the difference of two that have no bound, has none either.
+/// Replaces NaN, such as the difference of two infinite bounds, by infinity.
 fn bounded(value: f64) -> f64 {
     if value.is_nan() { f64::INFINITY } else { value }
 }
@@ -272,8 +272,8 @@ fn crank(
     let rotor = body.rotors_kgm2[i];
     let has_feed_forward = drive.has_feed_forward[i];
     let mut torque_nm = [Complex::ZERO; HARMONICS + 1];
-    // While the speed changes, rotor and load require more. Feed-forward has that but for what a tick's hold leaves of it, and has no
-    // friction. What comes at once makes a swing of twice that at worst.
+    // While the speed changes, rotor and load require more torque. Feed-forward supplies it, except for what the hold of a tick leaves
+    // and for friction. A torque that begins suddenly causes an oscillation of at most twice the static deflection.
     let inertia = (rotor + load) * drive.ratios[i].abs();
     let ramp_nm = inertia * drive.acceleration_rad_s2;
     let at_once_nm = if has_feed_forward {
@@ -306,7 +306,7 @@ fn crank(
     }
 }
 
-/// The most that the load adds to a crank's inertia, whether all move alike or the platform tilts.
+/// Returns the greatest inertia that the load adds to a crank, for heave and for tilt.
 fn load_inertia_kgm2(body: &Body, required: &RequiredTorque) -> f64 {
     let radius = body.mechanism.crank_radius_m();
     let tilting = 2.0 * body.tilt_inertia_kgm2 / body.mount_radius_m.powi(2);
@@ -314,7 +314,7 @@ fn load_inertia_kgm2(body: &Body, required: &RequiredTorque) -> f64 {
     mass * radius * radius * required.lever_squared
 }
 
-/// The greatest torque that the load asks of a crank at a steady speed, N·m.
+/// Returns the greatest torque of the load on a crank at a steady speed, N·m.
 fn greatest_nm(body: &Body, omega_rad_s: f64) -> f64 {
     let at = |alpha| {
         let torque = body
@@ -327,16 +327,16 @@ fn greatest_nm(body: &Body, omega_rad_s: f64) -> f64 {
         .fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// Motion of a crank beyond that of its command, as ramps make it swing.
+/// Oscillation of a crank about its command after ramps.
 #[derive(Default)]
 struct Swing {
     rad_s: f64,
     rad_s2: f64,
 }
 
-/// The greatest of all cranks. Feed-forward holds each tick's torque, and so is ahead by up to a tick; without it, motor and crank swing
-/// at their own frequency. The following error of a drive without full velocity feed-forward grows with speed, so that a ramp has
-/// another speed than its command; as the ramp ends, that is made up for by a swing of at most twice as much.
+/// Returns the greatest oscillation of any crank. Feed-forward holds the torque of a tick, so it is up to a tick early. Without it,
+/// motor and crank oscillate at their own frequency. Without full velocity feed-forward, the following error grows with speed, so
+/// the speed on a ramp differs from its command. The oscillation at the end of the ramp is at most twice that difference.
 fn swing(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> Swing {
     let body = driven.body();
     let load = load_inertia_kgm2(body, required);
@@ -362,8 +362,8 @@ fn swing(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> Swing {
     })
 }
 
-/// Speeds of the master to look at: evenly up to the top, and where a harmonic meets the ends of the range that
-/// motor and crank resonate in.
+/// Returns the speeds of the master that are compared: evenly spaced up to the top speed, and those at which a harmonic meets an end
+/// of the range of resonances of motor and crank.
 fn speeds(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> Vec<f64> {
     let mut speeds: Vec<f64> = (1..=SPEEDS)
         .map(|i| drive.top_rad_s * f64::from(i) / f64::from(SPEEDS))

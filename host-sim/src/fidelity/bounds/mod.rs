@@ -1,4 +1,4 @@
-//! By how much a model level may be off the top one, for what it leaves out.
+//! Bounds on the error of a model level relative to the top level, by the effects that it neglects.
 
 mod cranks;
 mod followers;
@@ -30,23 +30,23 @@ pub struct Bounds {
 
 #[derive(Clone, Debug)]
 enum Of {
-    /// A platform on cranks.
+    /// Platform on cranks.
     Cranks(Box<Cranks>),
     /// Cams with followers.
     Followers(Followers),
-    /// Nothing bounds what the lower model levels leave out.
+    /// Machine without bounds on its lower model levels.
     None { top: Fidelity },
 }
 
-/// What rounding may add, in the unit of each output: symmetrical cranks, which theory has exactly in phase, are distinguished
-/// by it.
+/// Allowance for rounding, in the unit of each output. Symmetrical cranks are exactly in phase in theory, and differ by rounding
+/// errors.
 const ROUNDING: f64 = 1e-6;
 
 impl Bounds {
-    /// Of a scene, by all that it says.
+    /// Computes the bounds of a scene.
     ///
     /// # Errors
-    /// What the scene lacks for that.
+    /// The scene lacks data for them.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
         if checked.cam.is_some() {
             let top = checked.on(Fidelity::Elastic)?;
@@ -59,13 +59,13 @@ impl Bounds {
             let top = plant.levels().last().copied().unwrap_or_default();
             return Self::none(&checked.on(top)?);
         }
-        // The top model level that the scene has: with a frame, if it gives one.
+        // The top level for which the scene has data: with a frame, if it has one.
         let top = checked
             .on(Fidelity::Elastic)
             .or_else(|_| checked.on(Fidelity::Phased))?;
         let scene = &checked.scene;
         if (0..scene.axes.count).any(|i| scene.drive(i) == file::Drive::Induction) {
-            // The bounds take motors as linear, and the torque of these is not.
+            // The bounds assume linear motors, and the torque of these is not linear.
             return Self::none(&top);
         }
         let machine = Machine::new(&top)?;
@@ -78,9 +78,9 @@ impl Bounds {
         })
     }
 
-    /// No bounds on a machine on its top model level.
+    /// Returns the bounds of a machine that has bounds on its top model level only.
     fn none(top: &Checked) -> Result<Self, SceneError> {
-        // It finds out what the scene lacks for that level.
+        // This call reports the data that the scene lacks for the level.
         Machine::new(top)?;
         Ok(Self {
             of: Of::None { top: top.fidelity },
@@ -88,8 +88,8 @@ impl Bounds {
         })
     }
 
-    /// By how much a model level's output may be off the top model level's, in the unit of its tolerance; none where the model level
-    /// cannot answer, or nothing bounds it.
+    /// Returns the bound on the difference between an output of a model level and that of the top level, in the unit of its tolerance;
+    /// `None` if the level does not compute the output, or if there is no bound.
     pub fn of(&self, model_level: Fidelity, output: Output) -> Option<f64> {
         let left_out = match &self.of {
             Of::Cranks(cranks) => cranks.of(model_level, output),
@@ -98,7 +98,7 @@ impl Bounds {
             Of::None { .. } => f64::INFINITY,
         };
         let off = match output {
-            // What is left out is a part of what the model level has; what is requested is a part of what is right: less by as much.
+            // The difference is relative to the level's own value, and the tolerance to the exact value, which may be smaller by as much.
             Output::Amax | Output::Torque if left_out < 100.0 => left_out / (1.0 - 0.01 * left_out),
             Output::Amax | Output::Torque => f64::INFINITY,
             _ => left_out,
@@ -106,13 +106,13 @@ impl Bounds {
         off.is_finite().then_some(off + ROUNDING)
     }
 
-    /// By how much what swings is off by a method or step that the scene asks for, of itself; none where it leaves both open.
+    /// Returns the relative error of oscillations by a method or step that the scene sets; `None` if it sets neither.
     pub fn imposed(&self) -> Option<f64> {
         self.imposed
     }
 
-    /// The same with what the steps of two model levels' methods may be apart, each being off what swings by `resolution` of it; none
-    /// where it is not known how much that is.
+    /// Returns the same bound plus the errors of two levels' methods, each with a relative error `resolution` of oscillations; `None`
+    /// if their size is not known.
     pub fn with_steps(
         &self,
         model_level: Fidelity,
@@ -127,8 +127,8 @@ impl Bounds {
         Some(left_out + 2.0 * resolution * whole)
     }
 
-    /// How far a platform on quasi-static rods is from where it would be on springs at most, µm: the oscillation that was
-    /// replaced by its static response. None where there is no such.
+    /// Returns the largest distance of a platform on quasi-static rods from its position on elastic ones, µm: the oscillation that its
+    /// static response replaces. `None` for machines without quasi-static rods.
     pub fn quasi_static_um(&self) -> Option<f64> {
         match &self.of {
             Of::Cranks(cranks) => {
@@ -138,8 +138,8 @@ impl Bounds {
         }
     }
 
-    /// Axis whose motor has the smallest part of the torque that steady turning requires of it, and required over available torque;
-    /// none for cams, whose motors' torque is not modelled.
+    /// Returns the axis with the highest torque ratio at a steady speed, and that ratio: required over available torque; `None` for
+    /// cams, whose motors' torque is not modelled.
     pub fn torque_ratio(&self) -> Option<(usize, f64)> {
         match &self.of {
             Of::Cranks(cranks) => Some(cranks.torque_ratio()),
@@ -147,7 +147,7 @@ impl Bounds {
         }
     }
 
-    /// The numbers that they are made of, in words.
+    /// Returns a sentence with the numbers from which the bounds follow.
     pub fn numbers(&self) -> String {
         match &self.of {
             Of::Cranks(cranks) => cranks.numbers(),
@@ -157,7 +157,7 @@ impl Bounds {
     }
 }
 
-/// How far off a mode is by the method and step that a scene asks for, of itself.
+/// Returns the relative error of a mode by the method and step that a scene sets.
 fn imposed(top: &Checked, mode: Mode) -> Result<Option<f64>, SceneError> {
     if top.chosen().is_open() {
         return Ok(None);
@@ -166,14 +166,14 @@ fn imposed(top: &Checked, mode: Mode) -> Result<Option<f64>, SceneError> {
     let tick_s = 1.0 / f64::from(top.scene.control.tick_hz);
     Ok(method.map(|(scheme, steps)| {
         let h_omega = mode.omega_rad_s * tick_s / f64::from(steps);
-        // What is not resolved is not known at all; exact discretisation needs not resolve it, but what it is driven by.
+        // A mode that the step does not resolve is wrong altogether. Exact discretisation must resolve the excitation only.
         if h_omega > LONGEST_H_OMEGA && scheme != Scheme::Exact {
             return 1.0;
         }
         let zeta = mode.zeta.min(0.99);
         let forgotten =
             scheme.error_a_radian(h_omega.min(LONGEST_H_OMEGA), zeta) / (2.0 * zeta.max(0.005));
-        // Methods of order 1 see places and speeds half a step apart.
+        // Methods of order 1 have positions and speeds that are half a step apart.
         let ripple = if scheme.facts().order == 1 {
             0.5 * h_omega
         } else {
@@ -183,7 +183,7 @@ fn imposed(top: &Checked, mode: Mode) -> Result<Option<f64>, SceneError> {
     }))
 }
 
-/// The mode of a follower that its peaks are made of: the slowest.
+/// Returns the slowest mode of a follower, which dominates its peaks.
 fn follower_mode(top: &Checked) -> Mode {
     let chain = top.cam.and_then(|follower| {
         let (links, shaft) = follower.links?;
@@ -199,7 +199,7 @@ fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
     let settings = &checked.settings;
     let drive = Drive {
         top_rad_s: std::f64::consts::TAU * checked.top_speed_hz(),
-        // A fault's stop is the hardest of all ramps.
+        // The stop of a fault is the steepest of all ramps.
         acceleration_rad_s2: std::f64::consts::TAU * settings.limits.stop_acceleration_hz_per_s,
         jerk_rad_s3: std::f64::consts::TAU * settings.limits.jerk_hz_per_s2,
         tick_s: 1.0 / f64::from(settings.tick_hz),

@@ -1,4 +1,4 @@
-//! What a turning load asks of its cranks, as harmonics of the turn.
+//! Torque that a turning load requires of its cranks, as harmonics of the turn.
 
 use std::f64::consts::TAU;
 
@@ -7,25 +7,25 @@ use nalgebra::Complex;
 use crate::dynamics::Body;
 use crate::mechanism::Mechanism;
 
-/// Harmonics that are looked at. At λ = 0.6 the ninth of the torque has 1e-4 of the second.
+/// Number of harmonics. At λ = 0.6 the ninth harmonic of the torque is 1e-4 of the second.
 pub const HARMONICS: usize = 8;
-/// Places of the turn at which torque and lever are looked at.
+/// Number of angles of the turn at which torque and lever are computed.
 pub const SAMPLES: u32 = 64;
 
-/// What a turning load asks of all cranks together.
+/// Torque that a turning load requires of all cranks together.
 pub struct RequiredTorque {
     /// Fourier coefficients at ω = 1 rad/s, without gravity, N·m s²: sine and cosine as a complex number.
     centripetal: [Complex<f64>; HARMONICS + 1],
     /// Fourier coefficients of gravity, N·m.
     gravity: [Complex<f64>; HARMONICS + 1],
-    /// Greatest slopes dT/dα of both.
+    /// Greatest slopes dT/dα of the two torques.
     slopes: (f64, f64),
     /// Largest s².
     pub lever_squared: f64,
 }
 
 impl RequiredTorque {
-    /// By a body.
+    /// Computes the torque of a body.
     pub fn by(body: &Body) -> Self {
         let mut required = Self {
             centripetal: [Complex::ZERO; HARMONICS + 1],
@@ -57,24 +57,24 @@ impl RequiredTorque {
         required
     }
 
-    /// Harmonic `n` of all cranks together at a speed.
+    /// Returns harmonic `n` of all cranks together at a speed, N·m.
     pub fn harmonic_nm(&self, n: usize, omega_rad_s: f64) -> Complex<f64> {
         self.centripetal[n] * (omega_rad_s * omega_rad_s) + self.gravity[n]
     }
 
-    /// Its greatest slope at a speed, N·m/rad.
+    /// Returns the greatest slope at a speed, N·m/rad.
     pub fn slope_nm(&self, omega_rad_s: f64) -> f64 {
         self.slopes.0 * omega_rad_s * omega_rad_s + self.slopes.1
     }
 }
 
-/// sin nα and cos nα as a complex number.
+/// Returns sin nα and cos nα as a complex number.
 fn sine_and_cosine(n: usize, alpha: f64) -> Complex<f64> {
     let (sine, cosine) = (n as f64 * alpha).sin_cos();
     Complex::new(sine, cosine)
 }
 
-/// Amplitudes of the first [`HARMONICS`] harmonics of h(α), dimensionless.
+/// Returns the amplitudes of the first [`HARMONICS`] harmonics of h(α), dimensionless.
 pub fn harmonics_of_h(body: &Body) -> [f64; HARMONICS] {
     let by = TAU / f64::from(SAMPLES);
     std::array::from_fn(|i| {

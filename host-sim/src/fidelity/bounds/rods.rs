@@ -1,15 +1,15 @@
-//! What rods that give do to the platform, all together: a mass m on N springs k, pushed by where the cranks would have it.
+//! Effect of elastic rods on the platform: a mass m on N springs k, which the cranks move.
 //!
-//! Two answers. Where a scene has its rods spring, every model level without springs is off by them, harmonic by harmonic. Where it has
-//! them settle, the fast mode ω_r = √(N k/m) is replaced by its static response, and what that leaves out of the platform's place
-//! is, beside that static response itself, at most
+//! There are two cases. With elastic rods in a scene, a model level without springs has an error in every harmonic. With quasi-static
+//! rods, the static response replaces the fast mode ω_r = √(N k/m). Beside that static response, the error of the platform's position
+//! is at most
 //!
 //! ```text
 //! (max|f″| + 2 ζ ω_r max|f′|) / ω_r⁴ · coth(π ζ / (2 √(1 − ζ²)))
 //! ```
 //!
-//! with f the acceleration that the cranks ask for: the response to what curves f, and to what of it damping carries over,
-//! of which each half period leaves exp(−π ζ/√(1 − ζ²)) to add to the next.
+//! with f the acceleration that the cranks require. The first factor is the response to the curvature of f and to its slope by
+//! damping. The second sums the remainders of earlier half periods, exp(−π ζ/√(1 − ζ²)) of each.
 
 use std::f64::consts::PI;
 
@@ -20,10 +20,10 @@ use super::required_torque::{HARMONICS, harmonics_of_h};
 use crate::dynamics::Body;
 use crate::mechanism::Mechanism;
 
-/// Speeds looked at, up to the top.
+/// Number of speeds that are compared, up to the top speed.
 const SPEEDS: u32 = 100;
 
-/// By how much springs change the platform's acceleration at most, as a part of amax at the top speed.
+/// Returns the largest change of the platform's acceleration by elastic rods, relative to amax at the top speed.
 pub fn share(body: &Body, zeta: f64, drive: &Drive) -> f64 {
     let mode = heave_rad_s(body);
     let harmonics = harmonics_of_h(body);
@@ -43,7 +43,7 @@ pub fn share(body: &Body, zeta: f64, drive: &Drive) -> f64 {
     even.chain(met).map(at_speed).fold(0.0, f64::max)
 }
 
-/// How far the platform is from where quasi-static rods have it at most, at any steady speed up to the top, m.
+/// Returns the largest distance of the platform from its position on quasi-static rods, at any steady speed up to the top, m.
 pub fn quasi_static_m(body: &Body, zeta: f64, drive: &Drive) -> f64 {
     let mode = heave_rad_s(body);
     let (mut first, mut second) = (0.0, 0.0);
@@ -53,12 +53,13 @@ pub fn quasi_static_m(body: &Body, zeta: f64, drive: &Drive) -> f64 {
         first += amax * harmonic * radians;
         second += amax * harmonic * radians * radians;
     }
-    // Settled rods hold the platform where its cranks have it; springs give by what they carry, at amax in both directions.
+    // Quasi-static rods hold the platform at the position of its cranks. Springs deflect by the load, at amax in both directions.
     let carried = amax * body.mechanism.greatest_h() + body.load.gravity_mps2;
     carried / (mode * mode) + static_response_off(first, second, mode, zeta)
 }
 
-/// How far a mode is from its static response at most, for the greatest |f′| and |f″| of what drives it, per unit mass.
+/// Returns the largest difference between a mode and its static response, for the greatest |f′| and |f″| of its excitation per unit
+/// mass.
 fn static_response_off(first: f64, second: f64, omega_rad_s: f64, zeta: f64) -> f64 {
     let left = PI * zeta / (2.0 * (1.0 - zeta * zeta).max(f64::MIN_POSITIVE).sqrt());
     (second + 2.0 * zeta * omega_rad_s * first) / omega_rad_s.powi(4) / left.tanh()
@@ -72,8 +73,8 @@ fn heave_rad_s(body: &Body) -> f64 {
 mod tests {
     use super::*;
 
-    /// Were it wrong, what is replaced by a static response would be farther from it than is stated. For f = cos Ωt the difference is
-    /// known: |1/(ω² − Ω² + 2iζωΩ) − 1/ω²|.
+    /// If this fails, a mode can differ from its static response by more than the bound. For f = cos Ωt the difference is known:
+    /// |1/(ω² − Ω² + 2iζωΩ) − 1/ω²|.
     #[test]
     fn a_driven_mode_is_as_near_to_its_static_response_as_bounded() {
         let omega = 5000.0_f64;
