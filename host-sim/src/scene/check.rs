@@ -1,8 +1,8 @@
-//! Checks of a scene's numbers, each by itself and against the others.
+//! Checks of a scene's values, alone and in combination.
 //!
-//! `numbers` checks what the core does not know of, `settings` turns the scene's words into the
-//! core's, `machine` makes its mechanism, `cam` makes a crank of a cam for it, and `program` lays its program out; what the core refuses is said at the key that stands in
-//! the file.
+//! `numbers` checks values that the core does not have, and `settings` converts the scene's units into the core's. `machine` creates
+//! its mechanism, `cam` an equivalent crank for a cam, and `program` its list of segments. An error of the core is reported at the key
+//! in the file.
 
 mod cam;
 mod cam_table;
@@ -34,7 +34,7 @@ impl Checked {
     /// Checks a scene.
     ///
     /// # Errors
-    /// The first thing that is wrong, by key, with what would be right. The error has no origin yet.
+    /// First error, with its key and the fix. It has no origin yet.
     pub fn new(mut scene: Scene) -> Result<Self, SceneError> {
         faults::fill(&mut scene);
         if let Some(table) = scene.plant_table() {
@@ -77,7 +77,7 @@ impl Checked {
             plant,
             scene,
         };
-        // Made once to be checked; it is cheap, and nothing else knows all that the core refuses.
+        // A controller is created as a check, because only it knows everything that the core refuses.
         checked.controller()?;
         numbers::check_steppers(&checked.scene)?;
         if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
@@ -92,23 +92,23 @@ impl Checked {
             checked.resolution = choice.resolution;
             checked.choice = Some(choice);
         }
-        // The machine as well: what its model level needs is known there.
+        // The machine, too, because it knows the data that its model level needs.
         let model_level = checked.fidelity;
         checked.on(model_level)
     }
 }
 
-/// What a scene's machine amounts to.
+/// Settings of a scene's machine.
 struct Kind {
-    /// What the core is given of it.
+    /// Machine settings of the core.
     machine: MachineSettings,
-    /// And of its limits.
+    /// Limits of the core.
     drift: DriftSettings,
     cam: Option<Follower>,
     plant: Option<Arc<dyn Plant>>,
 }
 
-/// Checks how many axes the machine has.
+/// Checks the number of axes.
 fn check_count(scene: &Scene, plant: Option<&dyn Plant>) -> Result<(), SceneError> {
     let (counts, what) = match plant {
         Some(plant) => (plant.axes(), plant.name()),
@@ -129,7 +129,7 @@ fn check_count(scene: &Scene, plant: Option<&dyn Plant>) -> Result<(), SceneErro
     Err(SceneError::at("axes.count", problem))
 }
 
-/// The one machine of a scene.
+/// Returns the one machine of a scene.
 fn kind(scene: &Scene) -> Result<Kind, SceneError> {
     if let Some(table) = scene.plant_table() {
         let others = [

@@ -1,4 +1,4 @@
-//! A scene whose numbers have been checked, and what it asks of the core.
+//! Checked scene, and the settings that it gives the core.
 
 use std::sync::Arc;
 
@@ -14,42 +14,42 @@ use crate::machine::{self, Chosen};
 use crate::mechanism::{AnyMechanism, Mechanism, Mount, Platform};
 use crate::plant::{Plant, Table};
 
-/// A scene whose numbers have been checked, each by itself and against the others.
+/// Scene whose values have been checked, alone and in combination.
 #[derive(Clone, Debug)]
 pub struct Checked {
-    /// The scene.
+    /// Scene.
     pub scene: Scene,
-    /// What the core is given of it: on a board, in a settings file, the very same.
+    /// Settings of the core, the same as in a settings file for a board.
     pub settings: Settings,
-    /// The mechanism of the machine; for cams, the crank that stands for them in the settings.
+    /// Mechanism of the machine; for cams, the equivalent crank in the settings.
     pub mechanism: AnyMechanism,
-    /// The cam shafts with their followers, where there are no cranks.
+    /// Cam shaft with its follower, for machines without cranks.
     pub cam: Option<Follower>,
-    /// The machine of its own kind, where there is neither platform nor cam.
+    /// Machine of another kind, without platform and cam.
     pub plant: Option<Arc<dyn Plant>>,
-    /// The model level of the ladder, `auto` resolved.
+    /// Model level; `auto` is resolved.
     pub fidelity: Fidelity,
-    /// What chose it, if the scene left that open.
+    /// Choice of the model level, if the scene leaves it open.
     pub choice: Option<Choice>,
-    /// By how much what swings in the machine may be off by the method's step, of itself.
+    /// Permitted relative error of oscillations by the method's step.
     pub resolution: f64,
-    /// How often the step is halved that follows from it, or that the scene asks for.
+    /// Number of halvings of the step that follows from `resolution`, or that the scene sets.
     pub halvings: u32,
 }
 
 impl Checked {
-    /// Whether the cranks carry a platform, which tilts where they are out of phase.
+    /// Returns true if the cranks carry a platform, which tilts when they are out of phase.
     pub fn has_platform(&self) -> bool {
         self.cam.is_none() && self.plant.is_none()
     }
 
-    /// Why this model level, in a sentence.
+    /// Returns the reason for the model level, as a sentence.
     pub fn why(&self) -> &str {
         let chosen = self.choice.as_ref().map(|choice| choice.why.as_str());
         chosen.unwrap_or("the scene asks for it")
     }
 
-    /// The key, or the kind of fault, that has cranks stand, or turn, apart from each other, if one does.
+    /// Returns the key, or the kind of fault, that puts cranks out of phase, if there is one.
     pub fn cranks_apart(&self) -> Option<&'static str> {
         let axes = &self.settings.axes;
         let trims = &self.settings.trims_turns;
@@ -78,7 +78,7 @@ impl Checked {
         }
     }
 
-    /// Drawing of its machine with its symbols, as SVG text.
+    /// Returns a drawing of its machine with its symbols, as SVG text.
     pub fn draw(&self) -> String {
         match (&self.plant, &self.cam) {
             (Some(plant), _) => plant.draw(),
@@ -87,7 +87,7 @@ impl Checked {
         }
     }
 
-    /// How the mechanisms stand around their platform.
+    /// Returns the arrangement of the mechanisms around their platform.
     fn mount(&self) -> Mount {
         let machine = &self.settings.machine;
         Mount {
@@ -104,7 +104,7 @@ impl Checked {
         }
     }
 
-    /// Method and step: what the scene asks for, and how well what it leaves open must do.
+    /// Returns method and step as the scene sets them, and the accuracy for those that it leaves open.
     pub fn chosen(&self) -> Chosen {
         let method = &self.scene.method;
         Chosen {
@@ -115,7 +115,7 @@ impl Checked {
         }
     }
 
-    /// The speed that the program's highest level asks for, at most the limit, rev/s.
+    /// Returns the speed of the program's highest level, at most the limit, rev/s.
     pub fn top_speed_hz(&self) -> f64 {
         let levels = self.settings.program.iter().map(|entry| match entry {
             EntrySettings::Segment(segment) => segment.amax_mps2,
@@ -129,17 +129,17 @@ impl Checked {
             .clamp(limits.homing_speed_hz.min(limits.speed_hz), limits.speed_hz)
     }
 
-    /// The loop that this scene asks for.
+    /// Creates the controller of this scene.
     ///
     /// # Errors
-    /// Settings or a program that the core refuses.
+    /// The core refuses the settings or the program.
     pub fn controller(&self) -> Result<Controller, SceneError> {
         self.settings
             .controller()
             .map_err(|error| self.placed(error))
     }
 
-    /// The core's error at the key that stands in the file: an axis may have apart what most have in common.
+    /// Returns the core's error at the key in the file: under `[[axis]]` if the axis has its own value, else under `[axes]`.
     fn placed(&self, error: SettingsError) -> SceneError {
         if let Some(error) = program::placed(&self.scene.program, &error) {
             return error;
@@ -157,7 +157,7 @@ impl Checked {
         }
     }
 
-    /// Whether axis `number` has an index sensor.
+    /// Returns true if axis `number` has an index sensor.
     pub fn has_index(&self, number: usize) -> bool {
         self.settings
             .axes
@@ -165,14 +165,14 @@ impl Checked {
             .is_some_and(|axis| axis.index_turns.is_some())
     }
 
-    /// What axis `number` has apart from the others.
+    /// Returns the values of axis `number` that differ from those of all axes.
     pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
         self.scene.overrides(number)
     }
 }
 
 impl Scene {
-    /// Table of the machine of its own kind that the scene describes, if it describes one.
+    /// Returns the table of a machine of another kind, if the scene has one.
     pub(crate) fn plant_table(&self) -> Option<Box<dyn Table>> {
         fn boxed<T: Table + Clone + 'static>(table: Option<&T>) -> Option<Box<dyn Table>> {
             table.map(|table| Box::new(table.clone()) as Box<dyn Table>)
@@ -185,12 +185,12 @@ impl Scene {
         tables.into_iter().flatten().next()
     }
 
-    /// What axis `number` has apart from the others.
+    /// Returns the values of axis `number` that differ from those of all axes.
     pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
         self.axis.iter().find(|own| own.number == number)
     }
 
-    /// Sensors from which the controller reads phases, for lists: `index`, `encoder`, both, or `none`.
+    /// Returns the sensors from which the controller reads phases, for lists: `index`, `encoder`, both, or `none`.
     pub fn sensors(&self) -> String {
         let axes = &self.axes;
         let has_index = |number: &usize| {
@@ -212,7 +212,7 @@ impl Scene {
         }
     }
 
-    /// How the controller corrects phase errors, for lists: `trim` in each turn, `coupling` in each tick, both, or `none`.
+    /// Returns the corrections of phase errors, for lists: `trim` in each turn, `coupling` in each tick, both, or `none`.
     pub fn corrects(&self) -> String {
         let given = &self.correction;
         let is_coupled = given.couple
@@ -231,7 +231,7 @@ impl Scene {
         }
     }
 
-    /// How axis `number` is driven.
+    /// Returns the drive of axis `number`.
     pub fn drive(&self, number: usize) -> Drive {
         let own = self.overrides(number).and_then(|own| own.drive);
         own.unwrap_or(self.axes.drive)
@@ -239,7 +239,7 @@ impl Scene {
 }
 
 impl AxisOverrides {
-    /// Whether a key of [`file::Axes`] is given for this axis apart.
+    /// Returns true if an `[[axis]]` entry of this axis has its own value for a key of [`file::Axes`].
     fn has(&self, name: &str) -> bool {
         match name {
             "drive" => self.drive.is_some(),

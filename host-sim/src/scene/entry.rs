@@ -1,6 +1,6 @@
-//! Entries of lists in words: a key path counts them from 0, and an axis of `[[axis]]` has a number of its own.
+//! Names of list entries in messages. A key path counts entries from 0, while an `[[axis]]` entry has an axis number of its own.
 
-/// A key path, with the list entries that it goes through in words: `axis[1].number (2nd [[axis]] entry, axis 3)`.
+/// Returns a key path with its list entries in words: `axis[1].number (2nd [[axis]] entry, axis 3)`.
 ///
 /// `name` is the axis or the name of the outermost entry.
 pub fn place(key: &str, name: Option<&str>) -> String {
@@ -20,7 +20,7 @@ pub fn place(key: &str, name: Option<&str>) -> String {
             .enumerate()
         {
             let nth = ordinal(index);
-            // Lists inside tables and entries are written in either of TOML's ways, those at the top as blocks.
+            // Lists at the top level are written as blocks; lists inside tables and entries have either of TOML's forms.
             entries.push(match depth {
                 0 if table.is_empty() => format!("{nth} [[{path}]] entry"),
                 0 => format!("{nth} entry of {path}"),
@@ -40,7 +40,7 @@ pub fn place(key: &str, name: Option<&str>) -> String {
     format!("{key} ({})", entries.join(" in the "))
 }
 
-/// Ordinal of an entry that is counted from 0: `1st`.
+/// Returns the ordinal of an entry that is counted from 0: `1st`.
 pub fn ordinal(index: usize) -> String {
     let nth = index.saturating_add(1);
     let ending = match (nth % 100, nth % 10) {

@@ -1,4 +1,4 @@
-//! What can be wrong with a scene, and where.
+//! Errors of a scene, with their places.
 
 use std::fmt;
 
@@ -6,25 +6,25 @@ use cophase_core::settings::{Problem, SettingsError};
 
 use super::{entry, range};
 
-/// Something wrong with a scene: in which file, at which key, what, and what would be right.
+/// Error of a scene: the file, the key, the problem, and the fix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneError {
-    /// The file, or the name of a built-in scene.
+    /// File, or the name of a built-in scene.
     pub origin: String,
-    /// Line in the file, where it is known, counted from 1.
+    /// Line in the file, counted from 1, if it is known.
     pub line: Option<usize>,
-    /// The key, as a path like `limits.speed_hz` or `axis[1].number`; empty if it is the file as a whole.
+    /// Path of the key, such as `limits.speed_hz` or `axis[1].number`; empty for the file as a whole.
     pub key: String,
-    /// The axis of the `[[axis]]` entry that the key is in, where it is known; it is not the place of the entry.
+    /// Axis of the `[[axis]]` entry with the key, if it is known. It differs from the position of the entry.
     pub axis: Option<u8>,
-    /// What is wrong, and what would be right.
+    /// Problem, and the fix.
     pub problem: String,
-    /// What else is wrong, in the order of its lines.
+    /// Further errors, in the order of their lines.
     pub others: Vec<SceneError>,
 }
 
 impl SceneError {
-    /// An error at a key; the origin is filled in by whoever knows it.
+    /// Creates an error at a key. The caller that knows the origin fills it in.
     pub fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
         Self {
             origin: String::new(),
@@ -36,23 +36,23 @@ impl SceneError {
         }
     }
 
-    /// Several errors of a file, as one.
+    /// Joins several errors of a file.
     pub(super) fn together(mut errors: Vec<Self>) -> Option<Self> {
-        // What stands on no line is missing: at the end.
+        // Errors without a line, such as missing keys, come last.
         errors.sort_by_key(|error| error.line.unwrap_or(usize::MAX));
         let others = errors.split_off(errors.len().min(1));
         let first = errors.pop()?;
         Some(Self { others, ..first })
     }
 
-    /// One of the core's problems, at a key: with the unit that the key carries, and what to give instead of a value out of its range.
+    /// Creates an error from a problem of the core at a key, with the unit of the key and the fix for a value out of its range.
     pub fn of(key: impl Into<String>, problem: Problem) -> Self {
         let key = key.into();
         let sentence = range::sentence(&key, problem, range::reason(&key));
         Self::at(key, sentence)
     }
 
-    /// The same, of a file.
+    /// Returns the same error with its file.
     #[must_use]
     pub fn in_file(mut self, origin: &str) -> Self {
         self.origin = origin.to_owned();
@@ -71,7 +71,7 @@ impl From<SettingsError> for SceneError {
                 .replace("cam_table.", &format!("cam_table[{table}].")),
             _ => error.key.to_owned(),
         };
-        // "axes.ratio numerator": a key, and which part of its value.
+        // "axes.ratio numerator" has a key and a part of its value.
         match key.split_once(' ') {
             Some((key, part)) => {
                 let sentence = range::sentence(key, error.problem, None);
@@ -92,7 +92,7 @@ impl fmt::Display for SceneError {
             let axis = self.axis.map(|axis| format!("axis {axis}"));
             whole.push_str(&format!(": {}", entry::place(&self.key, axis.as_deref())));
         }
-        // Part of it comes from the file, which may hold anything: a message is one line an error, and moves no cursor.
+        // Parts of the message come from the file, which may contain control characters. A message is one line per error.
         for c in format!("{whole}: {}", self.problem).chars() {
             if c.is_control() {
                 write!(f, "{}", c.escape_default())?;

@@ -1,16 +1,16 @@
 //! The built-in scenes.
 
-/// A scene that comes with the command: its name, and its text, to start one's own from.
+/// Scene that is built into the command, with its text as a template for users.
 #[derive(Clone, Copy, Debug)]
 pub struct BuiltIn {
-    /// What to call it on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// The scene file.
+    /// Text of the scene file.
     pub text: &'static str,
 }
 
 impl BuiltIn {
-    /// Machine that it describes, for lists.
+    /// Machine of the scene, for lists.
     pub fn machine(&self) -> &'static str {
         let scene = self.scene();
         match (&scene.machine, &scene.cam, scene.plant_table()) {
@@ -29,11 +29,11 @@ macro_rules! scenes {
     };
 }
 
-/// Scene that `cophase run` runs when it is given none. It shows on one page what the controller is for: a fault, its detection and its
+/// Scene that `cophase run` runs without an argument. It shows the purpose of the controller: a fault, its detection and its
 /// correction.
 pub const FIRST: &str = "coupling-slip";
 
-/// All of them; the first is the one to start a scene of one's own from.
+/// All built-in scenes. The first is the template for users' scenes.
 pub const SCENES: &[BuiltIn] = scenes![
     "default",
     "coupling-slip",
@@ -54,7 +54,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "electronic-cam",
 ];
 
-/// Finds one by its name.
+/// Returns the built-in scene with a name.
 pub fn find(name: &str) -> Option<&'static BuiltIn> {
     SCENES.iter().find(|scene| scene.name == name)
 }

@@ -1,4 +1,4 @@
-//! Reading a scene file, and saying what is wrong with its form and where.
+//! Reader of scene files. It reports errors of the form with their places.
 
 mod cam_file;
 mod explain;
@@ -14,17 +14,17 @@ use super::{Checked, Scene, SceneError};
 use explain::{explain, not_toml};
 pub use nearest::nearest;
 
-/// No scene needs more; what is larger is not a scene.
+/// Largest size of a scene file, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
 const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to start from";
 
-/// Reads a scene from a file and checks its numbers.
+/// Reads a scene from a file and checks its values.
 ///
 /// # Errors
-/// The file cannot be read, is too large, is not TOML, its keys are not those of a scene, or their
-/// values are not those of a machine that can run. The error names the file, and the line if there is one. Of text that is not TOML the
-/// first error is reported, of wrong keys and values up to ten together.
+/// The file cannot be read, is too large, is not TOML, has keys that no scene has, or values with which no machine can run. The error
+/// names the file, and the line if there is one. For text that is not TOML, it is the first error. Of wrong keys and values, it lists
+/// up to ten.
 pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
     let origin = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -32,10 +32,10 @@ pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
     checked.map_err(|error| error.in_file(&origin))
 }
 
-/// Reads a scene from text and checks its numbers. Files of cam tables are relative to `folder`; without one they are refused.
+/// Reads a scene from text and checks its values. Files of cam tables are relative to `folder`; without one they are refused.
 ///
 /// # Errors
-/// As of [`checked_from_file`]. The error has no origin yet.
+/// Those of [`checked_from_file`], without an origin.
 pub fn checked_from_text(text: &str, folder: Option<&Path>) -> Result<Checked, SceneError> {
     let check = |text: &str| {
         let mut scene = parse(text)?;
@@ -55,7 +55,7 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
     let file = std::fs::File::open(path)
         .map_err(|error| whole(format!("cannot be opened: {error}; {}", instead(path))))?;
     let mut bytes = Vec::new();
-    // Bounded, so that what has no end is refused too.
+    // The bound also refuses files without an end, such as devices.
     file.take(MOST_BYTES + 1)
         .read_to_end(&mut bytes)
         .map_err(|error| whole(format!("cannot be read: {error}; {START_FROM}")))?;
@@ -90,7 +90,7 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
     })
 }
 
-/// What to give instead of a file that cannot be opened.
+/// Returns the fix for a file that cannot be opened.
 fn instead(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let names: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
@@ -101,10 +101,10 @@ fn instead(path: &Path) -> String {
 }
 
 impl BuiltIn {
-    /// The scene.
+    /// Returns the scene.
     ///
     /// # Panics
-    /// Never: that every built-in scene reads is tested.
+    /// Never: a test reads every built-in scene.
     pub fn scene(&self) -> Scene {
         parse(self.text).expect("built-in scenes are tested to be well-formed")
     }
@@ -113,7 +113,7 @@ impl BuiltIn {
 /// Reads a scene from text.
 ///
 /// # Errors
-/// The text is not TOML, or its keys are not those of a scene.
+/// The text is not TOML, or has keys that no scene has.
 pub fn parse(text: &str) -> Result<Scene, SceneError> {
     let deserializer = toml::Deserializer::parse(text).map_err(|error| {
         let line = error.span().map(|span| place::line_at(text, span.start));
@@ -138,7 +138,7 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
         }
         let path = if path == "." { "" } else { &path };
         let (key, problem) = explain(path, inner.message(), written.unwrap_or_default());
-        // What is missing from the file as a whole is missing nowhere in particular.
+        // A key that is missing at the top level has no line.
         let nowhere = path.is_empty() && problem.starts_with("missing");
         SceneError {
             line: inner

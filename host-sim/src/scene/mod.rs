@@ -1,9 +1,7 @@
-//! Scenes: a machine, its limits, its program, and what happens to it, as a TOML file.
+//! Scenes: a machine, its limits, its program, and its events, as a TOML file.
 //!
-//! A scene goes through three hands: [`load`] reads it and says what is wrong with its form, [`mod@file`]
-//! is its form, and [`check`] turns it into the core's settings and says what is wrong with its
-//! numbers. Whatever is wrong, the message names the file, the key, what is wrong with it, and what
-//! would be right.
+//! [`mod@file`] defines the structure of a scene. [`load`] reads a file and reports errors of its form. [`check`] converts it into the
+//! core's settings and reports errors of its values. Each message names the file, the key, the problem, and the fix.
 
 pub mod check;
 mod checked;

@@ -1,4 +1,4 @@
-//! Sentences about values out of their range: the range with its unit, why it is so, and what to give instead.
+//! Sentences about values out of their range: the range with its unit, its reason, and the fix.
 //!
 //! The fix is the nearer end of the range. A value that would be in range in another unit that people use for the same quantity was
 //! probably meant in that unit, so the sentence converts it.
@@ -9,7 +9,7 @@ use cophase_core::settings::Problem;
 
 use crate::design::{STANDARD_GRAVITY_MPS2, plain};
 
-/// A unit that a value may have been meant in, and its size in the unit of the key.
+/// Unit in which a value may have been meant, and its size in the unit of the key.
 type Other = (&'static str, f64);
 
 /// Other units of a quantity, by the end of a key; the first match counts.
@@ -36,10 +36,10 @@ const OTHERS: [(&str, &[Other]); 20] = [
     ("_scale", &[("%", 0.01)]),
 ];
 
-/// How far beyond its range a value is at least that was meant in another unit. Just beyond, the limit itself was missed.
+/// Least factor by which a value in another unit exceeds its range. A value closer to the limit was meant in the right unit.
 const FAR: f64 = 2.0;
 
-/// Message for a key: the text of a problem; for a value out of its range also the reason of the range and what to give instead.
+/// Returns the message for a key: the text of a problem and, for a value out of its range, the reason of the range and the fix.
 pub(crate) fn sentence(key: &str, problem: Problem, reason: Option<&str>) -> String {
     let unit = Problem::unit(key);
     let Some((value, low, high)) = problem.range() else {
@@ -49,13 +49,13 @@ pub(crate) fn sentence(key: &str, problem: Problem, reason: Option<&str>) -> Str
     let fix = if value.is_finite() {
         format!("; give {}", instead(key, unit, value, (low, high)))
     } else {
-        // The message says already what to give.
+        // The message already has the fix.
         String::new()
     };
     format!("{}{reason}{fix}", problem.of(key))
 }
 
-/// What to give instead of a finite value out of its range.
+/// Returns the fix for a finite value out of its range.
 fn instead(key: &str, unit: &str, value: f64, (low, high): (f64, f64)) -> String {
     let with_unit = |value: f64| quantity(value, unit);
     let same_angle = (value - low).rem_euclid(360.0) + low;
@@ -70,7 +70,7 @@ fn instead(key: &str, unit: &str, value: f64, (low, high): (f64, f64)) -> String
     format!("{end}{}", meant(key, unit, value, (low, high)))
 }
 
-/// The value in the other units in which it would be in range, as ` (1200 rpm would be 20 rev/s)`; empty if there is none.
+/// Returns the value in other units in which it would be in range, such as ` (1200 rpm would be 20 rev/s)`; empty if there is none.
 pub(crate) fn meant(key: &str, unit: &str, value: f64, (low, high): (f64, f64)) -> String {
     let is_far = value >= FAR * high || (0.0 < value && value <= low / FAR);
     let others = OTHERS.iter().find(|(end, _)| key.ends_with(end));
@@ -101,24 +101,24 @@ pub(crate) fn meant(key: &str, unit: &str, value: f64, (low, high): (f64, f64)) 
     format!(" ({})", fitting.join(", "))
 }
 
-/// A number of four digits.
+/// Formats a number with four digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
-/// A number with its unit; only degrees follow their number without a space.
+/// Formats a number with its unit. Only the degree sign follows its number without a space.
 fn quantity(value: f64, unit: &str) -> String {
     let gap = if unit.is_empty() || unit.starts_with('°') {
         ""
     } else {
         " "
     };
-    // Without the last digits, which conversions leave.
+    // The last digits are rounding errors of conversions.
     let digits: f64 = format!("{value:.11e}").parse().unwrap_or(value);
     format!("{}{gap}{unit}", plain(digits))
 }
 
-/// Reason of a range, where the numbers alone would not show what the values have in common.
+/// Returns the reason of a range that does not follow from the numbers.
 pub(super) fn reason(key: &str) -> Option<&'static str> {
     let (_, name) = key.rsplit_once('.')?;
     Some(match name {
@@ -149,7 +149,7 @@ mod tests {
         sentence(key, Problem::out_of_range(value, low, high), None)
     }
 
-    /// Were one wrong, whoever obeys the message would give a value that is wrong by that factor.
+    /// If this fails, a user who obeys the message gives a value that is wrong by that factor.
     #[test]
     fn another_unit_that_fits_is_named() {
         for (key, value, range, fix) in [

@@ -1,14 +1,14 @@
-//! A cam shaft's numbers, what they amount to, and what the core is given of them.
+//! Checks of a cam shaft, and the equivalent crank for the core.
 //!
-//! The core knows slider-cranks alone, and of those a follower has one thing: its greatest acceleration is κ ω², with the
-//! crank's κ = R (1 + λ) and the cam's κ = Ca H/β² (stroke H over the shorter of rise and return, β rad). So the core is given a
-//! **crank of equal κ**, and its profile holds as it is.
+//! The core has slider-cranks only. A follower shares one property with them: its greatest acceleration is κ ω², with κ = R (1 + λ)
+//! for the crank, and κ = Ca H/β² for the cam (stroke H over the shorter of rise and return, β rad). So the core gets a **crank of
+//! equal κ**, and its program is valid unchanged.
 //!
-//! The rest of what a crank means to it must not act:
-//! - *feed-forward* of a servo is for the platform that such a crank would carry: it gets the least load there is, no
-//!   gravity, and so the rotor's own inertia alone counts, as it should;
-//! - *tilt* is what phase errors do to a platform, and followers have none. Its limit is set to where the errors' first mode
-//!   is as large as `drift.warp_limit_deg`: one limit, in degrees, for all modes but the common one.
+//! The other properties of this crank must have no effect:
+//! - *Feed-forward* of a servo is computed for the platform of such a crank. This platform has the least load and no gravity, so only
+//!   the inertia of the rotor counts.
+//! - *Tilt* is the effect of phase errors on a platform, and followers have none. Its limit is set so that the first mode of the errors
+//!   has the limit `drift.warp_limit_deg`: one limit, in degrees, for all modes but the common one.
 
 use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_core::settings::{DriftSettings, MachineSettings, Platform};
@@ -19,25 +19,25 @@ use crate::mechanism::{AnyMechanism, Configured, Mechanism};
 use crate::scene::SceneError;
 use crate::scene::file::{self, CamShaft, Drift, Fidelity, Scene};
 
-/// λ of the crank that the core is given: the least that it takes.
+/// λ of the equivalent crank: the least that the core accepts.
 const LAMBDA: f64 = 0.1;
-/// The least load that it takes, kg: at 450 turns a minute it is 9 mN·m of feed-forward where the pusher needs 50 N·m.
+/// Least load that the core accepts, kg. At 450 turns per minute it adds 9 mN·m of feed-forward, where the pusher needs 50 N·m.
 const LOAD_KG: f64 = 1e-3;
-/// Crank radii that it takes, m.
+/// Crank radii that the core accepts, m.
 const RADII_M: (f64, f64) = (1e-4, 0.5);
 
-/// A cam shaft and its follower, checked.
+/// Checked cam shaft and its follower.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Follower {
-    /// The cam, at rest.
+    /// Cam, at rest.
     pub cam: Cam,
-    /// What gives between it and the pusher, and where its first damper ends; none if the scene does not say.
+    /// Elastic links between cam and pusher, and the second end of the first damper; `None` if the scene has none.
     pub links: Option<(Links, Shaft)>,
-    /// Lead of the screws that carry the pushers, m a turn, where axes follow cam tables.
+    /// Lead of the screws that move the pushers, m per turn, if axes follow cam tables.
     pub screw_lead_m: Option<f64>,
 }
 
-/// The follower of a scene that has cams.
+/// Returns the follower of a scene with cams.
 pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
     range("cam.rise_mm", shaft.rise_mm, 0.1, 1000.0)?;
     range("cam.rise_deg", shaft.rise_deg, 5.0, 355.0)?;
@@ -71,7 +71,7 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
                 crank_radius_m(&cam) * 1e3,
                 RADII_M.0 * 1e3,
                 RADII_M.1 * 1e3,
-                // Rounded inwards, so that what is advised is accepted.
+                // Rounded inwards, so that the suggested value is accepted.
                 (shaft.rise_mm * least_m * 1e4).ceil() / 1e4,
                 (shaft.rise_mm * most_m * 1e4).floor() / 1e4,
             ),
@@ -84,7 +84,7 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
     })
 }
 
-/// Checks that pushers on screws are on axes that follow tables, and the other way round.
+/// Checks that pushers on screws have axes that follow tables, and the reverse.
 pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
     let follows = |number: usize| scene.overrides(number).is_some_and(|own| own.cam.is_some());
     let Some(lead_mm) = scene.cam.as_ref().and_then(|cam| cam.screw_lead_mm) else {
@@ -190,12 +190,12 @@ fn missing(key: &str, beside: &str) -> SceneError {
     )
 }
 
-/// Radius of the crank of equal κ, m.
+/// Returns the radius of the crank of equal κ, m.
 fn crank_radius_m(cam: &Cam) -> f64 {
     cam.peak_m() / (1.0 + LAMBDA)
 }
 
-/// The crank that the core is given.
+/// Returns the equivalent crank for the core.
 pub(super) fn core_settings(follower: &Follower) -> MachineSettings {
     let crank_radius_m = crank_radius_m(&follower.cam);
     MachineSettings {
@@ -204,15 +204,15 @@ pub(super) fn core_settings(follower: &Follower) -> MachineSettings {
         load_kg: LOAD_KG,
         platform: Platform::Above,
         gravity_mps2: 0.0,
-        // So that limits on tilt from a thousandth of a degree to 90 stay in the core's range.
+        // With this radius, limits from a thousandth of a degree to 90° are in the core's range of tilt.
         mount_radius_m: (20.0 * crank_radius_m).clamp(0.01, 5.0),
     }
 }
 
-/// The limits that the core is given: that on tilt stands for one on the first mode, in degrees as the others.
+/// Returns the limits for the core. The limit of tilt represents one of the first mode in degrees.
 pub fn drift(drift: &Drift, machine: &MachineSettings) -> DriftSettings {
     let mechanism = AnyMechanism::of(&machine.mechanism, machine.crank_radius_m);
-    // As the core has it: half a degree finds the greatest way a radian to 4e-5.
+    // The core samples every half degree, which finds the greatest travel per radian to 4e-5.
     let lever = (0..360)
         .map(|half_degree| mechanism.s((f64::from(half_degree) * 0.5).to_radians()))
         .fold(0.0, f64::max);
@@ -227,7 +227,7 @@ pub fn drift(drift: &Drift, machine: &MachineSettings) -> DriftSettings {
     }
 }
 
-/// Whether cams have a model level, and the scene says enough for it.
+/// Checks that cams have a model level, and that the scene has the data for it.
 pub(super) fn check_level(model_level: Fidelity, follower: &Follower) -> Result<(), SceneError> {
     match model_level {
         Fidelity::Auto | Fidelity::Kinematic => Ok(()),
@@ -247,7 +247,7 @@ pub(super) fn check_level(model_level: Fidelity, follower: &Follower) -> Result<
     }
 }
 
-/// What a scene with cams says to no avail.
+/// Checks for keys that have no effect in a scene with cams.
 pub(super) fn check_useless(scene: &Scene) -> Result<(), SceneError> {
     let axes = &scene.axes;
     if scene.drift.tilt_limit_mrad != file::Drift::default().tilt_limit_mrad {

@@ -11,10 +11,10 @@ use crate::scene::entry::ordinal;
 use crate::scene::file::{CamTable, Scene};
 use crate::scene::load::nearest;
 
-/// An angle this near to a point counts as on it, in parts of the distance of two points.
+/// Distance from a point up to which an angle counts as on it, relative to the distance of two points.
 const ON_A_POINT: f64 = 1e-9;
 
-/// Tables of a scene, as the core is given.
+/// Returns the tables of a scene for the core.
 pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAMS>, SceneError> {
     let tables = &scene.cam_table;
     if tables.len() > MAX_CAMS {
@@ -68,7 +68,7 @@ fn one(entry: usize, table: &CamTable) -> Result<CamSettings, SceneError> {
     })
 }
 
-/// Points of a motion law over segments.
+/// Returns the points of a motion law over segments.
 fn sampled(
     entry: usize,
     table: &CamTable,
@@ -105,7 +105,7 @@ fn sampled(
     Ok((0..points).map(at).collect())
 }
 
-/// Position at an angle of the master, turns.
+/// Returns the position at an angle of the master, turns.
 fn position(table: &CamTable, law: Law, angle_deg: f64) -> f64 {
     let (mut start_deg, mut turns) = (0.0, 0.0);
     for segment in &table.segments {
@@ -119,8 +119,8 @@ fn position(table: &CamTable, law: Law, angle_deg: f64) -> f64 {
     turns
 }
 
-/// Number of points: the largest with a point at every corner, where the law's third derivative jumps. If that is below half of what a table
-/// holds, all of it.
+/// Returns the number of points: the largest with a point at every corner, where the law's third derivative jumps. If that is below
+/// half of a table's capacity, the capacity.
 fn point_count(corners_deg: &[f64]) -> usize {
     let on_points = |count: &usize| {
         corners_deg.iter().all(|corner_deg| {
@@ -133,7 +133,7 @@ fn point_count(corners_deg: &[f64]) -> usize {
     counts.clone().find(on_points).unwrap_or(MAX_CAM_POINTS)
 }
 
-/// Follower of axis `number`.
+/// Returns the follower of axis `number`.
 pub(super) fn follower(scene: &Scene, number: usize, ratio: (u32, u32)) -> FollowerSettings {
     let overrides = scene.overrides(number);
     let chosen = overrides.and_then(|own| Some((own.cam.as_ref()?, own.cam_shift_deg)));
@@ -148,7 +148,7 @@ pub(super) fn follower(scene: &Scene, number: usize, ratio: (u32, u32)) -> Follo
     })
 }
 
-/// Checks the names that axes choose, and that each can follow a table.
+/// Checks the table names of axes, and that each axis can follow a table.
 pub(super) fn check_axes(scene: &Scene) -> Result<(), SceneError> {
     for (entry, own) in scene.axis.iter().enumerate() {
         let key = |name: &str| format!("axis[{entry}].{name}");

@@ -1,4 +1,4 @@
-//! What is done against drift, as the core is given: gains of the cross-coupling are derived unless they are given.
+//! Corrections of phase errors for the core. Gains of the cross-coupling that a scene does not give are derived.
 
 use cophase_core::settings::{CorrectionSettings, MachineSettings};
 
@@ -36,10 +36,10 @@ pub(super) fn correction(
     })
 }
 
-/// The servos of a scene, as a coupling has to do with them, on a machine that the core has checked.
+/// Returns the data of a scene's servos for the cross-coupling, on a machine that the core has checked.
 ///
 /// # Errors
-/// The scene does not say what its drives and rotors are.
+/// The scene lacks the gains of its drives, or the inertia of its rotors.
 pub fn plant(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneError> {
     let axes = &scene.axes;
     let servo = axes.servo.ok_or_else(|| {

@@ -1,13 +1,13 @@
-//! `[[fault]]` and `[noise]`: which numbers each kind takes, and on which machines it can be.
+//! Checks of `[[fault]]` and `[noise]`: the values that each kind takes, and the machines on which it can occur.
 //!
-//! A fault that moves a crank needs cranks that can be moved one by one: on cams a shaft is where commanded, and on the
-//! rigid model level all cranks are one.
+//! A fault that moves a crank needs cranks that can move one by one. A cam shaft is always at its commanded phase, and on the rigid
+//! model level all cranks are on one shaft.
 
 use super::numbers::range;
 use crate::scene::file::{Axes, Drive, FaultAt, FaultName, Fidelity, Lines, Noise, Scene};
 use crate::scene::{Checked, SceneError};
 
-/// What a kind takes of the keys of a `[[fault]]`, beside `at_s` and `kind`.
+/// Keys of a `[[fault]]` that a kind takes, beside `at_s` and `kind`.
 struct Takes {
     needed: &'static [&'static str],
     may: &'static [&'static str],
@@ -31,7 +31,7 @@ const fn takes(kind: FaultName) -> Takes {
     Takes { needed, may }
 }
 
-/// The keys, each with whether a fault gives it.
+/// Returns the keys, each with true if a fault has it.
 fn given(fault: &FaultAt) -> [(&'static str, bool); 10] {
     [
         ("axis", fault.axis.is_some()),
@@ -47,7 +47,7 @@ fn given(fault: &FaultAt) -> [(&'static str, bool); 10] {
     ]
 }
 
-/// What is right for a key that is missing.
+/// Returns the fix for a missing key.
 fn requirement(key: &str) -> &'static str {
     match key {
         "axis" => "the number of the axis that it befalls",
@@ -60,7 +60,7 @@ fn requirement(key: &str) -> &'static str {
     }
 }
 
-/// Fills in what kinds take unless it is given.
+/// Fills in the defaults of keys.
 pub(super) fn fill(scene: &mut Scene) {
     for fault in &mut scene.fault {
         match fault.kind {
@@ -72,7 +72,7 @@ pub(super) fn fill(scene: &mut Scene) {
     }
 }
 
-/// Checks all of them against the scene; what depends on its model level, [`check_level`] does.
+/// Checks all faults against the scene. [`check_level`] checks what depends on the model level.
 pub(super) fn check(scene: &Scene) -> Result<(), SceneError> {
     check_noise(&scene.noise, &scene.axes)?;
     for (i, fault) in scene.fault.iter().enumerate() {
@@ -223,7 +223,7 @@ fn has_index(scene: &Scene, axis: usize) -> bool {
     overrides.unwrap_or(scene.axes.index)
 }
 
-/// Checks what of them cannot be on a model level.
+/// Checks that all faults can occur on a model level.
 pub(super) fn check_level(checked: &Checked, model_level: Fidelity) -> Result<(), SceneError> {
     let scene = &checked.scene;
     if let Some(i) = scene.moving_fault().filter(|_| checked.cam.is_some()) {

@@ -1,4 +1,4 @@
-//! A checked scene on another model level.
+//! Checked scene on another model level.
 
 use super::{cam, faults};
 use crate::machine::Machine;
@@ -6,10 +6,10 @@ use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 
 impl Checked {
-    /// The same on a model level.
+    /// Returns the same scene on a model level.
     ///
     /// # Errors
-    /// What the model level needs and the scene does not say.
+    /// The scene lacks data for the model level.
     pub fn on(&self, model_level: Fidelity) -> Result<Self, SceneError> {
         let mut other = self.clone();
         other.fidelity = model_level;

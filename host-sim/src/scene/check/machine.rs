@@ -1,4 +1,4 @@
-//! A platform on cranks, as the core is given it.
+//! Settings of a platform on cranks for the core.
 
 use cophase_core::settings::MachineSettings;
 
@@ -6,10 +6,10 @@ use crate::mechanism::{AnyMechanism, Configured};
 use crate::scene::SceneError;
 use crate::scene::file::Machine;
 
-/// Machine that the core is given of `[machine]`, checked.
+/// Returns the core's machine from `[machine]`, and checks it.
 ///
 /// # Errors
-/// A key that is missing, belongs to another mechanism, or is out of its range.
+/// A key is missing, belongs to another mechanism, or is out of its range.
 pub fn machine(given: &Machine) -> Result<MachineSettings, SceneError> {
     let machine = MachineSettings {
         mechanism: AnyMechanism::settings(given)?,

@@ -1,4 +1,4 @@
-//! Numbers of a scene that the core never sees, or sees in another form.
+//! Checks of a scene's values that the core does not have, or has in another form.
 
 use cophase_core::settings::{MAX_BANDS, Problem};
 
@@ -7,7 +7,7 @@ use crate::machine::MOST_STEPS;
 use crate::scene::SceneError;
 use crate::scene::file::{self, AxisOverrides, Drive, Scene};
 
-/// More than any motor that a platform of 50 kg needs has to give.
+/// Largest torque, N·m: more than a motor for a platform of 50 kg needs.
 const MOST_FRICTION_NM: f64 = 1000.0;
 
 pub(super) fn check_overrides(
@@ -47,9 +47,9 @@ pub(super) fn check_overrides(
     range(&key("pull_out_scale"), overrides.pull_out_scale, 0.0, 10.0)
 }
 
-/// Numbers that only machines have in which torque moves the cranks.
+/// Checks values of machines in which torque moves the cranks.
 pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
-    /// Softer is a spring and no rod; stiffer is more than steel of that size has.
+    /// Range of a rod's stiffness: a softer one is a spring, and a stiffer one exceeds steel of that size.
     const RODS_N_PER_UM: (f64, f64) = (0.01, 10_000.0);
     let file::Scene { axes, method, .. } = scene;
     if let Some(steps) = method.steps_per_tick {
@@ -119,7 +119,7 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     }
 }
 
-/// With more damping than this a rod returns only slowly, and is no spring any more.
+/// Largest damping ratio of a rod. With more, it returns slowly and does not act as a spring.
 const MOST_ZETA: f64 = 2.0;
 
 fn check_frame(frame: &file::Frame) -> Result<(), SceneError> {
@@ -153,7 +153,7 @@ fn check_frame(frame: &file::Frame) -> Result<(), SceneError> {
     )
 }
 
-/// A tolerance of 0 would ask for the truth itself.
+/// Checks the tolerances of questions. A tolerance of 0 would require an exact model.
 pub(super) fn check_questions(questions: &file::Questions) -> Result<(), SceneError> {
     for output in Output::ALL {
         if let Some(tolerance) = output.tolerance(questions) {
@@ -208,7 +208,7 @@ pub(super) fn check_times(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// What the core would find too, one edge at a time; said of the whole.
+/// Checks forbidden bands as a whole. The core would report one edge at a time.
 pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
     for (i, band) in limits.band.iter().enumerate() {
         if band.from_hz <= limits.homing_speed_hz && band.to_hz >= limits.speed_hz {
@@ -228,7 +228,7 @@ pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
 /// Checks that a value lies within its range, ends included.
 ///
 /// # Errors
-/// It does not; the error names the key and the range.
+/// The value is out of its range. The error names the key and the range.
 pub fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
     if (low..=high).contains(&value) {
         return Ok(());
@@ -236,7 +236,7 @@ pub fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneErro
     Err(SceneError::of(key, Problem::out_of_range(value, low, high)))
 }
 
-/// What is given of steppers must be able to act.
+/// Checks that keys of steppers have an effect.
 pub(super) fn check_steppers(scene: &Scene) -> Result<(), SceneError> {
     let axes = &scene.axes;
     let is_stepper = |number: usize| scene.drive(number) == Drive::Stepper;

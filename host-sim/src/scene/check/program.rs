@@ -1,4 +1,4 @@
-//! A scene's program: levels and blocks, as the flat list of entries that the core has.
+//! Conversion of a scene's program, with its levels and blocks, into the core's flat list of entries.
 
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape as ProgramShape};
 use cophase_core::settings::{Problem, SettingsError};
@@ -7,16 +7,16 @@ use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::scene::SceneError;
 use crate::scene::file::{self, Segment};
 
-/// Blocks within blocks within blocks: what a person can still read.
+/// Greatest nesting of blocks, which is still readable.
 const MOST_NESTING: usize = 8;
 
-/// An entry, and the key path at which it stands in the file.
+/// Entry, and its key path in the file.
 type Placed = (EntrySettings, String);
 
-/// All entries of a program, a block's repeat after all that is in it.
+/// Returns all entries of a program. The repeat of a block comes after its entries.
 ///
 /// # Errors
-/// An entry that is neither level nor block, or too many.
+/// An entry is neither level nor block, or there are too many entries.
 pub(super) fn flat(entries: &[Segment]) -> Result<Vec<Placed>, SceneError> {
     let mut all = Vec::new();
     append(&mut all, entries, "program", 0)?;
@@ -66,7 +66,7 @@ fn append(
 
 const _: () = assert!(CAPACITY <= 255, "an entry's number fits a byte");
 
-/// The core's error about one entry, at the key that stands in the file; `None` if it is about something else.
+/// Returns the core's error about an entry at its key in the file; `None` for errors that concern no entry.
 pub(in crate::scene) fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> {
     let name = error.key.strip_prefix("program")?;
     let all = flat(entries).ok()?;
@@ -77,7 +77,7 @@ pub(in crate::scene) fn placed(entries: &[Segment], error: &SettingsError) -> Op
     })
 }
 
-/// A problem with a level: the core computes in m/s², the file in g.
+/// Converts a problem with a level from the core's m/s² into the file's g.
 fn in_g(key: String, problem: Problem) -> SceneError {
     let g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
     if let Some((value, low, high)) = problem.range() {
@@ -96,7 +96,7 @@ fn in_g(key: String, problem: Problem) -> SceneError {
                 "{:.2} g ({requested_mps2:.2} m/s²) needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; \
                  give at most {} g, or raise limits.speed_hz",
                 g(requested_mps2),
-                // Rounded down, so that what is advised is accepted.
+                // Rounded down, so that the suggested value is accepted.
                 (g(most_mps2) * 100.0).floor() / 100.0
             ),
         ),

@@ -1,5 +1,5 @@
-//! What the core is given, from a scene's words: units turned, what axes have in common and apart put
-//! together.
+//! Conversion of a scene into the core's settings: units, and the values of `[axes]` and `[[axis]]` for each
+//! axis.
 
 use cophase_core::axes::{CamSettings, MAX_CAMS};
 use cophase_core::program::{CAPACITY, EntrySettings};
@@ -13,8 +13,8 @@ use cophase_link::board::{Board, Rp2040};
 use super::cam_table;
 use crate::scene::file::{AxisOverrides, Drive, Scene};
 
-/// All settings that a scene gives the core, of the mechanism and drift what was made of them. Of axes, bands and program
-/// entries those that there is room for; more have been refused before.
+/// Returns the core's settings of a scene, with its converted mechanism and drift limits. Axes, bands and program entries beyond the
+/// capacity are left out; an earlier check refuses them.
 pub(super) fn settings(
     scene: &Scene,
     machine: MachineSettings,
@@ -74,7 +74,7 @@ pub(super) fn settings(
     }
 }
 
-/// One axis: what all have in common, with what it has apart.
+/// Returns the settings of an axis from `[axes]` and its `[[axis]]` entry.
 fn axis(scene: &Scene, number: usize) -> AxisSettings {
     let axes = &scene.axes;
     let overrides = scene.overrides(number);
@@ -113,7 +113,7 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
     }
 }
 
-/// Steps of one electrical cycle, four full steps, of a stepper that makes so many to a turn.
+/// Returns the steps of an electrical cycle, four full steps, for a stepper with so many steps per turn.
 pub(crate) fn cycle_steps(steps_per_turn: u32, full_steps_per_turn: u32) -> u32 {
     (4 * u64::from(steps_per_turn) / u64::from(full_steps_per_turn.max(1))).max(1) as u32
 }

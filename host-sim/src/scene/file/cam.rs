@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 
 use super::lengths::some_three;
 
-/// A cam shaft and its follower; every axis has one of them.
+/// Cam shaft and its follower. Every axis has such a shaft.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct CamShaft {
-    /// How the follower rises and returns.
+    /// Law of the follower's rise and return.
     #[serde(default)]
     pub law: LawName,
-    /// How far the pusher rises, mm.
+    /// Lift of the pusher, mm.
     pub rise_mm: f64,
     /// Cam angle over which it rises, degrees; it begins at phase 0.
     pub rise_deg: f64,
@@ -20,24 +20,24 @@ pub struct CamShaft {
     pub dwell_deg: f64,
     /// Cam angle over which it returns, degrees; for the rest of the turn it rests.
     pub return_deg: f64,
-    /// Lead of the screws on which axes that follow cam tables carry the pushers, mm a turn; without it, each axis turns a cam.
+    /// Lead of the screws that move the pushers of axes with cam tables, mm per turn; without it, each axis turns a cam.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub screw_lead_mm: Option<f64>,
-    /// Masses of the follower from the shaft to the pusher, carried to the pusher, kg.
+    /// Masses of the follower from the shaft to the pusher, referred to the pusher, kg.
     #[serde(
         default,
         deserialize_with = "some_three",
         skip_serializing_if = "Option::is_none"
     )]
     pub masses_kg: Option<[f64; 3]>,
-    /// Stiffnesses before these masses: shaft, arm, link; N/mm.
+    /// Stiffnesses before these masses, of shaft, arm and link, N/mm.
     #[serde(
         default,
         deserialize_with = "some_three",
         skip_serializing_if = "Option::is_none"
     )]
     pub stiffness_n_per_mm: Option<[f64; 3]>,
-    /// Dampers beside them, N·s/m; give these or `zeta`.
+    /// Dampers in parallel to them, N·s/m; give these or `zeta`.
     #[serde(
         default,
         deserialize_with = "some_three",
@@ -47,13 +47,13 @@ pub struct CamShaft {
     /// Damping factor of each link, from which its damper follows; give this or `dampers_ns_per_m`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub zeta: Option<f64>,
-    /// Where the damper of the shaft ends.
+    /// Second end of the shaft's damper.
     #[serde(default)]
     pub damper: Damper,
 }
 
 impl CamShaft {
-    /// The cam, at rest at the beginning of its rise.
+    /// Returns the cam, at rest at the beginning of its rise.
     pub fn cam(&self) -> Cam {
         Cam {
             law: self.law.into(),
@@ -67,13 +67,13 @@ impl CamShaft {
     }
 }
 
-/// A cam law by its name.
+/// Name of a cam law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawName {
-    /// A sine of one period.
+    /// Acceleration as a sine of one period.
     Cycloid,
-    /// The cycloid sheared for the smallest peak.
+    /// Cycloid, skewed for the smallest peak.
     SkewedCycloid,
     /// Quarter waves of a sine, steep ones at the ends.
     #[default]
@@ -93,14 +93,14 @@ impl From<LawName> for Law {
     }
 }
 
-/// Where the damper of the shaft ends.
+/// Second end of the shaft's damper.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Damper {
-    /// At the cam: it brakes what the shaft gives.
+    /// At the cam: it damps the twist of the shaft.
     #[default]
     Cam,
-    /// At the ground, as the source prints it: it brakes the motion itself.
+    /// At the ground, as the source prints it: it damps the motion of the mass.
     Ground,
 }
 

@@ -8,9 +8,9 @@ use super::LawName;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct CamTable {
-    /// Name by which axes choose it.
+    /// Name of the table, for axes.
     pub name: String,
-    /// Whole turns of the axis in one turn of the master; 0 if the axis comes back.
+    /// Whole turns of the axis per turn of the master; 0 if the axis returns.
     #[serde(default)]
     pub net_turns: i32,
     /// Motion law of the segments.
@@ -22,13 +22,13 @@ pub struct CamTable {
     /// CSV file of points, relative to the scene's folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// Points of that file, axis turns; filled in when the scene is loaded. Machines that make tables themselves fill them in as well.
+    /// Points of that file, axis turns. The loader fills them in, and so do machines that compute tables.
     #[serde(skip)]
     pub points_turns: Vec<f64>,
 }
 
 impl CamTable {
-    /// Table of points, axis turns at equal distances over a turn of the master, after which the axis is back.
+    /// Creates a table from points, in turns of the axis, at equal distances over a turn of the master. The axis returns.
     pub fn of_points(name: &str, points_turns: Vec<f64>) -> Self {
         Self {
             name: name.to_owned(),

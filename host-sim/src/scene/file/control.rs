@@ -1,16 +1,16 @@
-//! What the loop is given beside its machine: its tick, its limits, its lines, and what it watches.
+//! Settings of the loop beside its machine: tick, limits, lines, and monitoring.
 
 use serde::{Deserialize, Serialize};
 
-/// The loop.
+/// Settings of the loop.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Control {
-    /// Control ticks a second.
+    /// Control ticks per second.
     pub tick_hz: u32,
-    /// Crank phase at which the machine parks, degrees.
+    /// Parking phase of the cranks, degrees.
     pub park_deg: f64,
-    /// Time that energised drives get to settle, s.
+    /// Settling time of the drives after they are switched on, s.
     pub settle_s: f64,
 }
 
@@ -24,7 +24,7 @@ impl Default for Control {
     }
 }
 
-/// What the master shaft may do.
+/// Limits of the master shaft.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
@@ -34,22 +34,22 @@ pub struct Limits {
     pub acceleration_hz_per_s: f64,
     /// Greatest jerk, rev/s³.
     pub jerk_hz_per_s2: f64,
-    /// Greatest acceleration of a stop that a fault asks for, rev/s²: what the motors' torque allows; the usual one
-    /// unless given.
+    /// Greatest acceleration of a stop after a fault, rev/s², as the motors' torque allows. The default is the acceleration
+    /// above.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_acceleration_hz_per_s: Option<f64>,
-    /// Its greatest jerk, rev/s³; the usual one unless given.
+    /// Greatest jerk of such a stop, rev/s³. The default is the jerk above.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_jerk_hz_per_s2: Option<f64>,
-    /// Speed of the slow turn that finds index pulses and the parking phase, rev/s.
+    /// Homing speed, rev/s, also used to reach the parking phase.
     #[serde(default = "default_homing_speed_hz")]
     pub homing_speed_hz: f64,
-    /// Speeds at which the machine must not dwell, lowest first.
+    /// Forbidden bands of speeds, lowest first.
     #[serde(default, rename = "band", skip_serializing_if = "Vec::is_empty")]
     pub band: Vec<Band>,
 }
 
-/// A forbidden band of speeds.
+/// Band of speeds at which the machine must not dwell.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Band {
@@ -65,9 +65,9 @@ pub struct Band {
 pub struct Pulse {
     /// Shortest time that STEP stays high, and low, ns.
     pub width_ns: f64,
-    /// DIR before STEP, ns.
+    /// Setup time of DIR before STEP, ns.
     pub dir_setup_ns: f64,
-    /// DIR after STEP, ns.
+    /// Hold time of DIR after STEP, ns.
     pub dir_hold_ns: f64,
 }
 
@@ -81,11 +81,11 @@ impl Default for Pulse {
     }
 }
 
-/// What counts as a pulse of an index line.
+/// Filter of the index lines.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Index {
-    /// Shortest time that a level must last to be no glitch, µs.
+    /// Shortest duration of a level that counts, µs. Shorter ones are glitches.
     pub width_us: f64,
 }
 
@@ -95,42 +95,42 @@ impl Default for Index {
     }
 }
 
-/// How far the cranks may be apart.
+/// Limits of the phase errors.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Drift {
-    /// Platform tilt, mrad.
+    /// Limit of the platform's tilt, mrad.
     pub tilt_limit_mrad: f64,
-    /// Deviation of a crank from the plane through all, degrees.
+    /// Limit of the warp, degrees: the deviation of a crank from the plane through all.
     pub warp_limit_deg: f64,
-    /// Mean lag of all, degrees.
+    /// Limit of the mean lag of all cranks, degrees.
     pub common_limit_deg: f64,
-    /// What a reading may be off by, from noise alone, degrees.
+    /// Greatest error of a reading by noise, degrees.
     pub reading_error_deg: f64,
-    /// Time by which all cranks follow late by their nature, µs.
+    /// Delay with which all cranks follow their commands in normal operation, µs.
     pub lag_us: f64,
 }
 
-/// What is done against drift.
+/// Corrections of phase errors.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Correction {
-    /// Part of a difference between cranks that is trimmed away in a turn; 0 is never.
+    /// Part of a difference between cranks that trims remove per turn; 0 for no correction.
     pub gain: f64,
-    /// Whether homing moves each crank by an amount of its own, and checks that this crank follows.
+    /// True if homing moves each crank by an amount of its own, and checks that this crank follows.
     pub prove_wiring: bool,
-    /// Cross-coupling of servos: its gains are derived from [axes.servo], but for those that are given.
+    /// True for cross-coupling of servos. Gains that are not given are derived from `[axes.servo]`.
     pub couple: bool,
-    /// Setpoint against what an axis is off from the mean of all.
+    /// Proportional gain of the cross-coupling, from the deviation of an axis from the mean of all to its setpoint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<f64>,
-    /// … and against that integrated, 1/s.
+    /// Integral gain of the cross-coupling, 1/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling_per_s: Option<f64>,
 }
 
 impl Correction {
-    /// Whether nothing is done.
+    /// Returns true if there is no correction.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }

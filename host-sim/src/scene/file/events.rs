@@ -1,19 +1,19 @@
-//! What comes from outside at a time, and what is looked at.
+//! Inputs to a scene at stated times, and the window of `steps.vcd`.
 
 use serde::{Deserialize, Serialize};
 
-/// A command at a time. A start at 0 s is given unless the scene gives one of its own.
+/// Command at a time. A scene without a start command starts at 0 s.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct CommandAt {
-    /// When, s.
+    /// Time, s.
     pub at_s: f64,
-    /// What.
+    /// Command.
     #[serde(rename = "do")]
     pub action: CommandName,
 }
 
-/// What can be commanded.
+/// Command of an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CommandName {
@@ -21,54 +21,54 @@ pub enum CommandName {
     Start,
     /// Stop at the parking phase.
     Stop,
-    /// Let the program's time stand still.
+    /// Hold the program's time.
     Hold,
-    /// Let it go on.
+    /// Resume the program's time.
     Resume,
-    /// Leave the fault state.
+    /// Reset the fault.
     Reset,
-    /// Forget the largest phase errors so far.
+    /// Reset the recorded peaks of the phase errors.
     ResetPeak,
 }
 
-/// A change of a safety input.
+/// Change of a safety input.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct InputAt {
-    /// When, s.
+    /// Time, s.
     pub at_s: f64,
-    /// Which.
+    /// Input.
     pub line: InputLine,
-    /// enable: the drives may be on. stop: the machine shall stop.
+    /// State of the input. Enable: the drives may be on. Stop: the machine must stop.
     pub active: bool,
 }
 
-/// The safety inputs.
+/// Safety input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum InputLine {
-    /// Active from the start.
+    /// Enable input, active from the start.
     Enable,
-    /// Not active from the start.
+    /// Stop input, not active at the start.
     Stop,
 }
 
-/// The loop wakes late, once.
+/// A late start of one tick of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateAt {
-    /// The first deadline from this time on, s.
+    /// Time, s; the first deadline from then on is met late.
     pub at_s: f64,
-    /// By how much, µs.
+    /// Delay, µs.
     pub by_us: f64,
 }
 
-/// A window, as an oscilloscope has one.
+/// Window of `steps.vcd`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scope {
-    /// From, s.
+    /// Start, s.
     pub from_s: f64,
-    /// To, s.
+    /// End, s.
     pub to_s: f64,
 }

@@ -1,49 +1,49 @@
-//! `[[fault]]` and `[noise]`: what goes wrong, and what sensors and loads are like when nothing does.
+//! `[[fault]]` and `[noise]`: faults that a run injects, and noise of sensors and loads.
 
 use serde::{Deserialize, Serialize};
 
-/// Something that goes wrong at a time. Which of the numbers a kind takes, [`FaultName`] says; others are refused.
+/// Fault that is injected at a time. [`FaultName`] lists the values that each kind takes; others are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FaultAt {
-    /// When, s.
+    /// Time, s.
     pub at_s: f64,
-    /// What.
+    /// Kind of fault.
     pub kind: FaultName,
-    /// On which axis, of kinds that befall one.
+    /// Axis, for kinds that affect one axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<usize>,
-    /// The other axis of a swap.
+    /// Second axis of a swap.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with: Option<usize>,
-    /// Which lines are swapped.
+    /// Lines that are swapped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lines: Option<Lines>,
-    /// Electrical cycles lost: negative are gained.
+    /// Electrical cycles lost; negative if gained.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycles: Option<i64>,
-    /// How fast a crank slips on its shaft, degrees/s: positive behind.
+    /// Rate at which a crank slips on its shaft, degrees/s; positive if it falls behind.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_deg_per_s: Option<f64>,
-    /// How fast a crank turns that has run away, rev/s.
+    /// Speed of a crank that runs away, rev/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_hz: Option<f64>,
-    /// How many: index pulses that stay away, or come between, one a turn; ticks that are missed.
+    /// Number of missing or extra index pulses, one per turn, or of missed deadlines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub count: Option<u32>,
-    /// Encoder counts by which a reading is off.
+    /// Error of an encoder's reading, counts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counts: Option<i64>,
-    /// Torque that a crank is loaded with, N·m.
+    /// Additional load torque of a crank, N·m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_nm: Option<f64>,
-    /// For how long, s; without it, for good.
+    /// Duration, s; without it, the fault is permanent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub for_s: Option<f64>,
 }
 
 impl FaultAt {
-    /// A fault of a kind at a time, s, with none of the other numbers.
+    /// Creates a fault of a kind at a time, s, without other values.
     pub const fn new(at_s: f64, kind: FaultName) -> Self {
         Self {
             at_s,
@@ -62,44 +62,44 @@ impl FaultAt {
     }
 }
 
-/// What can go wrong.
+/// Kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultName {
     /// A stepper falls back by whole electrical `cycles` (default 1).
     LostSteps,
-    /// A crank slips on its motor's shaft, at `rate_deg_per_s`, `for_s`.
+    /// A crank slips on its motor's shaft at `rate_deg_per_s`, for `for_s`.
     Slip,
-    /// A crank stands, and nothing moves it, `for_s`.
+    /// A crank is stuck for `for_s`.
     Stuck,
-    /// A drive turns at `speed_hz`, whatever its command is, `for_s`.
+    /// A drive turns at `speed_hz` for `for_s`, and ignores its command.
     Runaway,
-    /// `count` index pulses stay away; without it, all.
+    /// `count` index pulses are missing; without it, all are.
     IndexMissing,
-    /// `count` index pulses (default 1) come where no flag is, one a turn.
+    /// `count` extra index pulses (default 1) come away from the flag, one per turn.
     IndexExtra,
-    /// Two axes' `lines`, `axis` and `with`, are swapped; from power-up, whatever `at_s`.
+    /// The `lines` of two axes, `axis` and `with`, are swapped from power-up on, whatever `at_s` is.
     SwappedWiring,
-    /// A motor turns the other way than commanded; from power-up, whatever `at_s`.
+    /// A motor turns in the opposite direction from power-up on, whatever `at_s` is.
     Reversed,
-    /// An encoder's reading is off by `counts`, `for_s`.
+    /// An encoder's reading has an error of `counts` for `for_s`.
     EncoderGlitch,
-    /// A drive's alarm is on, `for_s`. Its motor goes on.
+    /// A drive's alarm is on for `for_s`. Its motor continues.
     DriveAlarm,
     /// The loop misses `count` deadlines (default 3).
     Overrun,
     /// The step hardware underruns within a tick.
     StepFifoUnderrun,
-    /// The enable input is off, `for_s`.
+    /// The enable input is off for `for_s`.
     EnableLoss,
-    /// The stop input is on, `for_s`.
+    /// The stop input is on for `for_s`.
     StopInput,
-    /// A crank is loaded with `torque_nm` more, `for_s`; where torque moves cranks.
+    /// A crank has an additional load of `torque_nm` for `for_s`, on model levels where torque moves the cranks.
     LoadStep,
 }
 
 impl FaultName {
-    /// What a scene calls it.
+    /// Returns its name in scenes.
     pub const fn name(self) -> &'static str {
         match self {
             Self::LostSteps => "lost-steps",
@@ -125,30 +125,30 @@ impl FaultName {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Lines {
-    /// What goes to the drive.
+    /// Lines to the drive.
     Drive,
-    /// What comes from index sensor and encoder.
+    /// Lines from index sensor and encoder.
     Sensors,
 }
 
-/// Noise, normally distributed: standard deviations. One seed, the same noise.
+/// Standard deviations of normally distributed noise. The same seed gives the same noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
-    /// From which all is drawn.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Of an index edge's place, degrees of the crank.
+    /// Noise of the crank phase of an index edge, degrees.
     pub index_deg: f64,
-    /// Of an index edge's time, µs.
+    /// Noise of the time of an index edge, µs.
     pub index_us: f64,
-    /// Of an encoder's reading, counts.
+    /// Noise of an encoder's reading, counts.
     pub encoder_counts: f64,
-    /// Of each crank's load, a new one each tick, N·m; where torque moves cranks.
+    /// Noise of each crank's load, drawn in each tick, N·m, on model levels where torque moves the cranks.
     pub load_nm: f64,
 }
 
 impl Noise {
-    /// Whether there is none.
+    /// Returns true if there is no noise.
     pub fn is_none(&self) -> bool {
         *self
             == Self {

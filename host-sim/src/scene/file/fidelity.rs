@@ -1,29 +1,29 @@
-//! How much model a scene gets, and how it is advanced.
+//! Model level of a scene, and method of integration.
 
 use cophase_methods::Scheme;
 use serde::{Deserialize, Serialize};
 
-/// How much model a scene gets; the ladder's model levels are in order.
+/// Model level of a scene, in the order of the levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fidelity {
-    /// The lowest model level that answers the scene's question.
+    /// Lowest model level that answers the scene's questions.
     #[default]
     Auto,
-    /// Axes are where commanded; the platform follows from geometry.
+    /// Cranks are at their commanded phases; the platform follows from geometry.
     Kinematic,
-    /// The torque that motion needs, against the torque that each motor has.
+    /// The required torque is compared with that of each motor.
     QuasiStatic,
-    /// All cranks on one shaft, moved by the motors' torque.
+    /// All cranks are on one shaft, which the motors' torque moves.
     Rigid,
-    /// Each crank its own rotor, moved by its motor's torque; the platform tilts.
+    /// Each crank is a rotor that its motor's torque moves; the platform tilts.
     Phased,
-    /// As phased, on a frame that moves on its suspension; for cams, followers that are masses on springs.
+    /// Like phased, with a frame that moves on its suspension; for cams, followers that are masses on springs.
     Elastic,
 }
 
 impl Fidelity {
-    /// As it is written in scenes and reports.
+    /// Returns its name in scenes and reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -35,19 +35,19 @@ impl Fidelity {
         }
     }
 
-    /// Whether torque moves the cranks on this model level.
+    /// Returns true if torque moves the cranks on this model level.
     pub const fn moves_by_torque(self) -> bool {
         matches!(self, Self::Rigid | Self::Phased | Self::Elastic)
     }
 }
 
-/// How a machine that is integrated is advanced.
+/// Method of integration for machines that torque moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Method {
-    /// Which method.
+    /// Name of the method.
     pub name: MethodName,
-    /// How many steps it makes in a control tick; by default as many as the machine's fastest mode asks for.
+    /// Number of steps in a control tick. The default follows from the machine's fastest mode.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps_per_tick: Option<u32>,
 }
@@ -58,31 +58,31 @@ impl Method {
     }
 }
 
-/// A method by its name.
+/// Name of a method of integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MethodName {
-    /// What is best for the machine: RK4 at a step that follows its fastest mode; exact where it is linear.
+    /// Choice by the machine: RK4 with a step that follows its fastest mode; exact for a linear machine.
     #[default]
     Auto,
     /// Order 1; unstable without damping.
     ExplicitEuler,
-    /// Order 1; keeps energy.
+    /// Order 1; conserves energy.
     SymplecticEuler,
-    /// Order 2; keeps energy.
+    /// Order 2; conserves energy.
     VelocityVerlet,
     /// Order 4.
     Rk4,
-    /// Order 2, implicit; keeps energy.
+    /// Order 2, implicit; conserves energy.
     ImplicitMidpoint,
-    /// Order 4, implicit; fast modes die away.
+    /// Order 4, implicit; fast modes decay.
     Sdirk4,
-    /// Exact but for the curvature of what drives it; of linear machines alone.
+    /// Exact except for the curvature of the excitation; for linear machines only.
     Exact,
 }
 
 impl MethodName {
-    /// The method; none if it is to be chosen.
+    /// Returns the method; `None` if it is to be chosen.
     pub const fn scheme(self) -> Option<Scheme> {
         Some(match self {
             Self::Auto => return None,

@@ -1,11 +1,11 @@
-//! Lists of a fixed length: the TOML reader fills a tuple with the first values and ignores the rest.
+//! Lists of a fixed length. The TOML reader would fill a tuple with the first values and ignore the rest.
 
 use std::fmt;
 use std::marker::PhantomData;
 
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 
-/// `N` values, no fewer and no more.
+/// List of exactly `N` values.
 struct Exactly<T, const N: usize>([T; N]);
 
 impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<T, N> {

@@ -1,7 +1,7 @@
-//! The form of a scene file. Every key carries its unit; unknown keys are refused.
+//! Structure of a scene file. Every key has its unit in its name; unknown keys are refused.
 //!
-//! A file here is a table there: `machine` or `cam`, `control` (with limits and what is watched), `axes`, `program`, and
-//! what happens to a scene from outside, `events`. How it is computed, `fidelity` says.
+//! Each module defines some tables of the file: `machine` or `cam`, `control` (with limits and monitoring), `axes`, `program`,
+//! `events` (commands and inputs), and `fidelity` (model level and method).
 
 mod axes;
 mod cam;
@@ -34,92 +34,92 @@ use crate::plant::crusher::CrusherTable;
 use crate::plant::five_bar::FiveBarTable;
 use crate::plant::screen::ScreenTable;
 
-/// A whole scene.
+/// Scene.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// What it is called, in titles and reports.
+    /// Name in titles and reports.
     pub name: String,
-    /// One line that says what it shows.
+    /// One line about what it shows.
     #[serde(default)]
     pub description: String,
-    /// How much model: the lowest model level of the ladder that answers the question.
+    /// Model level, or `auto` for the lowest one that answers the questions.
     #[serde(default)]
     pub fidelity: Fidelity,
-    /// What `fidelity = "auto"` has to answer, and how well.
+    /// Questions for `fidelity = "auto"`, with their tolerances.
     #[serde(default, skip_serializing_if = "Questions::is_none")]
     pub questions: Questions,
-    /// How a machine that torque moves is advanced.
+    /// Method of integration for machines that torque moves.
     #[serde(default, skip_serializing_if = "Method::is_default")]
     pub method: Method,
-    /// The mechanism and what it carries: cranks under one platform; this or `cam`.
+    /// Cranks under one platform, and its load; this or `cam`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<Machine>,
-    /// A cam shaft an axis, each with a follower of its own; this or `machine`.
+    /// Cam shafts, one per axis, each with a follower; this or `machine`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cam: Option<CamShaft>,
-    /// A vibrating screen; this instead of `machine`.
+    /// Vibrating screen, instead of `machine`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub screen: Option<ScreenTable>,
-    /// A jaw crusher; this instead of `machine`.
+    /// Jaw crusher, instead of `machine`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crusher: Option<CrusherTable>,
-    /// A suspended five-bar arm; this instead of `machine`.
+    /// Suspended five-bar arm, instead of `machine`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub five_bar: Option<FiveBarTable>,
-    /// Curves that axes follow.
+    /// Cam tables that axes follow.
     #[serde(default, rename = "cam_table", skip_serializing_if = "Vec::is_empty")]
     pub cam_table: Vec<CamTable>,
-    /// What the cranks stand on, if that moves.
+    /// Frame under the cranks, if it moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<Frame>,
-    /// The loop.
+    /// Settings of the loop.
     #[serde(default)]
     pub control: Control,
-    /// What the master shaft may do.
+    /// Limits of the master shaft.
     pub limits: Limits,
-    /// The step lines' timing.
+    /// Timing of the step lines.
     #[serde(default)]
     pub pulse: Pulse,
-    /// What all axes have in common.
+    /// Values for all axes.
     pub axes: Axes,
-    /// What single axes have apart.
+    /// Values of single axes that differ from those.
     #[serde(default, rename = "axis", skip_serializing_if = "Vec::is_empty")]
     pub axis: Vec<AxisOverrides>,
-    /// What counts as a pulse of an index line.
+    /// Filter of the index lines.
     #[serde(default)]
     pub index: Index,
-    /// How far the cranks may be apart.
+    /// Limits of the phase errors.
     #[serde(default)]
     pub drift: Drift,
-    /// What is done against it.
+    /// Corrections of phase errors.
     #[serde(default, skip_serializing_if = "Correction::is_none")]
     pub correction: Correction,
-    /// What sensors and loads make of themselves.
+    /// Noise of sensors and loads.
     #[serde(default, skip_serializing_if = "Noise::is_none")]
     pub noise: Noise,
-    /// Levels of the board's lines.
+    /// Active levels of the board's lines.
     #[serde(default, skip_serializing_if = "Wiring::is_default")]
     pub wiring: Wiring,
-    /// Loss of the host that started the machine.
+    /// Action when the host that started the machine is lost.
     #[serde(default, skip_serializing_if = "Link::is_default")]
     pub link: Link,
-    /// amax(t).
+    /// Program amax(t).
     pub program: Vec<Segment>,
-    /// Commands that come at a time.
+    /// Commands at stated times.
     #[serde(default, rename = "command", skip_serializing_if = "Vec::is_empty")]
     pub command: Vec<CommandAt>,
     /// Changes of the enable and stop inputs.
     #[serde(default, rename = "input", skip_serializing_if = "Vec::is_empty")]
     pub input: Vec<InputAt>,
-    /// What goes wrong.
+    /// Faults that the run injects.
     #[serde(default, rename = "fault", skip_serializing_if = "Vec::is_empty")]
     pub fault: Vec<FaultAt>,
-    /// Lateness of the loop.
+    /// Late ticks of the loop.
     #[serde(default, rename = "late", skip_serializing_if = "Vec::is_empty")]
     pub late: Vec<LateAt>,
-    /// Which part of the run `steps.vcd` shows; without it, 200 ms around the first fault that is put in, around the
-    /// first slip or latched fault, or the first of motion.
+    /// Part of the run that `steps.vcd` shows. The default is 200 ms around the first injected fault, else around the first slip
+    /// or latched fault, else the first 200 ms of motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scope: Option<Scope>,
 }

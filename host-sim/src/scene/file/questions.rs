@@ -1,8 +1,8 @@
-//! `[questions]`: what a scene is to answer, and how well.
+//! `[questions]`: outputs that a scene requests, with their tolerances.
 
 use serde::{Deserialize, Serialize};
 
-/// What `fidelity = "auto"` has to answer: outputs, each with how far it may be off. What is not asked does not count.
+/// Requested outputs for `fidelity = "auto"`, each with its tolerance. Other outputs do not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Questions {
@@ -24,13 +24,13 @@ pub struct Questions {
     /// Largest force on the ground beyond the weight, percent of itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_percent: Option<f64>,
-    /// Which motors fall out of step.
+    /// True if the set of motors that slip is requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slips: Option<bool>,
 }
 
 impl Questions {
-    /// Whether nothing is asked.
+    /// Returns true if no output is requested.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }

@@ -7,7 +7,7 @@ use cophase_core::settings::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Level of each line while what its name says is the case.
+/// Level of each line in the state that its name states.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Wiring {
@@ -148,7 +148,7 @@ impl fmt::Display for Wiring {
 pub struct Link {
     /// Time without a frame of the host after which it is lost, s; 0: the machine goes on without it.
     pub timeout_s: f64,
-    /// Action then.
+    /// Action when it is lost.
     pub reaction: LossReaction,
 }
 

@@ -11,9 +11,9 @@ use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
 use crate::scene::SceneError;
 use crate::scene::file::{CamTable, Scene};
 
-/// Difference up to which two phases or positions are the same, turns: what six decimals leave.
+/// Difference up to which two phases or positions are equal, turns: the rounding of six decimals.
 const SAME_TURNS: f64 = 2e-6;
-/// No table needs more.
+/// Largest size of a file, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
 /// Reads the files of all cam tables of a scene in `folder`, if it is in one.
@@ -86,7 +86,7 @@ fn points(text: &str, table: &CamTable) -> Result<Vec<f64>, String> {
     Ok(rows.into_iter().map(|row| row.turns).collect())
 }
 
-/// Takes the row at phase 1 away, which repeats the first one a turn later.
+/// Removes the row at phase 1, which repeats the first one a turn later.
 fn close(rows: &mut Vec<Row>, net_turns: f64) -> Result<(), String> {
     let closes = |row: &Row| {
         row.phase

@@ -1,4 +1,4 @@
-//! The words of the TOML reader and of serde, said in the words of somebody who writes a scene.
+//! Messages of the TOML reader and of serde, in the words of somebody who writes a scene.
 
 use cophase_core::settings::Problem;
 
@@ -8,7 +8,7 @@ use super::place::{bare, example, home_of};
 /// Longest piece of a file that a message repeats, in characters.
 const MOST_QUOTED: usize = 48;
 
-/// Tables that stand in a scene once.
+/// Tables that occur once in a scene.
 const TABLES: [&str; 9] = [
     "machine", "cam", "control", "limits", "pulse", "axes", "index", "drift", "scope",
 ];
@@ -26,7 +26,7 @@ const LISTS: [&str; 9] = [
     "limits.band",
 ];
 
-/// What is wrong with a line that is not TOML; `key` is the key on it, as far as it can be made out.
+/// Returns the problem of a line that is not TOML. `key` is the key on it, if it can be recognised.
 pub(super) fn not_toml(key: &str, message: &str, source: &str) -> String {
     let message = one_line(message);
     let source = source.trim_start_matches('\u{feff}').trim();
@@ -47,7 +47,7 @@ pub(super) fn not_toml(key: &str, message: &str, source: &str) -> String {
     format!("is not TOML, at `{}`: {message}; {right}", quoted(source))
 }
 
-/// What a line should have been, where habits of other languages show.
+/// Returns the correct form of a line that follows the syntax of another language.
 fn meant(line: &str) -> Option<String> {
     if line.starts_with("//") || line.starts_with(';') {
         return Some("a comment begins with #".to_owned());
@@ -79,9 +79,9 @@ fn meant(line: &str) -> Option<String> {
     is_number.then(|| format!("a number has a decimal point: write {point}"))
 }
 
-/// Key and sentence for one of serde's messages; `written` is the text that it is about.
+/// Returns key and sentence for a message of serde; `written` is its text in the file.
 ///
-/// serde hands the known keys on inside the message only, quoted with backticks; its form is that of
+/// serde gives the known keys in the message only, quoted with backticks. The form is that of
 /// `serde::de::Error::unknown_field`, `unknown_variant`, `missing_field`, `invalid_type` and `invalid_length`.
 pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, String) {
     let message = one_line(message);
@@ -141,7 +141,7 @@ fn unknown_key(unknown: &str, known: &[&str]) -> String {
     format!("unknown key; {meant}known here: {}", known.join(", "))
 }
 
-/// "invalid type: string "10", expected f64" and its like.
+/// Explains messages such as "invalid type: string "10", expected f64".
 fn wrong_type(path: &str, message: &str, written: &str) -> String {
     let such_as = example(path).map_or(String::new(), |example| format!("; such as `{example}`"));
     let source = quoted(written);
@@ -157,7 +157,7 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         .strip_prefix("invalid ")
         .and_then(|rest| rest.split_once(", expected "))
     else {
-        // The reader's own: it could not hold a number.
+        // A message of the reader itself: the number is too large.
         let message = message.replace(
             "floating-point number overflowed",
             "the number is too large",
@@ -210,7 +210,7 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
 
 fn join(path: &str, key: &str) -> String {
     let key = quoted(key);
-    // The path ends with the key already where serde was inside it.
+    // If serde was inside the key, the path already ends with it.
     if path.is_empty() || path == key {
         key
     } else if path.ends_with(&format!(".{key}")) {
@@ -229,7 +229,7 @@ fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The first line of a text, cut if it is long.
+/// Returns the first line of a text, shortened if it is long.
 fn quoted(text: &str) -> String {
     let line = text.lines().next().unwrap_or_default();
     let cut = line.chars().count() > MOST_QUOTED || line.len() < text.trim_end().len();

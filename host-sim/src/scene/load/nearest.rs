@@ -1,19 +1,19 @@
-//! What somebody may have meant by a name that is not known.
+//! Suggestion for an unknown name.
 //!
-//! *Stem*: a key without the unit at its end. Who writes `load_g` means `load_kg`, however far apart the
-//! letters are, so an equal stem goes before a similar spelling.
+//! The *stem* of a key is the key without the unit at its end. `load_g` means `load_kg`, even if the letters differ much. So an equal
+//! stem has priority over a similar spelling.
 
-/// Endings that say a unit, in scenes or anywhere else.
+/// Endings that state a unit, in scenes or elsewhere.
 const UNITS: &[&str] = &[
     "g", "kg", "lb", "t", "m", "cm", "mm", "um", "in", "s", "ms", "us", "ns", "min", "h", "hz",
     "khz", "mhz", "rpm", "rps", "mps", "mps2", "mps3", "deg", "rad", "mrad", "turns", "rev", "s2",
     "s3", "per", "kgm2", "kgmm2", "gcm2", "nm", "n",
 ];
 
-/// Spellings less alike than this are different words, and a guess would mislead.
+/// Least similarity of two spellings. Below it, a suggestion would mislead.
 const ALIKE: f64 = 0.8;
 
-/// The likeliest of the known names, if one is likely at all.
+/// Returns the most similar known name, if one is similar enough.
 pub fn nearest<'a>(unknown: &str, known: &[&'a str]) -> Option<&'a str> {
     let alike = |key: &str| strsim::jaro_winkler(unknown, key);
     let best = |among: Vec<&'a str>| {

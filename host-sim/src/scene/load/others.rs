@@ -1,7 +1,7 @@
-//! Further mistakes in the keys and values of a scene, beside the first that was found.
+//! Further errors in the keys and values of a scene, after the first one.
 //!
-//! Checks end at the first error. To find the next one, the value of the last is *replaced*: left out, so that its default holds, or
-//! else as a built-in scene has it. Then the scene is checked again. An error that a replaced value may have caused is not reported.
+//! Checks end at the first error. To find the next one, the wrong value is *replaced*: it is left out, so that its default holds, or
+//! taken from a built-in scene. Then the scene is checked again. An error that a replaced value may have caused is not reported.
 
 use std::collections::BTreeMap;
 
@@ -10,12 +10,12 @@ use toml::{Table, Value};
 use super::place::{Step, axis_of, example_value, line_of_key, steps};
 use crate::scene::{Checked, SceneError};
 
-/// Errors that are reported together; after so many a file is not what was meant.
+/// Limit of errors that are reported together. With more, it is probably the wrong file.
 const MOST: usize = 10;
-/// Times that a scene is checked for that.
+/// Limit of checks of a scene.
 const MOST_CHECKS: usize = 40;
 
-/// The first error of a scene's text, with the others beside it in the order of their lines.
+/// Returns the first error of a scene's text, with the others in the order of their lines.
 pub(super) fn find(
     text: &str,
     first: SceneError,
@@ -33,13 +33,13 @@ pub(super) fn find(
             break;
         };
         table = better;
-        // As text, as the file was: a second reader would have to be compiled for every key.
+        // As text, like the file: a reader of TOML values would be compiled for every key once more.
         let Err(error) = check(&table.to_string()) else {
             break;
         };
         if replaced.is_not_the_cause_of(&error) && !found.iter().any(|other| is_one(&error, other))
         {
-            // Its line is that of another text.
+            // The line belongs to the changed text.
             let line = None;
             found.push(SceneError {
                 line,
@@ -60,12 +60,12 @@ pub(super) fn find(
     SceneError::together(found).expect("the first is among them")
 }
 
-/// Keys whose values are replaced, each with how often: left out at first, then as in a built-in scene.
+/// Keys whose values are replaced, each with the number of replacements: left out first, then as in a built-in scene.
 #[derive(Default)]
 struct Replaced(BTreeMap<String, usize>);
 
 impl Replaced {
-    /// The scene with another value at a key, or else without the table around it; none if there is nothing left to replace.
+    /// Returns the scene with another value at a key, or without the table around it; `None` if nothing can be replaced.
     fn replace(&mut self, table: &Table, key: &str) -> Option<Table> {
         let mut place = without_entry(key);
         while !place.is_empty() {
@@ -75,7 +75,7 @@ impl Replaced {
                 let is_value = place == without_entry(key);
                 let value = match (*times, is_value) {
                     (1, _) => None,
-                    // Of a number that no built-in scene has, 1 is within the range of most.
+                    // No built-in scene has this key. Most ranges contain 1.
                     (_, true) => Some(example_value(place).unwrap_or(Value::Integer(1))),
                     (_, false) => break,
                 };
@@ -100,13 +100,13 @@ impl Replaced {
     }
 }
 
-/// The list of an entry: without one entry, those behind it would have other numbers.
+/// Returns the list of an entry. Without one entry, those behind it would have other numbers.
 fn without_entry(key: &str) -> &str {
     let list = key.strip_suffix(']').and_then(|open| open.rsplit_once('['));
     list.map_or(key, |(list, _)| list)
 }
 
-/// Whether a key or a value is wrong whatever the others are: out of its range, none of its values, of another type, or unknown.
+/// Returns true if a key or value is wrong by itself: out of its range, none of the permitted values, of another type, or unknown.
 fn is_by_itself(error: &SceneError) -> bool {
     let has = |words: &str| error.problem.contains(words);
     let is_other_type = has(", where ") && has(" belongs");
@@ -119,12 +119,12 @@ fn is_by_itself(error: &SceneError) -> bool {
     is_other_type || words.into_iter().any(has)
 }
 
-/// Whether two errors, such as those of two axes, have one cause.
+/// Returns true if two errors, such as those of two axes, have the same cause.
 fn is_one(error: &SceneError, other: &SceneError) -> bool {
     error.problem == other.problem && !is_by_itself(error)
 }
 
-/// Whether a check at `key`, beyond that of its own range, may look at the value of `other`.
+/// Returns true if a check at `key`, other than that of its range, may depend on the value of `other`.
 fn depends(key: &str, other: &str) -> bool {
     let table = |key: &'_ str| key.rsplit_once('.').map(|(table, _)| table.to_owned());
     if table(key) == table(other) {
@@ -150,7 +150,7 @@ fn depends(key: &str, other: &str) -> bool {
     }
 }
 
-/// Puts a value at a key, or takes the key out; none if there is no such place, or the machine itself would be taken out.
+/// Sets the value of a key, or removes the key. `None` if there is no such place, or if that would remove the machine.
 fn put(table: &mut Table, key: &str, value: Option<Value>) -> Option<()> {
     let (parent, name) = key.rsplit_once('.').unwrap_or(("", key));
     let parent = steps(parent)

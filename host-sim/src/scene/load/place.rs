@@ -1,19 +1,19 @@
-//! Where things stand in a scene file, and where they belong.
+//! Lines of keys in a scene file, and the tables to which keys belong.
 //!
-//! *Key path*: `limits.band[0].from_hz`, entries counted from 0.
+//! A *key path* has the form `limits.band[0].from_hz`, with entries counted from 0.
 
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
 use crate::scene::library::SCENES;
 
-/// The line of a byte, counted from 1.
+/// Returns the line of a byte, counted from 1.
 pub(super) fn line_at(text: &str, byte: usize) -> usize {
     let before = &text.as_bytes()[..byte.min(text.len())];
     before.iter().filter(|&&byte| byte == b'\n').count() + 1
 }
 
-/// The line on which a key stands; if it is not there, that of the innermost table around it that is.
+/// Returns the line of a key. For a missing key, it is the line of the innermost table around it.
 pub(super) fn line_of_key(text: &str, path: &str) -> Option<usize> {
     let mut value = DeValue::Table(DeTable::parse(text).ok()?.into_inner());
     let mut found = None;
@@ -29,7 +29,7 @@ pub(super) fn line_of_key(text: &str, path: &str) -> Option<usize> {
     found.map(|byte| line_at(text, byte))
 }
 
-/// Number of the axis that an `[[axis]]` entry on a key path is about.
+/// Returns the axis number of an `[[axis]]` entry on a key path.
 pub(super) fn axis_of(table: &Table, path: &str) -> Option<u8> {
     let mut steps = steps(path);
     let (Some(Step::Name("axis")), Some(Step::Entry(entry))) = (steps.next(), steps.next()) else {
@@ -39,7 +39,7 @@ pub(super) fn axis_of(table: &Table, path: &str) -> Option<u8> {
     number.as_integer()?.try_into().ok()
 }
 
-/// For text that is not TOML: the key on a line, under the heading above it, as far as both can be made out.
+/// Returns the key path of a line in text that is not TOML, from the key and the heading above it, if they can be recognised.
 pub(super) fn key_on_line(text: &str, line: usize) -> String {
     let mut headings: Vec<String> = Vec::new();
     let mut table = String::new();
@@ -71,7 +71,7 @@ fn between<'a>(line: &'a str, open: &str, close: &str) -> Option<&'a str> {
     inner.split_once(close).map(|(name, _)| name.trim())
 }
 
-/// Whether a person could have meant this as a key.
+/// Returns true if the text looks like a key.
 pub(super) fn bare(key: &str) -> bool {
     (1..=64).contains(&key.len())
         && key
@@ -79,7 +79,7 @@ pub(super) fn bare(key: &str) -> bool {
             .all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte))
 }
 
-/// How a key path is written in the built-in scenes: `load_kg = 8`, `[limits]`, `[[program]]`.
+/// Returns the form of a key path in the built-in scenes: `load_kg = 8`, `[limits]`, `[[program]]`.
 pub(super) fn example(path: &str) -> Option<String> {
     SCENES.iter().find_map(|scene| {
         let mut value = DeValue::Table(DeTable::parse(scene.text).ok()?.into_inner());
@@ -87,7 +87,7 @@ pub(super) fn example(path: &str) -> Option<String> {
         for step in steps(path) {
             let next = match step {
                 Step::Name(name) => value.get(name),
-                // Any entry is as good an example as another.
+                // Any entry serves as the example.
                 Step::Entry(_) => value.get(0),
             }?;
             span = next.span();
@@ -106,7 +106,7 @@ pub(super) fn example(path: &str) -> Option<String> {
     })
 }
 
-/// Where a key belongs, if it is a scene's key: at the top, or under a heading.
+/// Returns the place of a key, if scenes have it: the top level, or a heading.
 pub(super) fn home_of(key: &str) -> Option<String> {
     let scenes: Vec<Table> = SCENES
         .iter()
@@ -132,14 +132,14 @@ pub(super) fn home_of(key: &str) -> Option<String> {
         })
 }
 
-/// A plain value that a built-in scene has at a key path.
+/// Returns a plain value of a built-in scene at a key path.
 pub(super) fn example_value(path: &str) -> Option<Value> {
     SCENES.iter().find_map(|scene| {
         let mut value = Value::Table(toml::from_str(scene.text).ok()?);
         for step in steps(path) {
             value = match step {
                 Step::Name(name) => value.get(name)?.clone(),
-                // Any entry is as good an example as another.
+                // Any entry serves as the example.
                 Step::Entry(_) => value.get(0)?.clone(),
             };
         }
