@@ -5,7 +5,7 @@
 //! in order of time, and of arming where times are equal; nothing here depends on anything else, so
 //! the same futures see the same times on every run.
 //!
-//! Code takes no time here. What is to be late is made late on purpose: see [`run`].
+//! Code takes no time here. [`run`] can delay alarms on purpose.
 //!
 //! Unlike embassy-time's own mock driver, this one knows when the next alarm is due.
 
@@ -22,7 +22,7 @@ pub const TICKS_PER_S: u64 = embassy_time::TICK_HZ;
 
 thread_local! {
     static NOW: Cell<u64> = const { Cell::new(0) };
-    /// When the future that runs goes on: see [`until`].
+    /// Time at which the running future continues ([`until`]).
     static DEADLINE: Cell<u64> = const { Cell::new(NEVER) };
     static ARMED: Cell<u64> = const { Cell::new(0) };
     /// Time of the earliest alarm.
@@ -106,7 +106,7 @@ pub fn until(at: u64) -> impl Future<Output = ()> {
 struct Ready(AtomicBool);
 
 impl Ready {
-    /// Whether it was woken since the last call.
+    /// Returns true if it was woken since the last call.
     fn take(&self) -> bool {
         // No exchange is needed, as all of this is on one thread.
         let ready = self.0.load(Ordering::Relaxed);
@@ -220,7 +220,7 @@ mod tests {
         assert_eq!(times, [5_000, 6_000, 3_600_006_000]);
     }
 
-    /// Were it wrong, a loop that waits without alarms would see other times than one with timers.
+    /// If this fails, a loop that waits without alarms has other times than one with timers.
     #[test]
     fn a_deadline_and_alarms_come_in_order() {
         let times = run(
@@ -276,7 +276,7 @@ mod tests {
         assert_eq!((here, other.join().unwrap()), (1, 7));
     }
 
-    /// Were it wrong, a future that gives its parts wakers of their own would wait for ever.
+    /// If this fails, a future that gives its parts wakers of their own waits forever.
     #[test]
     fn wakers_of_parts_are_woken() {
         struct Part(Waker);

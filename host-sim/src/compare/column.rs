@@ -1,4 +1,4 @@
-//! Columns: which unit they have, how large a difference counts as none, and whether they are held.
+//! Columns: their units, their default tolerances, and whether they are held.
 //!
 //! The name of a column ends with its unit, and with the number of its axis where there is one for each. The default
 //! tolerance is ten units of the last place that `trace.csv` has for the unit. Integers and words must be equal.
@@ -22,7 +22,7 @@ const UNITS: [(&str, u32); 6] = [
     ("_m", decimals::HEIGHT),
 ];
 
-/// Largest differences that count as none, where they are not the default ones.
+/// Tolerances that differ from the default ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tolerances(Vec<(String, f64)>);
 

@@ -1,4 +1,4 @@
-//! Edges of two runs, wire by wire, over the time that both files show.
+//! Comparison of the edges of two runs for each wire, over the time that both files show.
 //!
 //! Rising edges are paired with rising ones and falling edges with falling ones, each with the nearest that follows the pair
 //! before. An edge that is nearer to a neighbour of its partner stays alone.
@@ -16,11 +16,11 @@ pub struct EdgeComparison {
     pub from_s: f64,
     /// End of it, s; not after the start if there is none.
     pub to_s: f64,
-    /// Largest shift that counts as none, ns.
+    /// Tolerance of shifts, ns.
     pub tolerance_ns: f64,
-    /// Wires that both know, by name.
+    /// Wires of both files, by name.
     pub wires: Vec<WireDifference>,
-    /// Wires that one of them does not know.
+    /// Wires that one of the files lacks.
     pub unknown: Vec<String>,
 }
 
@@ -129,7 +129,7 @@ impl Window {
         difference
     }
 
-    /// Takes note of a pair of edges, or of one alone.
+    /// Adds a pair of edges, or a single edge.
     fn take(&self, difference: &mut WireDifference, first: Option<i64>, second: Option<i64>) {
         let at_ns = match (first, second) {
             (Some(first), Some(second)) => {

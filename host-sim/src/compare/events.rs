@@ -34,7 +34,7 @@ impl Event {
         (self.t_s * 1e9).round() as i64
     }
 
-    /// Its words, less what only the simulator adds after a semicolon.
+    /// Returns its description without the part after a semicolon, which only the simulator adds.
     fn words(&self) -> &str {
         self.what
             .split_once(';')
@@ -63,7 +63,7 @@ impl Events {
         })
     }
 
-    /// When homing began first, which is when a machine leaves idle.
+    /// Returns the time at which homing first began: the machine then leaves idle.
     pub(super) fn start_ns(&self) -> Option<i64> {
         let homing = describe(&EventKind::State(State::Homing));
         let first = self.list.iter().find(|event| event.what == homing)?;
@@ -91,7 +91,7 @@ pub(super) fn compare(runs: [&Run; 2], origins: [i64; 2]) -> Option<EventDiffere
     let of = |i: usize| {
         let all = runs[i].events.as_ref()?.list.iter();
         let from_origin = all.map(|event| (event.t_ns() - origins[i], event.words()));
-        // What is before the start is that the machine is idle.
+        // Before the start, the machine is idle.
         Some(
             from_origin
                 .filter(|(t_ns, _)| *t_ns >= 0)

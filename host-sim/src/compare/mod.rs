@@ -1,11 +1,11 @@
-//! Two runs laid over each other: where they part, and by how much.
+//! Comparison of two runs: the first difference, and the sizes of all.
 //!
 //! *Run*: a folder with the files of a run, or its `trace.csv` alone. *Point*: a time at which both runs have values. Points
 //! are the times at which both traces have a row. Traces without such a time are compared at the rows of the coarser one: there
 //! the finer one is interpolated, except for *held* columns, which keep their last value. *Tolerance*: the
 //! largest difference that counts as none. The runs *part* at the first difference beyond it.
 //!
-//! Nothing here knows which of the runs is right.
+//! A comparison does not decide which of the runs is right.
 
 mod column;
 mod difference;
@@ -39,9 +39,9 @@ use crate::trace::{Overlay, OverlayRow};
 pub struct Comparison {
     /// The runs, in the order given.
     pub runs: [RunSummary; 2],
-    /// What times are counted from.
+    /// Origin of times.
     pub times_from: Origin,
-    /// How points were found.
+    /// Kind of the points.
     pub matching: Matching,
     /// Number of points.
     pub points: usize,
@@ -49,24 +49,24 @@ pub struct Comparison {
     pub from_s: f64,
     /// Last point, s.
     pub to_s: f64,
-    /// Differences, a column each.
+    /// Differences of each column.
     pub columns: Vec<ColumnDifference>,
-    /// What one run has before the other begins, or after it ends.
+    /// Rows of one run before the other begins, or after it ends.
     pub surplus: Vec<Surplus>,
     /// Events that differ; none if a run has no `report.json`.
     pub events: Option<EventDifference>,
     /// Edges; none if a run has no `steps.vcd`.
     pub edges: Option<EdgeComparison>,
-    /// Where the runs part first; none if they are equal within the tolerances.
+    /// First difference; `None` if the runs are equal within the tolerances.
     pub parts: Option<Part>,
 }
 
 /// One of the two runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunSummary {
-    /// Its path, as it was given.
+    /// Path, as given.
     pub path: String,
-    /// Rows of its trace.
+    /// Number of rows of its trace.
     pub rows: usize,
     /// Time of the first row, s.
     pub from_s: f64,
@@ -74,14 +74,14 @@ pub struct RunSummary {
     pub to_s: f64,
     /// Time between the first two rows, s.
     pub spacing_s: f64,
-    /// When it leaves idle, s since power-up; none if it never does.
+    /// Time at which it leaves idle, s since power-up; `None` if it never does.
     pub starts_s: Option<f64>,
 }
 
 /// First difference beyond its tolerance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Part {
-    /// When, s.
+    /// Time, s.
     pub at_s: f64,
     /// Column, wire or event.
     pub what: String,
@@ -127,7 +127,7 @@ pub fn compare(
     })
 }
 
-/// The earliest of all differences beyond their tolerances.
+/// Returns the earliest of all differences beyond their tolerances.
 fn first_part(
     columns: &[ColumnDifference],
     surplus: &[Surplus],
@@ -174,7 +174,7 @@ fn no_overlap(runs: [&Run; 2]) -> CompareError {
 /// Draws two runs over each other, with their difference below.
 ///
 /// # Errors
-/// As of [`compare`].
+/// Those of [`compare`].
 pub fn draw(
     runs: [&Run; 2],
     origin: Origin,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// How the points were found.
+/// Kind of the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Matching {

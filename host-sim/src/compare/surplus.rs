@@ -1,7 +1,7 @@
 //! Rows of one run before the other begins, or after it ends.
 //!
-//! A run that stands still there is not different from one that was recorded for a shorter time. So the rows are compared
-//! with the nearest row of the same run inside the other one's time.
+//! If a run is at rest there, it does not differ from one that was recorded for a shorter time. So these rows are compared with the
+//! nearest row of the same run inside the other one's time.
 
 use serde::Serialize;
 
@@ -19,14 +19,14 @@ pub struct Surplus {
     pub from_s: f64,
     /// Last row, s.
     pub to_s: f64,
-    /// First time at which the run is no longer as at the edge of the common time, and the column that changed.
+    /// First time at which the run differs from its state at the edge of the common time, and the column that differs.
     pub changes: Option<(f64, String)>,
 }
 
 /// Rows of a trace with their times, ns from the origin.
 type Rows<'a> = &'a [(usize, i64)];
 
-/// Finds what only one of two runs covers.
+/// Returns the times that only one of two runs covers.
 pub(super) fn find(runs: [&Run; 2], rows: [Rows<'_>; 2], tolerances: &Tolerances) -> Vec<Surplus> {
     let mut found = Vec::new();
     for (own, other) in [(0, 1), (1, 0)] {

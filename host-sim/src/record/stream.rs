@@ -1,4 +1,4 @@
-//! Selection of what is streamed, and what a recording then knows.
+//! Selection of streamed channels, and the resulting columns of a recording.
 
 use cophase_link::sample::{Channel, Channels};
 
@@ -28,7 +28,7 @@ const FOR_EDGES: Channels = Channel::State as Channels
     | Channel::Lead as Channels
     | Channel::Steps as Channels;
 
-/// What is streamed.
+/// Streamed channels.
 #[derive(Clone, Copy, Debug)]
 pub struct Stream {
     /// Channels of each sample; the state must be one of them.

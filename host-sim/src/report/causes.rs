@@ -1,7 +1,7 @@
 //! Probabilities of the causes of a fault's name, from the campaigns of `docs/campaign.md`.
 //!
-//! A campaign knows the true cause of each fault. So it counts how often a cause gets a name: the likelihood of the cause. If all causes are
-//! equally frequent, the likelihoods are proportional to the probabilities of the causes (Bayes' theorem).
+//! A campaign knows the true cause of each fault. So it counts how often a cause gets a name: the likelihood of the cause. If all
+//! causes are equally frequent, the likelihoods are proportional to the probabilities of the causes (Bayes' theorem).
 
 use cophase_core::settings::AxisSettings;
 use cophase_core::supervisor::Fault;
@@ -36,8 +36,8 @@ fn counted() -> impl Iterator<Item = Counted> {
     })
 }
 
-/// Probability of each cause, 0 to 1, if the name of the fault and `others` are the only causes and equally frequent. The most probable
-/// comes first. Empty for a name that campaigns hardly had.
+/// Returns the probability of each cause, 0 to 1, if the name of the fault and `others` are the only causes and equally frequent. The
+/// most probable comes first. It is empty for a name that campaigns hardly had.
 fn probabilities(
     fault: &Fault,
     has_encoder: bool,
@@ -70,8 +70,8 @@ fn probabilities(
     likelihoods.into_iter().map(normalise).collect()
 }
 
-/// A sentence about the probabilities of a fault's causes, with those of at least 1 %. Nothing if fewer than two remain, or if no campaign
-/// draws axes with such sensors.
+/// Returns a sentence about the probabilities of a fault's causes, with those of at least 1 %. It is empty if fewer than two remain, or
+/// if no campaign draws axes with such sensors.
 pub(super) fn causes_in_words(
     fault: &Fault,
     axis: &AxisSettings,
@@ -103,7 +103,7 @@ mod tests {
         Fault::new(kind).with_size(Turns::from_num(size))
     }
 
-    /// If this fails, a user is sent to the coupling where the drive is as likely, or the other way round.
+    /// If this fails, a user examines the coupling where the drive is as likely, or the reverse.
     #[test]
     fn a_crank_that_is_ahead_was_not_held_and_one_behind_does_not_run_away() {
         let ahead = fault(FaultKind::Slip, 0.05);
@@ -122,7 +122,7 @@ mod tests {
         assert!(causes(&ahead)[1].1 > 0.2 && causes(&behind)[1].1 < 0.1);
     }
 
-    /// If probabilities were of the other sensor, or did not add up, they would mislead.
+    /// If this fails, probabilities belong to another sensor, or do not add up to 1.
     #[test]
     fn probabilities_are_of_the_sensor_and_add_up() {
         let lost = fault(FaultKind::LostSteps, -0.02);
@@ -140,7 +140,7 @@ mod tests {
         );
     }
 
-    /// If a few runs counted, chance would be given as a probability.
+    /// If this fails, probabilities follow from a few runs by chance.
     #[test]
     fn a_name_with_few_runs_has_no_probabilities() {
         let tilt = fault(FaultKind::Tilt, 0.0);

@@ -1,4 +1,4 @@
-//! The end of a run in words: by its program or by a fault, with what the drives and the cranks did after it.
+//! Sentences about the end of a run: by its program or by a fault, with the drives and cranks after it.
 
 use std::fmt::Write;
 use std::ops::Range;
@@ -13,10 +13,10 @@ use crate::scene::file::{FaultAt, FaultName, InputLine};
 use crate::sim::Outcome;
 use crate::sim::events::{Event, EventKind, StoppedBy};
 
-/// A crank that is further than this from its command did not follow it, turns. What a crank turns on by after a stop is less.
+/// Distance of a crank from its command beyond which it did not follow, turns. A crank moves less after a stop.
 const FOLLOWS_TURNS: f64 = 0.75;
 
-/// Latched faults in the order of time, each with its names: the first one, and the last one where it got a better name later.
+/// Returns the latched faults in the order of time, each with its first name, and its last one if it got a better name later.
 fn latched(events: &[Event]) -> Vec<[(f64, &Fault); 2]> {
     let mut all: Vec<[(f64, &Fault); 2]> = Vec::new();
     for event in events {
@@ -25,7 +25,7 @@ fn latched(events: &[Event]) -> Vec<[(f64, &Fault); 2]> {
         };
         let named = (event.t_s, fault);
         match all.last_mut() {
-            // A better name leaves the tick of the detection.
+            // A better name keeps the tick of the detection.
             Some([(_, first), last]) if first.tick == fault.tick => *last = named,
             _ => all.push([named, named]),
         }
@@ -33,7 +33,7 @@ fn latched(events: &[Event]) -> Vec<[(f64, &Fault); 2]> {
     all
 }
 
-/// Sentences about what ended a run.
+/// Returns sentences about the cause of a run's end.
 pub fn ending(checked: &Checked, outcome: &Outcome) -> String {
     let statistics = &outcome.statistics;
     if outcome.diverged.is_some() {
@@ -60,7 +60,7 @@ pub fn ending(checked: &Checked, outcome: &Outcome) -> String {
     }
 }
 
-/// Tilt of a platform that the drives held after a fault.
+/// Returns a sentence about the tilt of a platform that the drives held after a fault.
 pub fn held(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
     let held = &outcome.statistics.fault_hold;
     let Some(at_stop_mrad) = held.at_stop_mrad.filter(|_| checked.has_platform()) else {
@@ -73,7 +73,7 @@ pub fn held(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt
     )
 }
 
-/// Motion of cranks that nothing drives any more.
+/// Returns a sentence about the motion of cranks without drives.
 pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
     let coast = &outcome.statistics.coast;
     let Some(tilt_mrad) = coast.worst_tilt_mrad.filter(|_| coast.turned_s > 0.0) else {
@@ -97,7 +97,7 @@ pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std:
     if outcome.state != State::Fault {
         return Ok(());
     }
-    // A command stays where it was as the drives went off.
+    // Commands do not change after the drives are off.
     let ends = (0..checked.scene.axes.count).map(|axis| {
         let away_deg = away_turns(checked, outcome, axis)? * 360.0;
         Some(format!("axis {axis} {away_deg:+.1}°"))
@@ -112,7 +112,7 @@ pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std:
     )
 }
 
-/// Sentences about the fault in which a run ended.
+/// Returns sentences about the fault in which a run ended.
 fn stopped_by_fault(
     checked: &Checked,
     outcome: &Outcome,
@@ -164,9 +164,9 @@ fn stopped_by_fault(
     format!("{detected}{renamed} {ended}{alike}")
 }
 
-/// A sentence about other faults that look the same to the sensors of the axis, if there are any.
+/// Returns a sentence about other faults that look the same to the sensors of the axis, if there are any.
 fn alike(checked: &Checked, fault: &Fault) -> String {
-    // Names of limits claim no cause.
+    // The names of limits state no cause.
     let is_limit = matches!(
         fault.kind,
         FaultKind::Tilt | FaultKind::Warp | FaultKind::HomingRangeExceeded
@@ -189,7 +189,7 @@ fn alike(checked: &Checked, fault: &Fault) -> String {
     }
 }
 
-/// A stop that was not cut short: who came to rest with it.
+/// Returns a sentence about a stop that ended at rest: the axes that followed it.
 fn at_rest(checked: &Checked, outcome: &Outcome, stop_s: Range<f64>) -> String {
     let axes = 0..checked.scene.axes.count;
     let apart: Vec<_> = axes
@@ -210,7 +210,8 @@ fn at_rest(checked: &Checked, outcome: &Outcome, stop_s: Range<f64>) -> String {
     }
 }
 
-/// Returns true if an axis followed its command in a stop: it did not slip, no fault of the scene moved it, and it did not stay turns behind.
+/// Returns true if an axis followed its command in a stop: it did not slip, no fault of the scene moved it, and it is not turns
+/// behind.
 fn follows(checked: &Checked, outcome: &Outcome, axis: usize, stop_s: &Range<f64>) -> bool {
     let statistics = &outcome.statistics;
     let is_disturbed = statistics.events.iter().any(|event| match &event.what {
@@ -225,8 +226,8 @@ fn follows(checked: &Checked, outcome: &Outcome, axis: usize, stop_s: &Range<f64
     !is_disturbed && away_turns.abs() < FOLLOWS_TURNS
 }
 
-/// How far a crank is from its command as a run ends, turns: ahead is positive. Where it stood at power-up does not count. None in a
-/// run that was homed again, as what a crank did before that would be part of it.
+/// Returns the distance of a crank from its command at the end of a run, turns; positive if ahead. Its error at power-up does not count.
+/// `None` in a run with a second homing, as motion before that would count.
 fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> Option<f64> {
     let statistics = &outcome.statistics;
     let homed = |event: &&Event| event.what == EventKind::State(State::Homing);
@@ -236,7 +237,7 @@ fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> Option<f64> 
     is_homed_once.then_some(actual - command - start_deg / 360.0)
 }
 
-/// Returns true if a fault of a scene takes a crank from where its drive commands it.
+/// Returns true if a fault of a scene moves a crank away from its command.
 fn moves_by_itself(fault: &FaultAt, axis: usize) -> bool {
     let kinds = [FaultName::Stuck, FaultName::Slip, FaultName::Runaway];
     fault.axis == Some(axis) && kinds.contains(&fault.kind)

@@ -1,4 +1,4 @@
-//! What a run comes to: `report.json` for machines, and a page of words for people.
+//! Results of a run: `report.json` for programs, and a summary for people.
 
 mod causes;
 mod ending;
@@ -30,16 +30,16 @@ use crate::sim::Outcome;
 use crate::sim::events::{Event, EventKind, StoppedBy};
 use crate::units::degrees;
 
-/// `report.json`.
+/// Content of `report.json`.
 ///
-/// All of it is the same on every run of a scene, `speed` excepted.
+/// Every run of a scene gives the same content, except for `speed`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report<'a> {
     name: &'a str,
     fidelity: FidelityReport<'a>,
     method: MethodReport,
     ended: Ended,
-    /// Gains of the cross-coupling, where it acts.
+    /// Gains of the cross-coupling, if the scene has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     coupling: Option<CouplingReport>,
     warnings: Vec<String>,
@@ -50,18 +50,18 @@ pub struct Report<'a> {
     phase_spread_worst_deg: f64,
     phase_spread_rms_deg: f64,
     tilt_worst_mrad: f64,
-    /// Of a platform; pushers have none.
+    /// Limit of the tilt of a platform; pushers have none.
     #[serde(skip_serializing_if = "Option::is_none")]
     tilt_limit_mrad: Option<f64>,
-    /// As a stop by a fault ended, where the drives held after it; and the largest after that.
+    /// Tilt at the end of a fault stop after which the drives held; and the largest tilt after that.
     #[serde(skip_serializing_if = "Option::is_none")]
     tilt_at_stop_mrad: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tilt_worst_held_mrad: Option<f64>,
-    /// After the drives went off, where they did.
+    /// Largest tilt after the drives were switched off.
     #[serde(skip_serializing_if = "Option::is_none")]
     tilt_worst_off_mrad: Option<f64>,
-    /// For how long cranks turned on then, where torque moves them.
+    /// Time for which cranks continued to turn after that, s, on model levels where torque moves them.
     #[serde(skip_serializing_if = "Option::is_none")]
     coasted_s: Option<f64>,
     warp_worst_deg: f64,
@@ -70,18 +70,18 @@ pub struct Report<'a> {
     holding: HoldingReport,
     speed_top_hz: f64,
     amax_top_mps2: f64,
-    /// Largest acceleration of the platform itself, where torque moves the cranks.
+    /// Largest acceleration of the platform, on model levels where torque moves the cranks.
     #[serde(skip_serializing_if = "Option::is_none")]
     accel_worst_mps2: Option<f64>,
-    /// Figures of a machine of its own kind.
+    /// Figures of a machine of another kind.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     machine_figures: BTreeMap<&'static str, Option<f64>>,
     late_deadlines: u32,
     missed_deadlines: u32,
-    /// What the scene put in, in the order in which it began.
+    /// Injected faults, in the order in which they began.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     injected: Vec<InjectedReport>,
-    /// What the loop reported, whatever it did about it.
+    /// Faults that the loop reported, whatever its reaction.
     reported_faults: Vec<FaultReport>,
     faults: Vec<FaultReport>,
     events: Vec<EventReport>,
@@ -89,7 +89,7 @@ pub struct Report<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     written: Option<Written>,
     scene: &'a Scene,
-    /// How fast the run was: the only part that differs from run to run.
+    /// Speed of the run, the only part that differs from run to run.
     speed: Speed,
 }
 
@@ -97,11 +97,11 @@ pub struct Report<'a> {
 struct Ended {
     state: &'static str,
     fault: bool,
-    /// State of the drives at the end: `held` the cranks, were `off`, or were `on` in a run that was cut off.
+    /// State of the drives at the end: `held`, `off`, or `on` in a run that ended before it stopped.
     drives: &'static str,
-    /// The simulated machine's equations went no further.
+    /// True if the simulated machine's equations diverged.
     diverged: bool,
-    /// What made the machine stop last.
+    /// Cause of the last stop.
     #[serde(skip_serializing_if = "Option::is_none")]
     stopped_by: Option<&'static str>,
 }
@@ -128,20 +128,20 @@ struct AxisReport {
     command_turns: f64,
     actual_turns: f64,
     slipped_cycles: i64,
-    /// Largest drift that was measured, since power-up or the last `reset-peak`, without sign.
+    /// Largest measured phase error since power-up or the last `reset-peak`, without sign.
     phase_error_peak_deg: f64,
-    /// What corrected it at the end.
+    /// Correction of the phase error at the end.
     correction_deg: f64,
-    /// Largest part of the pull-out torque that was required.
+    /// Largest ratio of required torque to pull-out torque.
     #[serde(skip_serializing_if = "Option::is_none")]
     pull_out_used: Option<f64>,
-    /// Largest torque that the motor gave.
+    /// Largest torque of the motor.
     #[serde(skip_serializing_if = "Option::is_none")]
     torque_worst_nm: Option<f64>,
-    /// What the follower of its cam did.
+    /// Results of the follower of its cam.
     #[serde(flatten)]
     follower: Option<FollowerReport>,
-    /// Upper bounds on its motion at the limits of the master, of an axis that follows a cam table.
+    /// Upper bounds on the motion of an axis that follows a cam table, at the limits of the master.
     #[serde(flatten)]
     bounds: Option<BoundsReport>,
 }
@@ -169,9 +169,9 @@ impl BoundsReport {
 
 #[derive(Clone, Debug, Serialize)]
 struct FrameReport {
-    /// How far it has sagged under all that it carries, from where its springs are free: where it is counted from.
+    /// Static deflection under the frame and its load, from which displacements are counted.
     sag_um: f64,
-    /// Largest way of a point on the mount circle from rest.
+    /// Largest displacement of a point on the mount circle from rest.
     displacement_worst_um: f64,
     /// Largest force on the ground, beyond the weight at rest.
     ground_force_worst_n: f64,
@@ -179,11 +179,11 @@ struct FrameReport {
 
 #[derive(Clone, Copy, Debug, Serialize)]
 struct FollowerReport {
-    /// How far the pusher was from its law at most.
+    /// Largest deviation of the pusher from its law.
     off_law_worst_mm: f64,
     pusher_accel_worst_mps2: f64,
     cam_side_accel_worst_mps2: f64,
-    /// How far its acceleration was from that of its law at most.
+    /// Largest deviation of the pusher's acceleration from that of its law.
     off_law_accel_worst_mps2: f64,
 }
 
@@ -217,17 +217,17 @@ struct EventReport {
     what: String,
 }
 
-/// How fast a run was.
+/// Speed of a run.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Speed {
-    /// Time on the wall, s.
+    /// Wall-clock time, s.
     pub wall_s: f64,
-    /// Simulated seconds to one of those.
+    /// Simulated seconds per second of wall-clock time.
     pub times_real_time: f64,
 }
 
 impl<'a> Report<'a> {
-    /// Of a run that took `wall_s`.
+    /// Creates the report of a run that took `wall_s`.
     pub fn new(
         checked: &'a Checked,
         outcome: &Outcome,
@@ -346,7 +346,7 @@ impl<'a> Report<'a> {
     }
 }
 
-/// Those events that `pick` has a fault of.
+/// Returns the reports of the events for which `pick` gives a fault.
 fn faults_in(events: &[Event], pick: fn(&EventKind) -> Option<&Fault>) -> Vec<FaultReport> {
     events
         .iter()
@@ -383,7 +383,7 @@ fn event_report(event: &Event) -> EventReport {
     }
 }
 
-/// Times are sums of ticks: their last digits are rounding, and no use to a reader.
+/// Rounds a time. Times are sums of ticks, so their last digits are rounding errors.
 fn round(value: f64, digits: i32) -> f64 {
     let scale = 10_f64.powi(digits);
     (value * scale).round() / scale

@@ -1,4 +1,4 @@
-//! How much model a run had, and how it was advanced: what of the report is about the machine's equations.
+//! Part of the report about the machine's equations: model level and method.
 
 use serde::Serialize;
 
@@ -13,27 +13,27 @@ pub struct FidelityReport<'a> {
     model_level: &'static str,
     why: &'a str,
     left_out: String,
-    /// How far a platform on quasi-static rods is at most from where it would be on springs, where its model level has it move.
+    /// Largest distance of a platform on quasi-static rods from its position on springs, on levels where it moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     quasi_static_rods_um: Option<f64>,
-    /// What was requested, and how well this model level answers it.
+    /// Requested outputs, with the accuracy of this model level.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     outputs: Vec<OutputReport>,
 }
 
 #[derive(Clone, Debug, Serialize)]
 struct OutputReport {
-    /// Its key in `[questions]`; the numbers are in the unit that it carries.
+    /// Key in `[questions]`, with the unit of the numbers.
     output: &'static str,
     tolerance: f64,
-    /// Value in running and stopping; none where the model level does not know it.
+    /// Value in running and stopping; `None` if the model level does not compute it.
     value: Option<f64>,
-    /// By how much it is off at most; none where nothing bounds it.
+    /// Bound on its error; `None` if there is none.
     bound: Option<f64>,
-    /// By how much it was off in a sample of the scene, run on another model level.
+    /// Difference from another model level in a sample of the scene.
     measured: Option<f64>,
     against: Option<&'static str>,
-    /// By how much half the method's step changed it in the sample; none where nothing is integrated.
+    /// Change in the sample by half the method's step; `None` if nothing is integrated.
     step_error: Option<f64>,
 }
 
@@ -56,7 +56,7 @@ pub struct MethodReport {
     name: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     steps_per_tick: Option<u32>,
-    /// By how much what swings may be off by the step, of itself, where the step was chosen for that.
+    /// Permitted relative error of oscillations by the step, if the step was chosen for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     resolution: Option<f64>,
     why: &'static str,
@@ -108,7 +108,7 @@ impl MethodReport {
     }
 }
 
-/// What was requested, and how well it is answered; nothing if the scene itself requires a model level.
+/// Returns the requested outputs and their accuracy; nothing if the scene sets its model level.
 pub fn judged(checked: &Checked) -> &[Judged] {
     checked
         .choice
@@ -122,7 +122,7 @@ fn quasi_static_rods_um(checked: &Checked) -> Option<f64> {
     bounds.quasi_static_um()
 }
 
-/// What the model level leaves out, for all that read the results.
+/// Returns the effects that the model level neglects, for readers of the results.
 fn left_out(checked: &Checked) -> String {
     if let Some(plant) = &checked.plant {
         return plant.left_out(checked.fidelity);

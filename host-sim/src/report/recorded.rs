@@ -1,4 +1,4 @@
-//! `report.json` of a recording, and its page of words.
+//! `report.json` of a recording, and its summary.
 
 use std::fmt::Write;
 
@@ -10,14 +10,14 @@ use super::{EventReport, FaultReport, TimeInState, Written, event_report, faults
 use crate::record::{Gaps, Recorded};
 use crate::sim::events::EventKind;
 
-/// `report.json` of a recording. Keys that a simulated run has too mean the same.
+/// Content of `report.json` of a recording. Keys that a simulated run also has mean the same.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordedReport<'a> {
     name: &'a str,
     controller: ControllerReport<'a>,
     ended: Ended,
     warnings: Vec<String>,
-    /// From the first sample to the end of the last one, gaps included.
+    /// Time from the first sample to the end of the last one, gaps included.
     recorded_s: f64,
     control_ticks: u64,
     time_in_state_s: TimeInState,
@@ -63,23 +63,23 @@ struct AxisReport {
 pub struct Frames {
     /// Frames with a wrong CRC.
     pub damaged: u32,
-    /// Numbers that are missing.
+    /// Missing frame numbers.
     pub missing: u32,
 }
 
-/// How the files were written.
+/// Format of the written files.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct WrittenReport {
     every: u64,
     rows: usize,
-    /// None if there is no `steps.vcd`.
+    /// Window of `steps.vcd`; `None` if there is no such file.
     window_from_s: Option<f64>,
     window_to_s: Option<f64>,
 }
 
 impl<'a> RecordedReport<'a> {
-    /// Report of a recording of a controller, with the counters of its loop, the frames of the line, and why the line was lost, if it
-    /// was.
+    /// Creates the report of a recording of a controller, with the counters of its loop, the frames of the line, and the reason if the
+    /// line was lost.
     pub fn new(
         identity: &'a Identity,
         recorded: &'a Recorded,
@@ -181,7 +181,7 @@ fn warnings(recorded: &Recorded, lost_line: Option<&str>) -> Vec<String> {
     warnings
 }
 
-/// Summary of a recording, several lines.
+/// Returns the summary of a recording, several lines.
 pub fn recorded_summary(
     identity: &Identity,
     recorded: &Recorded,

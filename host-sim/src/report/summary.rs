@@ -1,4 +1,4 @@
-//! The page of words that `cophase run` prints.
+//! Summary that `cophase run` prints.
 
 use std::fmt::Write;
 
@@ -15,11 +15,11 @@ use crate::scene::file::{Drive, Fidelity};
 use crate::sim::Outcome;
 use crate::sim::events::{Event, EventKind};
 
-/// No more events than this are listed, of which so many from the end.
+/// Number of events that are listed at most, and number of those from the end.
 const LISTED: usize = 24;
 const LISTED_LAST: usize = 8;
 
-/// What a run came to, in words.
+/// Returns the summary of a run.
 pub fn summary(
     checked: &Checked,
     outcome: &Outcome,
@@ -32,7 +32,7 @@ pub fn summary(
     page
 }
 
-/// How well an output that was requested is answered.
+/// Returns a line about the accuracy of a requested output.
 fn answered(judged: &Judged, checked: &Checked, outcome: &Outcome) -> String {
     let output = judged.output;
     let in_unit = |value: f64, unit: &str| match unit {
@@ -73,8 +73,8 @@ fn answered(judged: &Judged, checked: &Checked, outcome: &Outcome) -> String {
     )
 }
 
-/// How many of so many motors slipped only after the drives were off, in words; nothing where none did, or where motors at
-/// their torque limit may be among them.
+/// Returns the part of the slipped motors that slipped only after the drives were off, in words; empty if there is none, or if
+/// motors at their torque limit may be among them.
 fn slipped_off(checked: &Checked, outcome: &Outcome, all: usize) -> String {
     let statistics = &outcome.statistics;
     let axes = 0..checked.scene.axes.count;
@@ -94,9 +94,9 @@ fn slipped_off(checked: &Checked, outcome: &Outcome, all: usize) -> String {
     }
 }
 
-/// Two digits are enough for a bound.
+/// Formats a number with two digits, which is enough for a bound.
 fn significant(value: f64) -> String {
-    // Less than this is rounding: nothing.
+    // Smaller values are rounding errors.
     if value < 2e-6 {
         "0".to_owned()
     } else if (0.01..1000.0).contains(&value) {
@@ -136,7 +136,7 @@ fn write_page(
     let mut listed = notable(&statistics.events);
     let all = listed.len();
     if all > LISTED {
-        // A motor that slips does so hundreds of times: its first and its last are reported, and nothing else is hidden by them.
+        // A motor may slip hundreds of times. Only its first and last slips are listed, so they hide no other events.
         let axis = |event: &Event| match event.what {
             EventKind::Slipped { axis, .. } => Some(axis),
             _ => None,
@@ -150,7 +150,7 @@ fn write_page(
             own.is_none() || !before.contains(&own) || !rest[1..].contains(&own)
         });
     }
-    // The end is what is most often looked for: where there is too much, the middle is left out.
+    // Users look at the end most often, so a long list is shortened in the middle.
     let (first, last) = if listed.len() > LISTED {
         (
             &listed[..LISTED - LISTED_LAST],
@@ -212,7 +212,7 @@ fn write_page(
         "cranks"
     };
     if checked.scene.axes.count == 1 {
-        // One shaft is in phase with itself.
+        // One shaft has no difference of phases.
     } else if statistics.worst_spread_deg < 1e-6 {
         let by_model = match checked.fidelity {
             Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",
@@ -272,7 +272,7 @@ fn write_page(
         .fold(f64::INFINITY, f64::min);
     if let Some((axis, (used, hz))) = closest.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
         if used.is_finite() {
-            // What differs less is printed alike.
+            // Smaller differences print as the same number.
             let which = if least > 0.995 * used && scene.axes.count > 1 {
                 "all axes".to_owned()
             } else {
@@ -321,7 +321,7 @@ fn write_page(
     )
 }
 
-/// What cams made of their followers, the worst of them.
+/// Returns a line about the worst of the followers.
 fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
     let statistics = &outcome.statistics.followers;
     let worst = |of: fn(&Peaks) -> f64| statistics.iter().map(of).fold(0.0, f64::max);
@@ -355,7 +355,7 @@ fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fm
     }
 }
 
-/// The gains of the cross-coupling, if it acts.
+/// Returns a line with the gains of the cross-coupling, if there is one.
 pub fn coupling(checked: &Checked) -> Option<String> {
     let settings = &checked.settings.correction;
     let given = &checked.scene.correction;

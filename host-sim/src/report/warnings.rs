@@ -1,5 +1,5 @@
-//! What a reader should not overlook: where the simulated machine and its controller disagree, or where
-//! the run does not show what was requested.
+//! Warnings: the simulated machine and its controller disagree, or the run does not show what was
+//! requested.
 
 use cophase_core::drift::{Knowledge, Mount};
 use cophase_core::supervisor::State;
@@ -10,7 +10,7 @@ use crate::scene::file::{CommandAt, CommandName, Drive, FaultAt, FaultName};
 use crate::sim::Outcome;
 use crate::sim::events::StoppedBy;
 
-/// Warnings, a sentence each.
+/// Returns the warnings, a sentence each.
 pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     let (scene, statistics) = (&checked.scene, &outcome.statistics);
     let mut warnings = Vec::new();
@@ -80,8 +80,8 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     warnings
 }
 
-/// Motors that lack torque for the program, whatever the model level shows of them. Where none is left, [`beyond_pull_out`]
-/// says why.
+/// Warns of motors that lack torque for the program, on any model level. Where a motor has no torque at all,
+/// [`beyond_pull_out`] gives the reason.
 fn lacking(checked: &Checked) -> Option<String> {
     let (axis, ratio) = Bounds::new(checked).ok()?.torque_ratio()?;
     (ratio > 1.0 && ratio.is_finite()).then(|| {
@@ -97,8 +97,8 @@ fn lacking(checked: &Checked) -> Option<String> {
     })
 }
 
-/// That a program which ran to its end asks for a speed that the shaft never reached. Inside a forbidden band it keeps the nearer edge, and
-/// events say so.
+/// Warns of a program that ran to its end and contains a speed that the shaft never reached. For a speed inside a forbidden band, events
+/// report that the shaft keeps the nearer edge.
 fn not_reached(checked: &Checked, outcome: &Outcome) -> Option<String> {
     const NOTABLE: f64 = 0.01;
     let scene = &checked.scene;
@@ -122,7 +122,7 @@ fn not_reached(checked: &Checked, outcome: &Outcome) -> Option<String> {
     })
 }
 
-/// That steppers turn faster than their pull-out curve goes.
+/// Warns of steppers that turn faster than the end of their pull-out curve.
 fn beyond_pull_out(checked: &Checked) -> Option<String> {
     let (end_hz, _) = *checked.scene.axes.pull_out.last()?;
     let steppers = (0..checked.scene.axes.count)
@@ -138,7 +138,7 @@ fn beyond_pull_out(checked: &Checked) -> Option<String> {
     })
 }
 
-/// That commands come while the machine still waits for its first start.
+/// Warns of commands that come before the first start.
 fn before_start(commands: &[CommandAt]) -> Option<String> {
     let is_start = |command: &&CommandAt| command.action == CommandName::Start;
     let starts = commands.iter().filter(is_start);
@@ -159,7 +159,7 @@ fn before_start(commands: &[CommandAt]) -> Option<String> {
     })
 }
 
-/// What is not known of cranks that neither an index sensor nor an encoder watches, and of the platform then.
+/// Warns of cranks without index sensor and encoder, and of the unknown tilt of their platform.
 fn unwatched(checked: &Checked) -> Option<String> {
     let count = checked.scene.axes.count;
     let is_watched = |axis: &usize| checked.has_index(*axis) || checked.scene.axes.encoder;
@@ -193,7 +193,7 @@ mod tests {
     use crate::scene::file::Fidelity;
     use crate::scene::{library, load};
 
-    /// Were it wrong, motors that cannot turn their load would pass for a machine that runs, or be taken for a broken axis.
+    /// If this fails, motors that cannot turn their load seem to run, or look like a broken axis.
     #[test]
     fn motors_that_lack_torque_are_named() {
         let run = |limit_nm: f64, curve: &str| {
@@ -231,7 +231,7 @@ mod tests {
         assert!(said.contains("ends at 2 rev/s"), "{said}");
     }
 
-    /// Were it wrong, a run would promise to watch a tilt that nothing measures, or warn of cranks that encoders watch.
+    /// If this fails, a run claims to monitor a tilt that nothing measures, or warns of cranks that have encoders.
     #[test]
     fn what_sensors_leave_unknown_is_said() {
         let said = |count: usize, without: &[usize], encoder: bool| {
@@ -282,7 +282,7 @@ mod tests {
         Checked::new(load::parse(&text).unwrap()).unwrap()
     }
 
-    /// Were it wrong, a curve that is given too short would look like weak motors: they slip where it ends.
+    /// If this fails, a pull-out curve that is too short looks like weak motors, which slip at its end.
     #[test]
     fn a_pull_out_curve_that_ends_too_early_is_said() {
         let warned = |axes: &str| beyond_pull_out(&scene("", axes));
@@ -301,7 +301,7 @@ mod tests {
         assert!(warned(geared).is_some());
     }
 
-    /// Were it wrong, a scene would stand idle for its whole length, and its report would say nothing.
+    /// If this fails, a scene is idle for its whole length, and its report does not say so.
     #[test]
     fn commands_before_the_first_start_are_said() {
         let warned = |commands: &str| {

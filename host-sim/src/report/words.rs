@@ -1,4 +1,4 @@
-//! Events and faults in words.
+//! Descriptions of events and faults.
 
 use cophase_core::supervisor::{Command, Fault, FaultKind, State};
 use cophase_core::units::Turns;
@@ -7,10 +7,10 @@ use crate::scene::file::{FaultAt, InputLine, Lines};
 use crate::sim::events::{Event, EventKind};
 use crate::units::degrees;
 
-/// Fault state in words. Only a simulated run adds what the drives do.
+/// Description of the fault state. Only a simulated run adds the state of the drives.
 const FAULT_STATE: &str = "waiting for a reset";
 
-/// An event in words.
+/// Returns the description of an event.
 pub fn describe(what: &EventKind) -> String {
     match *what {
         EventKind::State(state) => match state {
@@ -85,7 +85,7 @@ pub fn describe(what: &EventKind) -> String {
     }
 }
 
-/// Events that are worth printing. That a fault was reported goes without saying where it latched at that moment.
+/// Returns the events that are worth printing. The report of a fault that latches at that moment is redundant.
 pub fn notable(events: &[Event]) -> Vec<&Event> {
     // Events are in the order of time.
     let latches = |reported: &Fault, t_s: f64| {
@@ -104,7 +104,7 @@ pub fn notable(events: &[Event]) -> Vec<&Event> {
     events.iter().filter(is_worth).collect()
 }
 
-/// Returns whether an event is worth printing: one that lasts only as long as a band takes to cross is not.
+/// Returns true if an event is worth printing. One that lasts only while a band is crossed is not.
 fn is_notable(what: &EventKind) -> bool {
     const SHORT_S: f64 = 0.3;
     match what {
@@ -113,7 +113,7 @@ fn is_notable(what: &EventKind) -> bool {
     }
 }
 
-/// A fault that a scene puts in, in words.
+/// Returns the description of an injected fault.
 fn injected_words(fault: &FaultAt) -> String {
     let mut words = vec![fault.kind.name().replace('-', " ")];
     let number = |number: Option<f64>, unit: &str| number.map(|number| format!("{number}{unit}"));
@@ -141,7 +141,7 @@ fn injected_words(fault: &FaultAt) -> String {
     words.join(", ")
 }
 
-/// Name of a kind of fault, as report and log have it, with what it means where that is more than the name.
+/// Returns the name of a kind of fault, as in report and log, with its meaning where the name does not state it.
 fn named(kind: FaultKind) -> String {
     let (name, words) = (kind.name(), kind.to_string());
     if words == name.replace('-', " ") {
@@ -160,7 +160,7 @@ pub fn fault_words(fault: &Fault) -> String {
     if fault.size != Turns::ZERO {
         let size_deg = degrees(fault.size);
         words += &match fault.kind {
-            // Not how late the pulse is, which depends on the sensors, but why that matters.
+            // The reason, and not how late the pulse is, which depends on the sensors.
             FaultKind::IndexTimeout => {
                 format!(
                     ": no pulse; {:.2}° behind is beyond a limit",
@@ -190,7 +190,7 @@ const fn command_name(command: Command) -> &'static str {
     }
 }
 
-/// Ending of a noun after a count.
+/// Returns the ending of a noun after a count.
 pub const fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
 }

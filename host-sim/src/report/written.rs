@@ -1,22 +1,22 @@
-//! How a trace was written.
+//! Format of a written trace.
 
 use serde::Serialize;
 
-/// How a trace was written.
+/// Format of a written trace.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Written {
-    /// One row of `trace.csv` every so many control ticks.
+    /// Control ticks per row of `trace.csv`.
     pub every: u64,
-    /// Rows in `trace.csv`.
+    /// Number of rows in `trace.csv`.
     pub rows: usize,
-    /// What `steps.vcd` shows, s since power-up.
+    /// Start of the window of `steps.vcd`, s since power-up.
     pub window_from_s: f64,
-    /// To where.
+    /// End of that window, s since power-up.
     pub window_to_s: f64,
 }
 
 impl Written {
-    /// Whether `steps.vcd` shows nothing: its window lies outside the run.
+    /// Returns true if the window of `steps.vcd` lies outside the run.
     pub fn is_empty(&self) -> bool {
         self.window_from_s >= self.window_to_s
     }

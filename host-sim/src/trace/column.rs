@@ -1,4 +1,4 @@
-//! The columns of a row: name, unit, source, resolution and value, stated once for every writer.
+//! Columns of a row: name, unit, source, resolution and value, defined once for every writer.
 //!
 //! *Resolution*: a number is rounded to a fixed count of decimals, so that all writers give the same number. *Topic*: columns
 //! that belong together, for formats that have groups.
@@ -6,17 +6,17 @@
 use super::rounding::rounded;
 use super::{AxisRow, Row};
 
-/// Where a value comes from.
+/// Source of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// The controller requests, commands or measures it.
+    /// Controller, which requests, commands or measures the value.
     Controller,
-    /// The truth of the simulated machine, which no controller has access to.
+    /// True state of the simulated machine, to which no controller has access.
     Machine,
 }
 
 impl Source {
-    /// The source in words.
+    /// Returns the source in words.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Controller => "controller",
@@ -25,19 +25,19 @@ impl Source {
     }
 }
 
-/// A group of columns.
+/// Group of columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Topic {
-    /// The control loop.
+    /// Control loop.
     Loop,
-    /// One axis, counted from 0.
+    /// Axis, counted from 0.
     Axis(usize),
-    /// The platform.
+    /// Platform.
     Platform,
 }
 
 impl Topic {
-    /// The topics of a run with `axes` axes, in the order of their columns.
+    /// Returns the topics of a run with `axes` axes, in the order of their columns.
     pub fn of_run(axes: usize) -> impl Iterator<Item = Self> {
         let each = (0..axes).map(Self::Axis);
         [Self::Loop].into_iter().chain(each).chain([Self::Platform])
@@ -52,10 +52,10 @@ impl Topic {
     }
 }
 
-/// A value of a column in one row.
+/// Value of a column in a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// Rounded to the column's resolution; may be no finite number.
+    /// Number, rounded to the column's resolution. It need not be finite.
     Number(f64),
     /// A whole number.
     Count(i64),
@@ -63,7 +63,7 @@ pub enum Value {
     Word(&'static str),
 }
 
-/// How a value is read from a row. The second argument is the axis; columns without an axis ignore it.
+/// Function that reads a value from a row. The second argument is the axis; columns without an axis ignore it.
 #[derive(Clone, Copy, Debug)]
 pub enum Read {
     /// A number with so many decimals, at most 9.
@@ -74,16 +74,16 @@ pub enum Read {
     Word(fn(&Row, usize) -> &'static str),
 }
 
-/// A column, without the axis to which it belongs.
+/// Column, without the axis to which it belongs.
 #[derive(Debug)]
 pub struct Field {
     /// Name, without the number of an axis.
     pub name: &'static str,
-    /// Unit; empty for what has none.
+    /// Unit; empty for a column without one.
     pub unit: &'static str,
-    /// Where the value comes from.
+    /// Source of the value.
     pub source: Source,
-    /// How it is read.
+    /// Function that reads the value.
     pub read: Read,
 }
 
@@ -98,28 +98,28 @@ impl Field {
     }
 }
 
-/// A column of a run.
+/// Column of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
-    /// The group to which it belongs.
+    /// Group to which it belongs.
     pub topic: Topic,
-    /// What all columns of its kind share.
+    /// Properties that all columns of its kind share.
     pub field: &'static Field,
 }
 
 impl Column {
-    /// The columns of a run with `axes` axes, in the order of `trace.csv`.
+    /// Returns the columns of a run with `axes` axes, in the order of `trace.csv`.
     pub fn of_run(axes: usize) -> impl Iterator<Item = Self> {
         Topic::of_run(axes).flat_map(Self::of_topic)
     }
 
-    /// The columns of one topic.
+    /// Returns the columns of a topic.
     pub fn of_topic(topic: Topic) -> impl Iterator<Item = Self> {
         let fields = topic.fields().iter();
         fields.map(move |field| Self { topic, field })
     }
 
-    /// The name, unique in a run: that of the field, and the number of the axis.
+    /// Returns the name, which is unique in a run: that of the field, and the number of the axis.
     pub fn name(&self) -> String {
         match self.topic {
             Topic::Axis(i) => format!("{}_{i}", self.field.name),
@@ -127,12 +127,12 @@ impl Column {
         }
     }
 
-    /// Whether its values are numbers.
+    /// Returns true if its values are numbers.
     pub const fn is_numeric(&self) -> bool {
         !matches!(self.field.read, Read::Word(_))
     }
 
-    /// The value in a row.
+    /// Returns the value in a row.
     ///
     /// # Panics
     /// If the row does not have the column's axis.

@@ -1,7 +1,7 @@
-//! `trace.csv`: one line a row, every [`Column`] with its unit in its name.
+//! `trace.csv`: one line per row, every [`Column`] with its unit in its name.
 //!
 //! A number is written in the shortest form that reads back as the column's rounded value: tick 1 of a 2 kHz loop is
-//! `0.0005`, not `0.000500000`. What is not a number is written `NaN`, `inf` or `-inf`, which Rust, pandas and numpy read back.
+//! `0.0005`, not `0.000500000`. A value that is not finite is written `NaN`, `inf` or `-inf`, which Rust, pandas and numpy read back.
 
 use std::io::{self, Write};
 
@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::Row;
 use super::column::{Column, Value};
 
-/// Why a trace could not be written.
+/// Reason why a trace could not be written.
 #[derive(Debug, Error)]
 pub enum TraceError {
     /// A row has another number of axes than the header.

@@ -1,10 +1,10 @@
-//! Files of edges: where they go before the window begins, and one that is being written.
+//! Files of edges, before and within their window.
 
 use std::io::{Seek, Write};
 
 use super::{EdgeError, Levels, Row, Signal, StepsFst, StepsVcd};
 
-/// Where edges go, by format.
+/// Writer of edges, by format.
 pub(super) struct EdgeOutputs<W> {
     pub vcd: Option<W>,
     pub fst: Option<W>,
@@ -54,7 +54,7 @@ impl<W: Write + Seek> EdgeFile<W> {
         }
     }
 
-    /// Writes the numbers of a row, where the format has room for them.
+    /// Writes the numbers of a row, if the format has them.
     pub fn sample(&mut self, time_ns: u64, row: &Row) -> Result<(), EdgeError> {
         match self {
             Self::Vcd(_) => Ok(()),

@@ -1,12 +1,11 @@
-//! A run's folder, or a file of another command, written all or not at all.
+//! Files of a run's folder, or a file of another command, written completely or not at all.
 //!
 //! *Temporary*: a hidden sibling (`.NAME.PID.part`) into which a file is written until the whole run is done;
 //! being in the same folder, it can be renamed into place in one step.
 //!
-//! Dropping [`RunFiles`] without [`RunFiles::commit`] takes the temporaries away, and the folders too that
-//! were made for them, unless somebody else has put something there meanwhile. An earlier run's files stay as
-//! they were until the moment of the commit. A process that is ended by a signal leaves its temporaries, unless it catches the
-//! signal and calls [`RunFiles::take_all_away`].
+//! Dropping [`RunFiles`] without [`RunFiles::commit`] removes the temporaries, and the folders that were created for them,
+//! unless another process has put something there. The files of an earlier run are unchanged until the commit. A process that
+//! is ended by a signal leaves its temporaries, unless it catches the signal and calls [`RunFiles::take_all_away`].
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
@@ -15,17 +14,17 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use thiserror::Error;
 
-/// What failed, on which path.
+/// Failed operation, and its path.
 #[derive(Debug, Error)]
 pub enum RunFilesError {
     /// The file system refused.
     #[error("cannot {operation} {}: {source}", path.display())]
     Io {
-        /// In words: `create the folder`, `create`, `put in place`.
+        /// Operation in words: `create the folder`, `create`, `put in place`.
         operation: &'static str,
-        /// On what.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Why.
+        /// Error of the file system.
         source: io::Error,
     },
     /// The name is not that of a file directly in the folder.
@@ -53,7 +52,7 @@ impl Unfinished {
         UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Nobody is left to report a failure to; whatever cannot be removed stays.
+    /// Removes what it can. A failure cannot be reported here.
     fn take_away(&mut self, files: &[PathBuf], folders: &[PathBuf]) {
         for file in files {
             let _ = fs::remove_file(file);
@@ -67,7 +66,7 @@ impl Unfinished {
     }
 }
 
-/// The files of one run, on their way into their folder.
+/// Files of a run that are not yet in their folder.
 ///
 /// ```
 /// # let scratch = tempfile::tempdir()?;
@@ -87,7 +86,7 @@ impl Unfinished {
 #[derive(Debug)]
 pub struct RunFiles {
     dir: PathBuf,
-    /// Folders made here, innermost first.
+    /// Folders that were created here, innermost first.
     made: Vec<PathBuf>,
     /// Names whose temporaries are not yet in place, in the order requested.
     names: Vec<String>,
@@ -105,7 +104,7 @@ impl RunFiles {
         let missing = dir
             .ancestors()
             .take_while(|above| !above.as_os_str().is_empty() && !above.exists());
-        // Built first, so that what was made before a failure is taken away by its drop.
+        // Created first, so that its drop removes what was made before a failure.
         let files = Self {
             made: missing.map(Path::to_path_buf).collect(),
             dir,
@@ -150,8 +149,8 @@ impl RunFiles {
         Ok(BufWriter::with_capacity(1 << 16, file))
     }
 
-    /// Leaves a file out that was begun: its temporary goes away now, and a file of that name of an earlier run with the
-    /// commit. Files of two runs then never stand together.
+    /// Discards a file that was begun: removes its temporary now, and a file of that name of an earlier run at the commit. So a
+    /// folder never has files of two runs.
     pub fn leave_out(&mut self, name: &str) {
         if let Some(place) = self.names.iter().position(|known| known == name) {
             let temporary = self.temporary(name);
@@ -160,11 +159,10 @@ impl RunFiles {
         }
     }
 
-    /// Puts every file in place, over what was there under its name, and gives their paths in the order they
-    /// were requested.
+    /// Puts every file in place, replaces existing ones, and returns their paths in the order in which they were requested.
     ///
     /// # Errors
-    /// When one cannot be put in place: those before it are, it and those after it are taken away.
+    /// A file cannot be put in place. Those before it are in place; it and those after it are removed.
     pub fn commit(mut self) -> Result<Vec<PathBuf>, RunFilesError> {
         let mut written = Vec::with_capacity(self.names.len());
         let mut unfinished = Unfinished::lock();
@@ -192,7 +190,7 @@ impl RunFiles {
                 });
             }
         }
-        // The folder is wanted now, even if nothing was written into it.
+        // The folder remains, even if no file was written.
         unfinished
             .folders
             .retain(|folder| !self.made.contains(folder));
@@ -200,8 +198,8 @@ impl RunFiles {
         Ok(written)
     }
 
-    /// Takes away the temporaries of all runs of this process, and the folders that were made for them. From then on no run
-    /// creates or commits a file: the thread that tries waits for the process to end.
+    /// Removes the temporaries of all runs of this process, and the folders that were created for them. After that no run creates or
+    /// commits a file: a thread that tries waits for the process to end.
     pub fn take_all_away() {
         let mut unfinished = Unfinished::lock();
         let (files, folders) = (unfinished.files.clone(), unfinished.folders.clone());

@@ -14,10 +14,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// All of them, in the order in which they are listed.
+    /// All formats, in the order of lists.
     pub const ALL: [Self; 4] = [Self::Csv, Self::Vcd, Self::Fst, Self::Mcap];
 
-    /// Its name, as it is requested.
+    /// Returns its name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Csv => "csv",
@@ -27,7 +27,7 @@ impl Format {
         }
     }
 
-    /// The name of its file.
+    /// Returns the name of its file.
     pub const fn file_name(self) -> &'static str {
         match self {
             Self::Csv => "trace.csv",
@@ -37,7 +37,7 @@ impl Format {
         }
     }
 
-    /// Whether its file shows edges in a window, not rows of the whole run.
+    /// Returns true if its file has edges in a window, and not rows of the whole run.
     pub const fn has_edges(self) -> bool {
         matches!(self, Self::Vcd | Self::Fst)
     }

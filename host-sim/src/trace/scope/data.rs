@@ -1,23 +1,23 @@
-//! What is kept of a run to draw it.
+//! Data of a run that its drawing needs.
 
 use super::envelope::{Envelope, PAGE_BUCKETS};
 use super::timeline::Timeline;
 use crate::trace::Row;
 
-/// What stands around the curves.
+/// Texts and limits around the curves.
 #[derive(Clone, Debug, Default)]
 pub struct ScopeFrame {
-    /// The scene's name.
+    /// Name of the scene.
     pub title: String,
-    /// A line under it: the machine, the method, how it ended.
+    /// Line below the name: the machine, the method, the end of the run.
     pub subtitle: String,
-    /// Speeds not to dwell in, Hz, each from low to high.
+    /// Forbidden bands, Hz, each from low to high.
     pub bands_hz: Vec<(f64, f64)>,
-    /// What one g is, m/s². Standard gravity is taken if this is not above zero.
+    /// Size of one g, m/s². If it is not above zero, standard gravity is used.
     pub gravity_mps2: f64,
-    /// Tilt at which the supervisor acts, mrad either way.
+    /// Limit of the tilt, mrad, in both directions.
     pub tilt_limit_mrad: Option<f64>,
-    /// Drift at which the supervisor acts, degrees either way.
+    /// Limit of phase errors, degrees, in both directions.
     pub phase_error_limit_deg: Option<f64>,
     /// Parts that the axes move, shown in the last panel.
     pub moved: Moved,
@@ -31,11 +31,11 @@ pub enum Moved {
     Platform,
     /// Pushers: their acceleration is shown.
     Pushers,
-    /// Part of a machine of its own kind: its displacement is shown.
+    /// Part of a machine of another kind: its displacement is shown.
     Machine,
 }
 
-/// Channels of the envelope; the phase errors, one an axis, follow those named here.
+/// Channels of the envelope; the phase errors of the axes follow those named here.
 pub(super) mod channel {
     pub const PROGRAM: usize = 0;
     pub const COMMAND: usize = 1;
@@ -48,13 +48,13 @@ pub(super) mod channel {
     pub const PHASE_ERROR: usize = 8;
 }
 
-/// Acceleration amplitude as it is measured: the greatest of a turn of the master, known when the turn is over.
+/// Measured acceleration amplitude: the greatest in a turn of the master, known at the end of the turn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TurnAmplitude {
     turn: f64,
-    /// Greatest magnitude in this turn so far; none of a turn whose beginning was not seen.
+    /// Greatest magnitude in this turn so far; `None` in a turn whose beginning was missed.
     greatest: Option<f64>,
-    /// That of the last whole turn; NaN where there is none.
+    /// Greatest magnitude of the last whole turn; NaN if there is none.
     measured: f64,
 }
 
@@ -110,7 +110,7 @@ pub struct ScopeData {
 }
 
 impl ScopeData {
-    /// An empty page for a machine with `axes` axes.
+    /// Creates an empty page for a machine with `axes` axes.
     pub fn new(axes: usize, frame: ScopeFrame) -> Self {
         let channels = channel::PHASE_ERROR + axes;
         Self {
@@ -124,8 +124,8 @@ impl ScopeData {
         }
     }
 
-    /// Takes in one control tick. Rows come in the order of their times; phase errors of axes the row has not, or
-    /// the page has not, are left out.
+    /// Adds a control tick. Rows come in the order of their times. Phase errors of axes that the row or the page lacks are left
+    /// out.
     pub fn push(&mut self, row: &Row) {
         if !row.t_s.is_finite() {
             return;

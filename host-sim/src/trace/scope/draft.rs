@@ -1,4 +1,4 @@
-//! A panel in the making: curves from the envelope, limits, a legend, and value axes that fit.
+//! Builder of a panel: curves from the envelope, limits, a legend, and suitable value axes.
 
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::{BandPlot, LinePlot};
@@ -21,7 +21,7 @@ pub struct Panel {
     pub note: Option<&'static str>,
 }
 
-/// A panel that is being put together.
+/// Builder of a panel.
 pub struct Draft<'a> {
     envelope: &'a Envelope,
     time: TimeAxis,
@@ -35,17 +35,17 @@ pub struct Draft<'a> {
     pub regions: Vec<ShadedRegion>,
 }
 
-/// How a curve looks.
+/// Style of a curve.
 #[derive(Clone, Copy)]
 pub struct Pen {
-    /// As `#rrggbb`.
+    /// Colour as `#rrggbb`.
     pub colour: &'static str,
     /// Pixels.
     pub width: f64,
 }
 
 impl<'a> Draft<'a> {
-    /// Of a value axis with a label, from and to.
+    /// Creates a panel with a value axis: its label, start and end.
     pub fn new(envelope: &'a Envelope, time: TimeAxis, label: &'static str, y: (f64, f64)) -> Self {
         Self {
             envelope,
@@ -108,7 +108,7 @@ impl<'a> Draft<'a> {
 
     fn line(&mut self, mut points: curve::Points, pen: Pen) {
         if let [(t, value)] = points[..] {
-            // A single row would not be seen.
+            // A single row would not be visible.
             let reach = (self.time.to - self.time.from) / 400.0;
             points = vec![(t - reach, value), (t + reach, value)];
         }

@@ -1,4 +1,4 @@
-//! A run of any length in bounded memory, without losing an extreme.
+//! Envelope of a run of any length in bounded memory, with all extremes.
 //!
 //! *Channel*: one of the values that come together at each time. *Bucket*: a number of consecutive rows, of
 //! which each channel's smallest and largest value is kept. When all buckets are full, neighbours are merged
@@ -18,18 +18,18 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Of no values.
+    /// Returns the extent of no values.
     pub const EMPTY: Self = Self {
         low: f64::INFINITY,
         high: f64::NEG_INFINITY,
     };
 
-    /// Whether no finite value came.
+    /// Returns true if there was no finite value.
     pub fn is_empty(self) -> bool {
         self.low > self.high
     }
 
-    /// Takes in one value, unless it is not finite.
+    /// Adds a value, if it is finite.
     #[inline]
     pub fn add(&mut self, value: f64) {
         if value.is_finite() {
@@ -38,7 +38,7 @@ impl Extent {
         }
     }
 
-    /// Of the values of both.
+    /// Returns the extent of the values of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -47,7 +47,7 @@ impl Extent {
         }
     }
 
-    /// In another unit; `factor` is above zero.
+    /// Converts the extent to another unit; `factor` is above zero.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl Extent {
         }
     }
 
-    /// The largest magnitude; zero, if empty.
+    /// Returns the largest magnitude; zero if empty.
     pub fn peak(self) -> f64 {
         if self.is_empty() {
             return 0.0;
@@ -65,7 +65,7 @@ impl Extent {
     }
 }
 
-/// The folded run.
+/// Envelope of a run.
 #[derive(Clone, Debug)]
 pub struct Envelope {
     channels: usize,
@@ -91,7 +91,7 @@ impl Envelope {
         }
     }
 
-    /// Takes in one row, later than those before it, with one value a channel.
+    /// Adds a row, later than those before it, with one value per channel.
     #[inline]
     pub fn push(&mut self, t_s: f64, values: &[f64]) {
         debug_assert_eq!(values.len(), self.channels);
@@ -134,7 +134,7 @@ impl Envelope {
         Some((self.spans.first()?.0, self.spans.last()?.1))
     }
 
-    /// Whether a bucket holds more than one row, so that an extent is a range and not a value.
+    /// Returns true if a bucket holds more than one row, so that an extent is a range and not a value.
     pub fn is_folded(&self) -> bool {
         self.rows_per_bucket > 1
     }
@@ -165,7 +165,7 @@ impl Envelope {
             .map(|(&(first, last), &extent)| (first, last, extent))
     }
 
-    /// Whether two channels differ by at most `near` in every bucket.
+    /// Returns true if two channels differ by at most `near` in every bucket.
     pub fn are_alike(&self, one: usize, other: usize, near: f64) -> bool {
         let is_near = |a: f64, b: f64| a == b || (a - b).abs() <= near;
         self.rows().all(|(_, _, extents)| {
@@ -174,7 +174,7 @@ impl Envelope {
         })
     }
 
-    /// One channel's extent over the whole run.
+    /// Returns the extent of a channel over the whole run.
     pub fn total(&self, channel: usize) -> Extent {
         self.channel(channel)
             .fold(Extent::EMPTY, |all, (_, _, extent)| all.and(extent))

@@ -22,17 +22,17 @@ pub const LEFT: f64 = 78.0;
 pub const RIGHT: f64 = 182.0;
 const PLOT_WIDTH: f64 = WIDTH - LEFT - RIGHT;
 
-/// Where a time is on the page, px from the left.
+/// Returns the position of a time on the page, px from the left.
 pub fn at(time: TimeAxis, t_s: f64) -> f64 {
     LEFT + PLOT_WIDTH * time.fraction(t_s)
 }
 
-/// About how wide a text is, px; the viewer's font is not known here.
+/// Returns the approximate width of a text, px; the viewer's font is not known here.
 pub fn width(text: &str, size: u32) -> f64 {
     0.58 * f64::from(size) * text.chars().count() as f64
 }
 
-/// Whether a text of the ribbon's size goes into so many pixels.
+/// Returns true if a text of the ribbon's size fits a width in px.
 pub fn fits(text: &str, room: f64) -> bool {
     width(text, 12) + 6.0 <= room
 }

@@ -1,7 +1,7 @@
-//! The names above the ribbon: marks, and states too short to hold theirs.
+//! Labels above the ribbon: marks, and states that are too short for their names.
 //!
-//! *Lanes* are the lines of text they stand in, counted from the ribbon upwards. Each has a line down to what it
-//! names; a mark's goes on through all panels.
+//! *Lanes* are the lines of text, counted from the ribbon upwards. Each label has a line down to its state or mark; that of a mark
+//! crosses all panels.
 
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
@@ -19,7 +19,7 @@ const FAULT_LANES: usize = 8;
 /// A label above the ribbon, with a line down from it.
 struct Label {
     x: f64,
-    /// From the bottom lane, 0, up; none if there is no room for its text.
+    /// Lane, counted from the bottom; `None` if there is no room for its text.
     lane: Option<usize>,
     text: String,
     is_fault: bool,
@@ -30,7 +30,7 @@ struct Label {
 /// All labels, in their lanes.
 pub struct Labels {
     all: Vec<Label>,
-    /// How many lanes they take.
+    /// Number of lanes.
     pub lanes: usize,
 }
 

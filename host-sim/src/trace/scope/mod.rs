@@ -1,14 +1,15 @@
-//! `scope.svg`: one page that shows a run as a scope would.
+//! `scope.svg`: one page that shows a run like an oscilloscope.
 //!
-//! Four panels share the time axis: acceleration amplitude requested, commanded and actual (the greatest of each turn), speed, phase error of each axis, tilt (of a machine without a
-//! platform, the mean acceleration of its pushers or the displacement of what it moves instead). Above them a
-//! *ribbon* shows the supervisor's states, and *marks* (events with a name) cross all panels.
+//! Four panels share the time axis: requested, commanded and actual acceleration amplitude (the greatest of each turn), speed, phase
+//! error of each axis, and tilt. A machine without a platform has the mean acceleration of its pushers, or the displacement of its
+//! moving part, in place of the tilt. Above the panels, a *ribbon* shows the supervisor's states, and *marks* (named events) cross all
+//! panels.
 //!
 //! A run may have any length, so rows are folded as they come into an [`envelope`] of at most 1500 buckets,
 //! each of which keeps its rows' smallest and largest values: no spike is lost, however short, but its place is
 //! known to a bucket only. Marks and state changes, too, are kept in bounded number (see [`timeline`]).
 //!
-//! What is not a finite number is left out of the picture; a row without a finite time is left out entirely.
+//! Values that are not finite are left out of the picture, and so are rows without a finite time.
 
 mod curve;
 mod data;

@@ -16,7 +16,7 @@ use super::panel::{AXES, peak};
 use super::scale::{TimeAxis, padded};
 use crate::design::STANDARD_GRAVITY_MPS2;
 
-/// What is drawn of a run at one time; NaN where a value is not known.
+/// Values of a run at one time; NaN for a value that is not known.
 #[derive(Clone, Debug, Default)]
 pub struct OverlayRow {
     /// Requested amax, m/s².
@@ -79,7 +79,7 @@ impl Overlay {
         }
     }
 
-    /// Takes in both runs at a time, s; times rise.
+    /// Adds the values of both runs at a time, s; times rise.
     pub fn push(&mut self, t_s: f64, rows: &[OverlayRow; 2]) {
         let axes = self.axes;
         for (i, row) in rows.iter().enumerate() {
@@ -105,7 +105,7 @@ impl Overlay {
         self.envelope.push(t_s, &self.values);
     }
 
-    /// The page, as SVG text.
+    /// Returns the page as SVG text.
     pub fn render(&self) -> String {
         let time = TimeAxis::new(self.envelope.span());
         let mut panels = vec![

@@ -1,4 +1,4 @@
-//! The panels: what each one shows, in which colours, with which legend.
+//! Content of the panels: curves, colours and legends.
 //!
 //! Colours are those of Okabe and Ito, which the colour-blind distinguish; vermilion is kept for limits and
 //! faults. Where curves are meant to coincide, the requested one is thick and pale, the actual one green, the one commanded
@@ -17,7 +17,7 @@ use super::scale::{TimeAxis, is_in_sight, padded, plain, short};
 
 /// Colour of forbidden bands.
 pub const BAND: &str = "#E69F00";
-/// One an axis, in turn.
+/// Colours of the axes, in turn.
 pub const AXES: [&str; 6] = [BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#444444"];
 /// Least range of an axis of a magnitude. A platform that hardly moves fills little of it; other machines may be slow by their nature.
 fn from_rest(scope: &ScopeData) -> Extent {
@@ -27,7 +27,7 @@ fn from_rest(scope: &ScopeData) -> Extent {
     }
 }
 
-/// Half of what such an axis shows at least.
+/// Half of the least range of such an axis.
 fn least(scope: &ScopeData) -> f64 {
     match scope.frame.moved {
         Moved::Machine => 1e-9,
@@ -35,7 +35,7 @@ fn least(scope: &ScopeData) -> f64 {
     }
 }
 
-/// Why a phase error does not go away as its crank is corrected.
+/// Remark about a phase error that remains after its correction.
 const STAYS: &str = "A correction moves command and crank alike: it brings the crank back beside the others, and the phase error stays.";
 
 const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
@@ -72,7 +72,7 @@ pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
     draft.done()
 }
 
-/// One over what a g is.
+/// Returns one over the size of a g.
 fn in_g(scope: &ScopeData) -> f64 {
     let gravity = scope.frame.gravity_mps2;
     if gravity.is_finite() && gravity > 0.0 {
@@ -82,7 +82,7 @@ fn in_g(scope: &ScopeData) -> f64 {
     }
 }
 
-/// Mean acceleration of pushers in g: what they really make of what the first panel says.
+/// Mean acceleration of pushers in g: the actual values for the first panel.
 pub fn pushers(scope: &ScopeData, time: TimeAxis) -> Panel {
     range(
         scope,
@@ -229,7 +229,7 @@ pub fn tilt(scope: &ScopeData, time: TimeAxis) -> Panel {
     draft.done()
 }
 
-/// What to show of data with a limit, and the limit with whether it is in sight.
+/// Returns the range for data with a limit, and the limit with true if it is in this range.
 fn with_limit(data: Extent, limit: Option<f64>) -> (Extent, Option<(f64, bool)>) {
     let Some(limit) = limit.map(f64::abs).filter(|limit| limit.is_finite()) else {
         return (data, None);
@@ -251,7 +251,7 @@ pub fn peak(name: &str, total: Extent) -> String {
     if total.is_empty() {
         format!("{name}, no data")
     } else {
-        // Rounding of what is zero is not a peak.
+        // A rounding error of zero is not a peak.
         const NOTHING: f64 = 1e-9;
         let peak = total.peak();
         format!(

@@ -1,22 +1,22 @@
-//! Which stretch of numbers an axis shows, and in which unit its time is read best.
+//! Ranges of axes, and the unit of the time axis.
 
 use super::envelope::Extent;
 
-/// The time axis: what is shown, and in which unit.
+/// Time axis: its range and unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeAxis {
     /// Left and right end, in `unit`.
     pub from: f64,
     /// See `from`.
     pub to: f64,
-    /// What one second is in `unit`.
+    /// Size of one second in `unit`.
     pub per_second: f64,
     /// `ms`, `s`, `min` or `h`.
     pub unit: &'static str,
 }
 
 impl TimeAxis {
-    /// For a run between two times in seconds; something sensible for none.
+    /// Creates the axis of a run between two times in seconds; a default range for no times.
     pub fn new(span: Option<(f64, f64)>) -> Self {
         let (from_s, mut to_s) = span.unwrap_or((0.0, 1.0));
         // One row, or times that do not go forward, still need a width, wide enough for f64 at that time.
@@ -38,13 +38,13 @@ impl TimeAxis {
         }
     }
 
-    /// Where a time lies between the ends: 0 left, 1 right, not beyond.
+    /// Returns the position of a time between the ends, from 0 (left) to 1 (right).
     pub fn fraction(&self, t_s: f64) -> f64 {
         ((t_s * self.per_second - self.from) / (self.to - self.from)).clamp(0.0, 1.0)
     }
 }
 
-/// What a value axis shows: the data with some air, at least `least` either way of the data's middle.
+/// Returns the range of a value axis: the data with a margin, and at least `least` on both sides of the middle of the data.
 ///
 /// Without data it is `-least..least`. The result is finite, and its low end is below its high end.
 pub fn padded(data: Extent, least: f64) -> (f64, f64) {
@@ -63,13 +63,13 @@ pub fn padded(data: Extent, least: f64) -> (f64, f64) {
     (middle - 1.08 * half, middle + 1.08 * half)
 }
 
-/// Whether a limit is near enough to the data to be drawn. A limit far away would flatten the
-/// curves, which then show nothing; the legend says it in words.
+/// Returns true if a limit is near enough to the data to be drawn. A distant limit would flatten the curves; the legend states
+/// it instead.
 pub fn is_in_sight(limit: f64, peak: f64) -> bool {
     peak >= 0.2 * limit
 }
 
-/// A number for a legend: three significant digits, no exponent for what a legend holds.
+/// Formats a number for a legend: three significant digits, without an exponent for usual values.
 pub fn short(value: f64) -> String {
     let magnitude = value.abs();
     let decimals = match magnitude {
@@ -82,7 +82,7 @@ pub fn short(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A number as it was given, for bands and limits.
+/// Formats a number as it was given, for bands and limits.
 pub fn plain(value: f64) -> String {
     let rounded = (value * 1e3).round() / 1e3;
     format!("{rounded}")

@@ -1,4 +1,4 @@
-//! What has a time and a name: the supervisor's states, and marks.
+//! States of the supervisor, and marks: named times.
 //!
 //! Both are bounded. When there are too many states, the shortest stretch goes to the one before it; the page
 //! could not show it anyway. Marks beyond the bound are counted, those of faults apart from the others, and the
@@ -23,11 +23,11 @@ pub struct Stretch {
 /// A named event.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// When, seconds.
+    /// Time, seconds.
     pub t_s: f64,
     /// Its name.
     pub label: String,
-    /// Whether it is a fault's.
+    /// True for the mark of a fault.
     pub is_fault: bool,
 }
 
@@ -40,7 +40,7 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// At `t_s` the state is `state`.
+    /// Sets the state at `t_s`.
     #[inline]
     pub fn state(&mut self, t_s: f64, state: &'static str) {
         if let Some(last) = self.stretches.last_mut() {
@@ -116,7 +116,7 @@ impl Timeline {
         marks
     }
 
-    /// Marks that were not kept.
+    /// Returns the number of marks that were not kept.
     pub fn missing(&self) -> usize {
         self.missing
     }
