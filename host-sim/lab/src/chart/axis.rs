@@ -1,10 +1,10 @@
-//! An axis: its label with its unit, what is shown of it, and how it is divided.
+//! Axis of a panel: its label with its unit, its range, and its ticks.
 
 use std::sync::Arc;
 
 use kuva::render::layout::{Layout, TickFormat};
 
-/// An axis.
+/// Axis of a panel.
 #[derive(Clone, Debug)]
 pub struct Axis {
     label: String,
@@ -13,12 +13,12 @@ pub struct Axis {
     is_log: bool,
 }
 
-/// kuva has no ticks below 1e-10 on a logarithmic axis; what is drawn there is so much larger, and its labels so much
-/// smaller.
+/// Factor for small values. kuva has no ticks below 1e-10 on a logarithmic axis, so these values are drawn larger by this factor, and
+/// their labels are smaller by it.
 const LIFT: f64 = 1e20;
 
 impl Axis {
-    /// A logarithmic one, of a label with its unit, and what is shown.
+    /// Creates a logarithmic axis with a label, its unit, and a range.
     pub fn log(label: impl Into<String>, from: f64, to: f64) -> Self {
         let is_log = true;
         let label = label.into();
@@ -30,7 +30,7 @@ impl Axis {
         }
     }
 
-    /// A linear one, of a label with its unit, and what is shown.
+    /// Creates a linear axis with a label, its unit, and a range.
     pub fn linear(label: impl Into<String>, from: f64, to: f64) -> Self {
         Self {
             is_log: false,
@@ -38,12 +38,12 @@ impl Axis {
         }
     }
 
-    /// Whether a value has a place on it, be it beyond its ends.
+    /// Returns true if a value has a position on the axis, also beyond its ends.
     pub fn can_show(&self, value: f64) -> bool {
         value.is_finite() && (!self.is_log || value > 0.0)
     }
 
-    /// What kuva is to draw for a value.
+    /// Returns the value that kuva draws.
     pub(super) fn place(&self, value: f64) -> f64 {
         if self.is_log { value * LIFT } else { value }
     }
@@ -78,7 +78,7 @@ impl Axis {
         }
     }
 
-    /// Plain numbers where all of them are short, else powers of ten.
+    /// Returns plain numbers if all of them are short, else powers of ten.
     fn ticks(&self) -> TickFormat {
         let is_plain = self.from >= 0.009 && self.to <= 11_000.0;
         TickFormat::Custom(Arc::new(move |lifted| tick_label(lifted / LIFT, is_plain)))
@@ -124,7 +124,7 @@ fn raised(c: char) -> char {
 mod tests {
     use super::*;
 
-    /// Were it wrong, a reader would be off by powers of ten.
+    /// If this fails, labels are wrong by powers of ten.
     #[test]
     fn ticks_are_labelled_as_people_write_them() {
         for (value, is_plain, text) in [

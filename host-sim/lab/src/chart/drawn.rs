@@ -1,13 +1,13 @@
 //! Input and output of every chart.
 
-/// A chart that was made.
+/// Finished chart.
 #[derive(Clone, Debug)]
 pub struct Drawn {
     /// Data, with a header.
     pub csv: String,
     /// Pictures, at least one, each with its own file.
     pub pictures: Vec<DrawnPicture>,
-    /// Message in a sentence or two for each picture; it stands under the picture too.
+    /// Message of one or two sentences for each picture, also printed below it.
     pub says: String,
 }
 
@@ -22,7 +22,7 @@ impl Drawn {
         }
     }
 
-    /// Names and texts of all files of the chart `name`: the data, then the pictures.
+    /// Returns the names and texts of all files of the chart `name`: the data, then the pictures.
     pub fn files(&self, name: &str) -> Vec<(String, &str)> {
         let data = (format!("{name}.csv"), self.csv.as_str());
         let pictures = self.pictures.iter().map(|picture| {
@@ -36,29 +36,29 @@ impl Drawn {
     }
 }
 
-/// A picture of a chart.
+/// Picture of a chart.
 #[derive(Clone, Debug)]
 pub struct DrawnPicture {
-    /// Part of the chart that it shows, at the end of the file's name; none if it shows the whole chart.
+    /// Part of the chart that it shows, at the end of the file's name; `None` if it shows the whole chart.
     pub part: Option<&'static str>,
     /// Picture as SVG text.
     pub svg: String,
 }
 
-/// How much is measured.
+/// Size of the measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Size {
     /// Fewer points and shorter runs, which take seconds even in a debug build.
     Small,
-    /// As the manual shows it.
+    /// Size of the manual.
     #[default]
     Full,
 }
 
-/// Called with how much is done, of how much.
+/// Callback for progress: the finished part, and the whole.
 pub type Progress<'a> = &'a mut dyn FnMut(u64, u64);
 
-/// Why a chart could not be made.
+/// Reason why a chart could not be made.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct ChartError(pub String);

@@ -1,7 +1,7 @@
-//! Conservation of energy by each method: how far the energy of a machine that nothing drives or brakes drifts over 10,000 turns.
+//! Conservation of energy by each method: the drift of the energy of a free, frictionless machine over 10,000 turns.
 //!
-//! The energy that a method keeps ripples around the true one within each turn; what must not happen is that it wanders off.
-//! So it is averaged over the first and the last hundredth of the run ([`Ends`]).
+//! The energy that a method conserves ripples around the true one within each turn, which is harmless; a drift is not. So the energy is
+//! averaged over the first and the last hundredth of the run ([`Ends`]).
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -15,18 +15,18 @@ use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
 use host_sim::dynamics::{Driven, Freedom, Rigid};
 
-/// What counts as kept.
+/// Largest relative drift that counts as conserved.
 const KEPT: f64 = 1e-6;
-/// Turns a second at first; they go on at about that.
+/// Speed at the start, turns per second. It stays about the same.
 const TURNS_PER_S: f64 = 10.0;
-/// From fewer on, some methods lock into an orbit of their own that has little to do with the machine's.
+/// Numbers of steps per turn. With fewer, some methods lock into an orbit that the machine does not have.
 const STEPS_A_TURN: [u32; 6] = [16, 32, 64, 128, 256, 512];
-/// Part of its energy that a machine has lost, or gained, where it is followed no further: once it has come to rest, or flown
-/// off, what it does then is no news of the method.
+/// Relative loss or gain of energy at which a run ends: the machine is at rest, or has diverged, and further turns show nothing
+/// more about the method.
 const LOST: f64 = 0.5;
-/// What is shown, from rounding up.
+/// Range that is shown, from rounding errors upwards.
 const SHOWN: (f64, f64) = (1e-14, 2.0);
-/// Part of the run over which energy is averaged.
+/// Length of the run over that of the averaged parts.
 const WINDOW: u32 = 100;
 
 /// Makes the chart.
@@ -48,11 +48,11 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         let mut points = Vec::new();
         for steps in STEPS_A_TURN {
             let drift = drift(scheme, &free, &shaft, steps, turns)?;
-            // Writing to a string does not fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(csv, "{scheme},{is_default},{steps},{turns},{drift:e}");
             points.push((f64::from(steps), drift));
         }
-        // Kept from some step on, not at one by chance.
+        // Conserved from some step on, and not at one step by chance.
         let after = points.iter().rposition(|(_, drift)| *drift >= KEPT);
         match points.get(after.map_or(0, |last| last + 1)) {
             Some((steps, _)) => keep.push(format!("{scheme} (from {steps} steps a turn)")),
@@ -98,7 +98,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     Ok(Drawn::one(csv, svg, says))
 }
 
-/// Change of the mean energy over so many turns, of the kinetic energy at first; infinite if a step failed.
+/// Returns the change of the mean energy over so many turns, relative to the initial kinetic energy; infinite if a step failed.
 fn drift(
     scheme: Scheme,
     free: &Driven,
@@ -123,7 +123,7 @@ fn drift(
             return Ok(changed);
         }
         ends.add(step, energy_j);
-        // Angles are kept small: what counts of them is where in its turn the shaft is.
+        // Angles are kept small, as only the angle within a turn matters.
         state[0] %= TAU;
         if method.step(free, 0.0, &mut state).is_err() {
             return Ok(f64::INFINITY);

@@ -1,4 +1,4 @@
-//! Error against cost of the model levels, for each built-in scene: what a scene pays for, and which model level `auto` takes.
+//! Error against cost of the model levels for each built-in scene, and the model level that `auto` takes.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -16,10 +16,10 @@ use host_sim::scene::file::Fidelity;
 use host_sim::scene::library::{BuiltIn, SCENES};
 use host_sim::scene::{Checked, SceneError};
 
-/// What is shown of error over tolerance; less is drawn at the bottom.
+/// Range of error over tolerance that is shown; smaller values are drawn at the bottom.
 const SHOWN: (f64, f64) = (1e-4, 1e2);
 
-/// One model level of a scene.
+/// Model level of a scene.
 struct ModelLevel {
     fidelity: Fidelity,
     cost: f64,
@@ -28,7 +28,7 @@ struct ModelLevel {
     timing: f64,
 }
 
-/// A scene on all its model levels.
+/// Scene on all its model levels.
 struct Ladder {
     name: &'static str,
     chosen: Fidelity,
@@ -64,7 +64,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
 fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     let checked = Checked::new(scene.scene())?;
     let questions = questions(&checked);
-    // Bounds are of the machine that nothing disturbs.
+    // Bounds hold for an undisturbed machine.
     let is_disturbed = !checked.scene.fault.is_empty();
     let bounds = Bounds::new(&checked).ok().filter(|_| !is_disturbed);
     let fidelities = available(&checked);
@@ -92,9 +92,9 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     })
 }
 
-/// How often a tick asks where a crank or cam is: the sine and the root, or the law, that all else is little beside. Once an
-/// axis for the platform's place, once more for the torque that it asks for, and on model levels that are integrated as often as the
-/// method asks.
+/// Returns the number of position evaluations of a crank or cam per tick: the sine and the root, or the law, which dominate the cost.
+/// There is one per axis for the platform's position, one more for its torque and, on integrated levels, as many as the method
+/// needs.
 fn crank_evaluations(checked: &Checked, model_level: Fidelity) -> Result<f64, SceneError> {
     let on = checked.on(model_level)?;
     let axes = checked.scene.axes.count;
@@ -111,7 +111,7 @@ fn crank_evaluations(checked: &Checked, model_level: Fidelity) -> Result<f64, Sc
     Ok((axes + compared + evaluated) as f64)
 }
 
-/// How far the worst output is off, as a part of its tolerance.
+/// Returns the largest error of an output, relative to its tolerance.
 fn part(judged: &[Judged], of: impl Fn(&Judged) -> Option<f64>) -> f64 {
     let parts = judged
         .iter()
@@ -186,7 +186,7 @@ fn csv(ladders: &[Ladder]) -> String {
     for ladder in ladders {
         for model_level in &ladder.model_levels {
             for judged in &model_level.judged {
-                // Writing to a string does not fail.
+                // Writing to a string cannot fail.
                 let _ = writeln!(
                     csv,
                     "{},{},{},{},{},{},{},{},{},{},{:.0}",
@@ -208,7 +208,7 @@ fn csv(ladders: &[Ladder]) -> String {
     csv
 }
 
-/// What the data say, counted.
+/// Returns a summary of the data with counts.
 fn says(ladders: &[Ladder]) -> String {
     let taken = |ladder: &Ladder| {
         ladder

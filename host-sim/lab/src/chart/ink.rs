@@ -1,9 +1,9 @@
-//! Who is drawn how: colours of Okabe and Ito, which the colour-blind distinguish, and strokes that let both of two
-//! lines be seen where one lies on the other.
+//! Colours and strokes. The colours are those of Okabe and Ito, which the colour-blind distinguish. The strokes keep two lines
+//! visible that coincide.
 
 use cophase_methods::Scheme;
 
-/// A colour, by what Okabe and Ito call it.
+/// Colour, with the name that Okabe and Ito use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
     /// Near black.
@@ -22,12 +22,12 @@ pub enum Ink {
     Vermilion,
     /// Reddish purple.
     Purple,
-    /// Of what should not draw the eye.
+    /// Grey, for details.
     Grey,
 }
 
 impl Ink {
-    /// As SVG has it.
+    /// Returns its form in SVG.
     pub const fn hex(self) -> &'static str {
         match self {
             Self::Black => "#222222",
@@ -43,21 +43,21 @@ impl Ink {
     }
 }
 
-/// How points are joined.
+/// Line between points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
-    /// By a line.
+    /// Solid line.
     Solid,
-    /// By dashes.
+    /// Dashed line.
     Dashed,
-    /// By dots.
+    /// Dotted line.
     Dotted,
-    /// Not at all.
+    /// No line.
     None,
 }
 
 impl Stroke {
-    /// As SVG has it.
+    /// Returns its form in SVG.
     pub const fn dashes(self) -> Option<&'static str> {
         match self {
             Self::Solid | Self::None => None,
@@ -67,7 +67,7 @@ impl Stroke {
     }
 }
 
-/// A method looks the same in all charts.
+/// Returns the style of a method, which is the same in all charts.
 pub const fn of_scheme(scheme: Scheme) -> (Ink, Stroke) {
     match scheme {
         Scheme::ExplicitEuler => (Ink::Vermilion, Stroke::Solid),

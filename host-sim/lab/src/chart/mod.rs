@@ -1,12 +1,12 @@
-//! Charts: speed against accuracy, where things stop working, and what is decided wrongly. Each is data (CSV) and one or
-//! more pictures (SVG).
+//! Charts: speed against accuracy, limits of methods and machines, and wrong decisions. Each chart is data (CSV) and one or more
+//! pictures (SVG).
 //!
-//! Both are the same on every run, but for one column of the data, `timing`, where there is one: what an evaluation takes
-//! on a clock, as a ratio to a yardstick measured in the same run. No picture is drawn from it.
+//! Both are the same on every run, except for the column `timing` of some data: the duration of an evaluation, as a ratio to a
+//! yardstick that is measured in the same run. No picture uses it.
 //!
-//! - [`picture`]: panels, lines, legend, and the sentence under them; [`axis`], [`ink`]: what they are made of;
-//! - [`yardstick`]: what time is measured in;
-//! - the rest: a chart each, `docs/charts.md` says which.
+//! - [`picture`]: panels, lines, legend, and the sentence below; [`axis`], [`ink`]: their parts;
+//! - [`yardstick`]: the unit of durations;
+//! - the others: one chart each, listed in `docs/charts.md`.
 
 pub mod axis;
 pub mod breakdown;
@@ -24,14 +24,14 @@ pub mod yardstick;
 
 pub use drawn::{ChartError, Drawn, DrawnPicture, Progress, Size};
 
-/// A chart that can be made.
+/// Chart that can be made.
 #[derive(Clone, Copy, Debug)]
 pub struct Chart {
-    /// As it is called on the command line, and its files.
+    /// Name on the command line and of its files.
     pub name: &'static str,
-    /// What it shows, in a line.
+    /// Summary in one line.
     pub shows: &'static str,
-    /// Makes it.
+    /// Function that makes it.
     pub draw: fn(Size, Progress) -> Result<Drawn, ChartError>,
 }
 
@@ -79,7 +79,7 @@ pub const CHARTS: &[Chart] = &[
     },
 ];
 
-/// A chart by its name.
+/// Returns the chart with a name.
 pub fn find(name: &str) -> Option<&'static Chart> {
     CHARTS.iter().find(|chart| chart.name == name)
 }

@@ -1,4 +1,4 @@
-//! A picture: a title, panels in a grid, one legend for all, and under them what they say.
+//! Picture: a title, panels in a grid, a common legend, and a message below.
 //!
 //! kuva draws the panels and their axes (`drawing.rs`). A picture has the same bytes each time it is drawn of the same data.
 
@@ -11,55 +11,55 @@ use cophase_methods::Scheme;
 use super::axis::Axis;
 use super::ink::{self, Ink, Stroke};
 
-/// All of it.
+/// Picture with all its parts.
 pub struct Picture {
-    /// Above all panels.
+    /// Title above all panels.
     pub title: String,
-    /// Under them: the message, in a sentence or two.
+    /// Message below the panels, one or two sentences.
     pub says: String,
-    /// How many panels stand side by side.
+    /// Number of panels in a row.
     pub columns: usize,
-    /// What a line that is drawn thick is, in the legend's brackets, such as "default".
+    /// Meaning of a thick line, in brackets in the legend, such as "default".
     pub chosen_is: &'static str,
-    /// Row by row.
+    /// Panels, row by row.
     pub panels: Vec<Panel>,
 }
 
-/// One panel.
+/// Panel.
 pub struct Panel {
-    /// What it is of.
+    /// Title.
     pub title: String,
-    /// Below.
+    /// Horizontal axis.
     pub x: Axis,
-    /// To the left.
+    /// Vertical axis.
     pub y: Axis,
     /// Lines, back to front.
     pub lines: Vec<Line>,
-    /// Values that mean something.
+    /// Marked values.
     pub levels: Vec<Level>,
 }
 
-/// A line through measured points, of which those on the axes are shown.
+/// Line through measured points, of which those within the axes are shown.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// Its name in the legend, where lines of one name and look are one entry; none if it is empty.
+    /// Name in the legend. Lines with the same name and style share an entry; an empty name has none.
     pub label: String,
-    /// Its colour.
+    /// Colour.
     pub ink: Ink,
-    /// How its points are joined.
+    /// Line between its points.
     pub stroke: Stroke,
-    /// Whether each point is marked.
+    /// True if each point has a mark.
     pub marked: bool,
-    /// Whether it is the one that is taken by default: it is drawn thicker, and the legend says so.
+    /// True for the default, which is thicker and named so in the legend.
     pub chosen: bool,
     /// Points, by x.
     pub points: Vec<(f64, f64)>,
-    /// What is written at each point; none, or one a point.
+    /// Text at each point; empty, or one for each point.
     pub names: Vec<String>,
 }
 
 impl Line {
-    /// A line with marks at its points.
+    /// Creates a line with marks at its points.
     pub fn new(label: impl Into<String>, ink: Ink, points: Vec<(f64, f64)>) -> Self {
         Self {
             label: label.into(),
@@ -72,7 +72,7 @@ impl Line {
         }
     }
 
-    /// A method's line, which looks the same in all charts.
+    /// Creates the line of a method, whose style is the same in all charts.
     pub fn of_scheme(scheme: Scheme, points: Vec<(f64, f64)>) -> Self {
         let (ink, stroke) = ink::of_scheme(scheme);
         Self {
@@ -82,19 +82,19 @@ impl Line {
     }
 }
 
-/// A value that means something, marked through the panel.
+/// Value that is marked across the panel.
 pub struct Level {
-    /// On which axis, and where.
+    /// Axis and value.
     pub at: At,
-    /// What it means.
+    /// Meaning of the value.
     pub label: String,
 }
 
-/// A place on one of the axes.
+/// Value on one of the axes.
 #[derive(Clone, Copy, Debug)]
 pub enum At {
-    /// A line from left to right.
+    /// Value of the vertical axis, marked by a line from left to right.
     Y(f64),
-    /// A line from top to bottom.
+    /// Value of the horizontal axis, marked by a line from top to bottom.
     X(f64),
 }

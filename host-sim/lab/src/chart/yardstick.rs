@@ -1,21 +1,22 @@
-//! What time is measured in: sines. A nanosecond is another on every machine; a step of so many sines is about the same.
+//! Unit of durations: the duration of a sine. In nanoseconds, the duration of a step depends on the machine; in sines, it is about the
+//! same on all.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-/// How long a sine takes here and now.
+/// Duration of a sine on this machine.
 #[derive(Clone, Copy, Debug)]
 pub struct Yardstick {
     sine_s: f64,
 }
 
-/// Long enough for the clock, short enough not to be waited for: some 0.1 ms.
+/// Number of sines per measurement: about 0.1 ms, long enough for the clock.
 const SINES: u32 = 10_000;
-/// The shortest counts: whatever else a machine does only adds.
+/// Number of measurements. The shortest counts, as other work on the machine only adds to the duration.
 const TRIES: u32 = 10;
 
 impl Yardstick {
-    /// Measured now.
+    /// Measures the duration.
     pub fn measure() -> Self {
         let time = || {
             let began = Instant::now();
@@ -32,7 +33,7 @@ impl Yardstick {
         }
     }
 
-    /// A time in sines.
+    /// Converts a duration to sines.
     pub fn sines(self, time: Duration) -> f64 {
         time.as_secs_f64() / self.sine_s
     }

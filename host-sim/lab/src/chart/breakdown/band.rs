@@ -1,7 +1,7 @@
-//! Band crossing too slowly: a frame on soft springs, and a shaft that must pass where it resonates.
+//! Slow crossing of a band: a frame on soft springs, and a shaft that must pass its resonance.
 //!
-//! Failure: the slower the crossing, the more of the resonance builds up; who dwells there gets all of it. Guard: a
-//! forbidden band. A program that asks for a speed inside gets the nearer edge, and time inside is what the limits make it.
+//! Failure: the slower the crossing, the more the resonance builds up; it is complete if the shaft dwells there. Guard: a forbidden
+//! band. A program that requests a speed inside gets the nearer edge, and the limits determine the time inside.
 
 use super::panel::{Curve, Shown, failing};
 use super::runs::run;
@@ -44,17 +44,18 @@ ramp_s = 0.1
 hold_s = HOLD
 "#;
 
-/// The band, rev/s: its middle is above the resonance, so that who asks for that is held below.
+/// Band, rev/s. Its middle is above the resonance, so a program that requests the resonance is held at the lower edge.
 pub const BAND_HZ: (f64, f64) = (10.2, 14.2);
-/// The frame with all that it carries resonates at √(120 N/mm / 21 kg), rev/s.
+/// Resonance of the frame with its load, √(120 N/mm / 21 kg), rev/s.
 pub const RESONANCE_HZ: f64 = 12.031;
-/// From none to full acceleration; half of it goes by, at the fastest here, before 2 rev/s more are reached.
+/// Time from rest to the full acceleration, s, which sets the jerk. At the greatest acceleration here, half of that time has passed
+/// before the shaft gains 2 rev/s.
 const FULL_AFTER_S: f64 = 0.05;
 const DWELL_S: f64 = 4.0;
-/// Acceleration of what does not depend on it, rev/s².
+/// Acceleration for measurements that do not depend on it, rev/s².
 const USUAL_HZ_PER_S: f64 = 20.0;
 
-/// A scene that asks for a speed.
+/// Returns a scene that requests a speed.
 pub fn scene(speed_hz: f64, acceleration_hz_per_s: f64, has_band: bool) -> String {
     let omega = std::f64::consts::TAU * speed_hz;
     let amax_g = 0.005 * omega * omega * 1.25 / 9.80665;
@@ -75,31 +76,31 @@ pub fn scene(speed_hz: f64, acceleration_hz_per_s: f64, has_band: bool) -> Strin
         .replace("HOLD", &hold_s.to_string())
 }
 
-/// One crossing.
+/// Crossing of the band.
 #[derive(Clone, Copy, Debug)]
 pub struct Crossing {
-    /// The shaft's acceleration, rev/s².
+    /// Acceleration of the shaft, rev/s².
     pub hz_per_s: f64,
-    /// Largest way of the frame, µm.
+    /// Largest displacement of the frame, µm.
     pub frame_um: f64,
     /// Time in the band, upwards, s.
     pub inside_s: f64,
 }
 
-/// What was seen.
+/// Measured results.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    /// By acceleration, the lowest first.
+    /// Crossings by acceleration, the lowest first.
     pub crossings: Vec<Crossing>,
-    /// Largest way of the frame while a machine without a band dwells at its resonance, µm.
+    /// Largest displacement of the frame while a machine without a band dwells at its resonance, µm.
     pub dwelling_um: f64,
     /// The same with the band, which holds it at its edge, µm.
     pub held_um: f64,
-    /// For how long it was held, s, as the report has it.
+    /// Time for which it was held, s, as in the report.
     pub held_s: Option<f64>,
 }
 
-/// Runs them.
+/// Runs the scenes.
 ///
 /// # Errors
 /// A scene does not run.

@@ -1,8 +1,8 @@
-//! Branch defect: dead centres of a synthesized crank-rocker on two branches, which no assembly reaches both of.
+//! Branch defect: the dead centres of a synthesized crank-rocker lie on two branches, and an assembly reaches only one of them.
 //!
-//! Failure: below a time ratio of 5/7, with a swing of 60° and a pressure angle of 0°, the synthesis gives lengths that satisfy Grashof, but the
-//! assembled rocker swings by less than 60°: swing + Θ would exceed 90° at the folded dead centre. Guard: the design method compares the swing of the assembled linkage with the requested
-//! one and refuses the time ratio.
+//! Failure: below a time ratio of 5/7, with a swing of 60° and a pressure angle of 0°, the synthesis gives lengths that satisfy
+//! Grashof. But the assembled rocker swings by less than 60°: swing + Θ would exceed 90° at the folded dead centre. Guard: the design
+//! method compares the swing of the assembled linkage with the requested one, and refuses the time ratio.
 
 use super::panel::{Curve, Shown, failing, guarded, requested};
 use crate::chart::ChartError;
@@ -27,11 +27,11 @@ pub fn requirement(time_ratio: f64) -> Requirement {
 /// Synthesis at a time ratio.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts {
-    /// Time of the forward stroke over that of the return.
+    /// Ratio of the time of the forward stroke to that of the return.
     pub time_ratio: f64,
     /// Swing of the linkage as assembled, degrees.
     pub swing_deg: f64,
-    /// Pressure angle at the folded dead centre, degrees; none where the design method refuses the linkage.
+    /// Pressure angle at the folded dead centre, degrees; `None` if the design method refuses the linkage.
     pub folded_pressure_deg: Option<f64>,
 }
 

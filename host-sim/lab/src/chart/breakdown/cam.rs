@@ -1,7 +1,8 @@
-//! Flexible cam shaft: masses and springs between cam and pusher make more of the law's acceleration; an electronic cam has none.
+//! Flexible cam shaft: masses and springs between cam and pusher amplify the law's acceleration. An electronic cam has none of them.
 //!
-//! Failure: at 450 turns a minute the wrapper's shaft, arm and link swing, and its pusher accelerates more than its law says. Guard: a motor on a screw for
-//! each pusher, which follows the same law as a cam table; what is left is the error of the table's spline.
+//! Failure: at 450 turns per minute, the wrapper's shaft, arm and link oscillate, and the acceleration of its pusher exceeds that of its
+//! law. Guard: a motor on a screw for each pusher, which follows the same law as a cam table. The remaining error is that of the table's
+//! spline.
 
 use super::panel::{Curve, Shown, failing, guarded, requested};
 use super::runs::check;
@@ -11,21 +12,21 @@ use cophase_methods::problems::{Cam, Law};
 use host_sim::scene::library;
 use host_sim::sim::{Moment, Observer, simulate};
 
-/// Part of the turn of the cam, degrees, and acceleration of the first pusher there, m/s²: over the last turn at full speed.
+/// Angle of the cam, degrees, and acceleration of the first pusher there, m/s², over the last turn at full speed.
 pub type Turn = Vec<(f64, f64)>;
 
-/// Accelerations that were measured.
+/// Measured accelerations.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    /// By the law.
+    /// Acceleration of the law.
     pub law: Turn,
-    /// On the flexible cam shaft.
+    /// Acceleration on the flexible cam shaft.
     pub shaft: Turn,
-    /// On a screw that follows a cam table.
+    /// Acceleration on a screw that follows a cam table.
     pub screw: Turn,
 }
 
-/// Built-in scene `electronic-cam` at the wrapper's speed. Screws of 100 mm a turn keep the step rate low.
+/// Built-in scene `electronic-cam` at the wrapper's speed. Screws of 100 mm per turn keep the step rate low.
 pub fn electronic() -> Option<String> {
     let text = library::find("electronic-cam")?.text;
     let changes = [
@@ -44,7 +45,7 @@ pub fn electronic() -> Option<String> {
     }))
 }
 
-/// Gathers the last whole turn at the greatest speed.
+/// Collects the last whole turn at the greatest speed.
 #[derive(Default)]
 struct LastTurn {
     ticks: Vec<(f64, f64, f64)>,
@@ -81,7 +82,7 @@ fn last_turn(text: &str) -> Result<Turn, ChartError> {
         .collect())
 }
 
-/// Runs both.
+/// Runs both scenes.
 ///
 /// # Errors
 /// A scene is refused.
@@ -101,7 +102,7 @@ pub fn measure() -> Result<Facts, ChartError> {
     })
 }
 
-/// Greatest acceleration of a turn, m/s².
+/// Returns the greatest acceleration of a turn, m/s².
 pub fn peak(turn: &Turn) -> f64 {
     turn.iter()
         .map(|(_, accel)| accel.abs())

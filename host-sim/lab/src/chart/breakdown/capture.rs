@@ -1,9 +1,9 @@
-//! Capture at a resonance (Sommerfeld's effect): a motor of limited power does not get through, on the way up; on the way down nothing
-//! helps to pass quickly.
+//! Capture at a resonance (Sommerfeld's effect): a motor of limited power does not pass it when it speeds up. When it coasts down, it
+//! passes slowly.
 //!
-//! Failure: with 1.05 of its rated torque the motor of the vibrating screen hangs near the natural speed of 195 rpm, at five times the working amplitude. A
-//! shaft that coasts down passes the resonance slowly. Guard: the scene's forbidden band follows from its resonance, a scene whose
-//! motors have less torque than the resonance takes is refused, and the controller stops shafts that lag together and names the capture.
+//! Failure: with 1.05 of its rated torque, the motor of the vibrating screen stays near the natural speed of 195 rpm, at five times the
+//! working amplitude. Guards: the scene's forbidden band follows from its resonance. A scene whose motors have less torque than the
+//! resonance requires is refused. The controller stops shafts that lag together, and names the capture.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ use cophase_methods::Scheme;
 use cophase_methods::problems::Screen;
 use host_sim::scene::library;
 
-/// Torque over the rated one at which the motor is captured.
+/// Torque at which the motor is captured, over the rated torque.
 pub const CAPTURED: f64 = 1.05;
 const STEP_S: f64 = 1e-3;
 const END_S: f64 = 30.0;
@@ -24,7 +24,7 @@ const END_S: f64 = 30.0;
 /// Speed of the shaft, rpm, and largest distance of the box from rest within a tenth of a second, mm, in the order of time.
 pub type Path = Vec<(f64, f64)>;
 
-/// What was measured.
+/// Measured results.
 #[derive(Clone, Debug)]
 pub struct Facts {
     /// Run-up with the motor's full breakdown torque.
@@ -33,11 +33,11 @@ pub struct Facts {
     pub captured: Path,
     /// Run-down without a motor, from the working speed.
     pub down: Path,
-    /// Time after which the controller stopped a scene whose motors are too weak, s; none if it did not.
+    /// Time after which the controller stopped a scene whose motors are too weak, s; `None` if it did not.
     pub stopped_s: Option<f64>,
 }
 
-/// Follows a screen from a state; ends when the shaft has slowed below 60 rpm, if it began above that.
+/// Simulates a screen from a state. It ends when a shaft that began above 60 rpm is slower than that.
 fn follow(torque_over_rated: f64, mut state: [f64; Screen::DIMENSION]) -> Result<Path, ChartError> {
     let screen = Screen { torque_over_rated };
     let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
@@ -64,7 +64,7 @@ fn follow(torque_over_rated: f64, mut state: [f64; Screen::DIMENSION]) -> Result
     Ok(path)
 }
 
-/// Scene `screen` with motors of 100 N·m, of the 174 N·m that are enough at its resonance.
+/// Returns scene `screen` with motors of 100 N·m, where its resonance requires 174 N·m.
 fn weak_scene() -> Option<String> {
     let text = library::find("screen")?.text;
     let text = text.replacen(
@@ -79,14 +79,14 @@ fn weak_scene() -> Option<String> {
     ))
 }
 
-/// Runs them.
+/// Runs the scenes.
 ///
 /// # Errors
 /// A method or a scene is refused.
 pub fn measure() -> Result<Facts, ChartError> {
     let weak = weak_scene().ok_or_else(|| ChartError("no built-in scene `screen`".to_owned()))?;
     let outcome = run(&weak, &mut |_| {})?;
-    // The working speed, with the box on its far side.
+    // The working speed, with the box opposite to the eccentric mass.
     let working = [-4.995e-3, 0.0, 0.0, 0.0, -4.995e-3 * 87.7, 87.7];
     Ok(Facts {
         through: follow(Screen::UNLIMITED, [0.0; Screen::DIMENSION])?,
@@ -96,7 +96,7 @@ pub fn measure() -> Result<Facts, ChartError> {
     })
 }
 
-/// Place of the largest amplitude.
+/// Returns the speed and the amplitude at the largest amplitude.
 pub fn peak(path: &Path) -> (f64, f64) {
     let most = path.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
     most.unwrap_or_default()

@@ -1,7 +1,7 @@
-//! The stiff chain of a cam follower, with the step doubled until it diverges.
+//! Stiff chain of a cam follower, with steps that are doubled until it diverges.
 //!
-//! Failure: beyond its limit an explicit method blows up within a turn of the cam, at steps at which the motion itself is
-//! smooth. Guards: a scene with such a step is refused with the limit in the message, and `auto` takes a method that has none.
+//! Failure: beyond its limit, an explicit method diverges within a turn of the cam, although the step resolves the motion. Guards: a
+//! scene with such a step is refused with the limit in the message, and `auto` takes a method without a limit.
 
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};
 use cophase_methods::{Scheme, StepError};
@@ -40,49 +40,49 @@ ramp_s = 0.5
 hold_s = 0.3
 "#;
 
-/// The article's machine in a scene, with what is said of the method.
+/// Returns a scene of the article's machine, with a method.
 pub fn scene(method: &str) -> String {
     SCENE.replace("METHOD", method)
 }
 
-/// Steps a turn of the cam, as powers of two: the coarsest, and the finest shown.
+/// Steps per turn of the cam, as powers of two: the coarsest, and the finest shown.
 const COARSEST: u32 = 6;
 const FINEST: u32 = 14;
-/// What the true peak is taken from.
+/// Steps per turn for the true peak, as a power of two.
 const TRUE: u32 = 16;
 
-/// A turn of the cam, at a step.
+/// Turn of the cam with a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     /// Step, s.
     pub step_s: f64,
-    /// Greatest way of the pusher off its law, over the true one; infinite once it has diverged.
+    /// Largest deviation of the pusher from its law, over the true one; infinite if it diverged.
     pub peak: f64,
-    /// Where it diverged.
+    /// Time at which it diverged.
     pub diverged: Option<StepError>,
 }
 
-/// A method.
+/// Results of a method.
 #[derive(Clone, Debug)]
 pub struct Tried {
-    /// Which.
+    /// Method.
     pub scheme: Scheme,
-    /// Its longest stable step, s; none if there is no limit up to 10 ms.
+    /// Longest stable step, s; `None` if there is no limit up to 10 ms.
     pub limit_s: Option<f64>,
-    /// By step, the shortest first.
+    /// Turns by step, the shortest first.
     pub turns: Vec<Turn>,
 }
 
-/// What was seen.
+/// Measured results.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    /// Greatest way of the pusher off its law, m.
+    /// Largest deviation of the pusher from its law, m.
     pub true_m: f64,
     /// All methods.
     pub methods: Vec<Tried>,
 }
 
-/// Greatest way off the law in a turn from rest, or where it diverged.
+/// Returns the largest deviation from the law in a turn from rest, or the time at which it diverged.
 fn peak_m(
     chain: &Chain,
     scheme: Scheme,
@@ -107,7 +107,7 @@ fn peak_m(
 /// Tries all methods.
 ///
 /// # Errors
-/// A method that does not suit; none does not.
+/// A method is not for this machine; all are.
 pub fn measure(size: Size) -> Result<Facts, ChartError> {
     let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToCam);
     let (true_m, _) = peak_m(&chain, Scheme::Exact, 1 << TRUE)?;
@@ -138,7 +138,7 @@ pub fn measure(size: Size) -> Result<Facts, ChartError> {
     Ok(Facts { true_m, methods })
 }
 
-/// Above this a method has diverged, or as good as: it is drawn at the top.
+/// Error above which a method counts as diverged. It is drawn at the top.
 const TOP: f64 = 1000.0;
 
 pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {

@@ -1,12 +1,12 @@
-//! A run that no guard refuses beforehand, and that comes to an end on the way.
+//! Run that no guard refuses beforehand, and that diverges.
 //!
-//! Implicit midpoint has no limit, so none binds. But rotors of 0.1 g cm² on motors of 1000 N·m/rad go through 158 rad in the
-//! one step that a tick is given here, and a motor's field then has many places at which the step could end: the method finds
-//! one that lies far away, and cranks fly off. The run ends there and says so, and what was seen until then is written.
+//! Implicit midpoint has no stability limit. But rotors of 0.1 g cm² on motors of 1000 N·m/rad oscillate through 158 rad in a step, which
+//! is a whole tick here. A motor's field then has many solutions of the step, and the method finds a distant one. The run ends there
+//! with a message, and its files have the results up to then.
 
 use super::runs::three_steppers;
 
-/// The scene.
+/// Scene of the run.
 pub fn scene() -> String {
     let method = "[method]\nname = \"implicit-midpoint\"\nsteps_per_tick = 1\n[machine]";
     three_steppers(

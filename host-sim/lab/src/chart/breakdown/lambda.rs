@@ -1,6 +1,6 @@
-//! λ at both ends of what is built: what the two-term formula is off.
+//! Error of the two-term formula at both ends of the range of λ.
 //!
-//! Failure: at λ = 0.6 its acceleration is off by 9.4 % of amax, at 90°. Guards: the simulator has the exact mechanism, and
+//! Failure: at λ = 0.6, the error of its acceleration is 9.4 % of amax, at 90°. Guards: the simulator has the exact mechanism, and
 //! a λ outside 0.1 to 0.6 is refused with the range in the message.
 
 use super::panel::{Curve, Shown, failing, guarded};
@@ -11,27 +11,27 @@ use crate::chart::picture::{At, Level, Line};
 use host_sim::mechanism::Mechanism;
 use host_sim::mechanism::slider_crank::SliderCrank;
 
-/// A scene with λ.
+/// Returns a scene with λ.
 pub fn scene(lambda: f64) -> String {
     super::root::SCENE.replace("lambda = 0.25", &format!("lambda = {lambda}"))
 }
 
-/// The mechanism at an end.
+/// Mechanism at an end of the range.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts {
     /// Crank radius over rod length.
     pub lambda: f64,
-    /// Greatest error of the two-term acceleration, of amax.
+    /// Greatest error of the two-term acceleration, relative to amax.
     pub error: f64,
-    /// Where, degrees.
+    /// Crank angle of it, degrees.
     pub at_deg: f64,
     mechanism: SliderCrank,
 }
 
-/// The mechanism with λ.
+/// Returns the mechanism with λ.
 ///
 /// # Errors
-/// There is none.
+/// There is no such mechanism.
 pub fn measure(lambda: f64) -> Result<Facts, ChartError> {
     let mechanism =
         SliderCrank::new(0.010, 0.010 / lambda).map_err(|error| ChartError(error.to_string()))?;

@@ -1,22 +1,22 @@
-//! Breakdown: what happens at the bad places, a small scene or a design and a picture each, with the guard that stands there.
+//! Breakdown: critical points of machines and methods, each with a small scene or design, a picture, and its guard.
 //!
-//! Each panel has a file: its scene, the facts measured in it, and the drawing of them. Scenes and facts are for the
-//! tests too, which assert both the failure and the guard (`host-sim/command/tests/breakdown.rs`).
+//! Each panel has a file with its scene, the measured facts, and their drawing. The tests use the same scenes and facts, and assert
+//! both the failure and the guard (`host-sim/command/tests/breakdown.rs`).
 //!
-//! - [`root`]: an amplitude that rises from 0 asks for an infinite acceleration;
-//! - [`band`]: a resonance crossed slowly, and dwelt in;
-//! - [`pull_out`]: one motor too weak;
+//! - [`root`]: an amplitude that rises from 0 requires an infinite acceleration;
+//! - [`band`]: a resonance that is crossed slowly, or dwelt in;
+//! - [`pull_out`]: one motor that is too weak;
 //! - [`chain`]: explicit methods on a stiff chain;
 //! - [`rods`]: the over-constrained platform on stiffer rods;
 //! - [`overload`]: motors under five times their load, and a loop that takes five times its time;
-//! - [`lambda`]: two terms where λ is at its ends;
+//! - [`lambda`]: the two-term formula at the ends of the range of λ;
 //! - [`branch`]: a crank-rocker whose dead centres lie on two branches;
-//! - [`cam`]: a cam shaft that gives, beside an electronic cam;
-//! - [`capture`]: a screen that hangs in its resonance;
-//! - [`self_synchronisation`]: a screen whose exciters are left to themselves;
-//! - [`stall`]: a crusher in rock that it does not break;
-//! - [`singular`]: an arm whose path goes to the edge of its reach;
-//! - [`diverging`]: no panel, but the run that ends on the way; [`runs`]: how scenes are run and looked at.
+//! - [`cam`]: a flexible cam shaft, and an electronic cam;
+//! - [`capture`]: a screen that stays in its resonance;
+//! - [`self_synchronisation`]: a screen with free exciters;
+//! - [`stall`]: a crusher with rock that it does not break;
+//! - [`singular`]: an arm whose path reaches the edge of its workspace;
+//! - [`diverging`]: no panel, but a run that diverges; [`runs`]: running and observing the scenes.
 
 pub mod band;
 pub mod branch;
@@ -42,7 +42,7 @@ use panel::Shown;
 /// Makes a panel.
 type Show = fn(Size) -> Result<Shown, ChartError>;
 
-/// All panels, in the order of the data and the message. A new panel is a file beside this one and a line here.
+/// All panels, in the order of the data and the message. A new panel needs a file beside this one and a line here.
 const PANELS: &[Show] = &[
     |_| root::shown(),
     band::shown,
@@ -105,7 +105,7 @@ fn csv(shown: &[Shown]) -> String {
             format!("{value:.6e}")
         }
     };
-    // Writing to memory does not fail.
+    // Writing to memory cannot fail.
     let _ = writer.write_record(["panel", "line", "x", "y"]);
     for shown in shown {
         for curve in &shown.curves {

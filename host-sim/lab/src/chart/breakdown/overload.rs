@@ -1,8 +1,8 @@
 //! Five-fold overload: of the motors, and of the loop.
 //!
-//! Failure: motors under five times the load that they were sized for slip, all together, so that no tilt shows it.
-//! Guard: their common lag is watched too; it latches a fault, and all stop together. A loop whose ticks take five times
-//! as long as they may ends in a fault likewise: an overrun, with all cranks in phase.
+//! Failure: under five times their design load, all motors slip together, so the tilt does not show it. Guard: the monitor also limits
+//! the common lag; it latches a fault, and all axes stop together. A loop whose ticks take five times their permitted duration ends in
+//! a fault, too: an overrun, with all cranks in phase.
 
 use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{fault_s, first_slip_s, run, three_steppers};
@@ -11,16 +11,16 @@ use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
 use host_sim::sim::Outcome;
 
-/// The load that the motors are sized for, kg: it asks for a good half of what they have.
+/// Design load of the motors, kg. It requires a little more than half of their torque.
 pub const SIZED_KG: f64 = 4.0;
-/// What a crank may be off with all others, degrees: the default of `drift.common_limit_deg`.
+/// Limit of the common lag, degrees: the default of `drift.common_limit_deg`.
 pub const COMMON_LIMIT_DEG: f64 = 15.0;
-/// From when on the loop of [`slow_loop`] is too slow, s.
+/// Time from which on the loop of [`slow_loop`] is too slow, s.
 pub const SLOW_FROM_S: f64 = 0.9;
-/// A tick, µs.
+/// Control tick, µs.
 const TICK_US: u32 = 500;
 
-/// The scene on a model level, with a load.
+/// Returns the scene on a model level, with a load.
 pub fn scene(model_level: &str, load_kg: f64) -> String {
     three_steppers(
         model_level,
@@ -32,7 +32,7 @@ pub fn scene(model_level: &str, load_kg: f64) -> String {
     )
 }
 
-/// The same with a loop that takes five ticks for each tick, from the middle of the program on.
+/// Returns the same scene with a loop that takes five ticks for each tick, from the middle of the program on.
 pub fn slow_loop() -> String {
     let mut text = scene("kinematic", SIZED_KG);
     for tick in 0..20 {
@@ -42,19 +42,19 @@ pub fn slow_loop() -> String {
     text
 }
 
-/// A run.
+/// Results of a run.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    /// Time, s, and what crank 0 is ahead, degrees.
+    /// Time, s, and lead of crank 0, degrees.
     pub ahead_deg: Vec<(f64, f64)>,
-    /// How it ended.
+    /// End of the run.
     pub outcome: Outcome,
 }
 
 /// Runs the phased scene.
 ///
 /// # Errors
-/// It does not run.
+/// The scene does not run.
 pub fn measure(load_kg: f64) -> Result<Facts, ChartError> {
     let mut ahead_deg = Vec::new();
     let outcome = run(&scene("phased", load_kg), &mut |now| {
@@ -63,7 +63,7 @@ pub fn measure(load_kg: f64) -> Result<Facts, ChartError> {
     Ok(Facts { ahead_deg, outcome })
 }
 
-/// The largest part of their pull-out torque that is required of motors, as the quasi-static model level has it.
+/// Returns the largest ratio of required torque to pull-out torque on the quasi-static model level.
 ///
 /// # Errors
 /// The scene does not run.

@@ -1,28 +1,28 @@
-//! What a panel of this chart is made of.
+//! Panels of this chart.
 
 use crate::chart::axis::Axis;
 use crate::chart::ink::{Ink, Stroke};
 use crate::chart::picture::{Level, Line};
 
-/// A panel, with all that it is drawn from.
+/// Panel with its data.
 pub(super) struct Shown {
-    /// Its name in the data.
+    /// Name in the data.
     pub(super) key: &'static str,
     pub(super) title: String,
     pub(super) x: Axis,
     pub(super) y: Axis,
     pub(super) curves: Vec<Curve>,
     pub(super) levels: Vec<Level>,
-    /// Message, one sentence; it stands under the picture.
+    /// Message below the picture, one sentence.
     pub(super) says: String,
 }
 
-/// A line whose name is both its entry in the panel's legend and its name in the data.
+/// Line. Its name is both its entry in the panel's legend and its name in the data.
 pub(super) struct Curve {
-    /// What it is, and its unit.
+    /// Quantity and unit.
     pub(super) name: String,
     pub(super) line: Line,
-    /// Points, as they are written.
+    /// Points, as in the data.
     pub(super) data: Vec<(f64, f64)>,
 }
 
@@ -39,7 +39,7 @@ impl Curve {
         }
     }
 
-    /// One value, which the panel marks by a [`Level`].
+    /// Creates a single value, which the panel marks by a [`Level`].
     pub(super) fn level(name: &str, value: f64) -> Self {
         Self {
             name: name.to_owned(),
@@ -49,7 +49,7 @@ impl Curve {
     }
 }
 
-/// What was requested.
+/// Line of the requested values.
 pub(super) fn requested(points: Vec<(f64, f64)>) -> Line {
     Line {
         stroke: Stroke::Dashed,
@@ -58,7 +58,7 @@ pub(super) fn requested(points: Vec<(f64, f64)>) -> Line {
     }
 }
 
-/// Where it goes wrong.
+/// Line of the failure.
 pub(super) fn failing(points: Vec<(f64, f64)>) -> Line {
     Line {
         marked: false,
@@ -66,7 +66,7 @@ pub(super) fn failing(points: Vec<(f64, f64)>) -> Line {
     }
 }
 
-/// A second line that is as it should be.
+/// Second line of correct behaviour.
 pub(super) fn second(points: Vec<(f64, f64)>) -> Line {
     Line {
         stroke: Stroke::Dashed,
@@ -75,7 +75,7 @@ pub(super) fn second(points: Vec<(f64, f64)>) -> Line {
     }
 }
 
-/// As it should be, or is kept by a guard.
+/// Line of correct behaviour, or of that with a guard.
 pub(super) fn guarded(points: Vec<(f64, f64)>) -> Line {
     Line {
         marked: false,

@@ -1,8 +1,8 @@
 //! Pull-out: one stepper of three is too weak for its stiff bearing.
 //!
-//! Failure: past a quarter of an electrical cycle its spring gives less and not more, and the crank slips by whole cycles.
-//! Guards: the drift monitor detects it at the next index pulse, latches a fault and stops all; and the model level that compares torques
-//! says beforehand that more is asked than there is.
+//! Failure: beyond a quarter of an electrical cycle, its torque falls, and the crank slips by whole cycles. Guards: the drift monitor
+//! detects it at the next index pulse, latches a fault and stops all axes. The quasi-static model level shows beforehand that the
+//! required torque exceeds the motor's.
 
 use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{fault_s, first_slip_s, run, three_steppers};
@@ -11,35 +11,35 @@ use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
 use host_sim::sim::Outcome;
 
-/// The axis with the stiff bearing.
+/// Axis with the stiff bearing.
 pub const WEAK_AXIS: usize = 2;
-/// Its motor, as a part of the others': too weak.
+/// Torque of its motor, over that of the others: too weak.
 pub const WEAK: f64 = 0.2;
-/// The tick, s.
+/// Control tick, s.
 pub const TICK_S: f64 = 500e-6;
-/// Electrical cycles to a turn of [`scene`].
+/// Electrical cycles per turn of [`scene`].
 const CYCLES: f64 = 50.0;
 
-/// The scene on a model level, its third motor scaled.
+/// Returns the scene on a model level, with its third motor scaled.
 pub fn scene(model_level: &str, scale: f64) -> String {
     let settling = ("[limits]", "[control]\nsettle_s = 0.02\n[limits]");
     let text = three_steppers(model_level, &[settling]);
     format!("{text}[[axis]]\nnumber = {WEAK_AXIS}\nfriction_nm = 3\npull_out_scale = {scale}\n")
 }
 
-/// A run.
+/// Results of a run.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    /// Time, s, and what the third crank is ahead, electrical cycles.
+    /// Time, s, and lead of the third crank, electrical cycles.
     pub ahead: Vec<(f64, f64)>,
     /// Time, s, and commanded speed, rev/s.
     pub speeds: Vec<(f64, f64)>,
-    /// How it ended.
+    /// End of the run.
     pub outcome: Outcome,
 }
 
 impl Facts {
-    /// How long it takes to turn once from a time on, s.
+    /// Returns the duration of the turn that begins at a time, s.
     pub fn turn_s(&self, from_s: f64) -> f64 {
         let mut turned = 0.0;
         let after = self.speeds.iter().filter(|(t_s, _)| *t_s >= from_s);
@@ -54,7 +54,7 @@ impl Facts {
 /// Runs the phased scene.
 ///
 /// # Errors
-/// It does not run.
+/// The scene does not run.
 pub fn measure(scale: f64) -> Result<Facts, ChartError> {
     let (mut ahead, mut speeds) = (Vec::new(), Vec::new());
     let outcome = run(&scene("phased", scale), &mut |now| {
@@ -68,7 +68,7 @@ pub fn measure(scale: f64) -> Result<Facts, ChartError> {
     })
 }
 
-/// The part of its pull-out torque that is required of the third motor, as the quasi-static model level has it.
+/// Returns the ratio of required torque to pull-out torque of the third motor on the quasi-static model level.
 ///
 /// # Errors
 /// The scene does not run.

@@ -1,8 +1,8 @@
-//! Four cranks over-constrain the platform: one that stands off bends the rods, and stiffer rods ask for more.
+//! Four cranks over-constrain the platform: a crank with an offset bends the rods, and stiffer rods require more torque.
 //!
-//! Failure: torque on the crank that stands off grows with the rods, and so does the frequency of the fastest mode, until the
-//! step that did for soft rods is unstable. Guards: the step is chosen for the rods; one that the scene insists on is
-//! refused with the limit in the message; and `drift.warp_limit_deg` stops a machine that bends its rods.
+//! Failure: the torque on this crank grows with the stiffness of the rods, and so does the frequency of the fastest mode. At last, the
+//! step for soft rods is unstable. Guards: the step is chosen for the rods; an unstable step that the scene sets is refused with
+//! the limit in the message; and `drift.warp_limit_deg` stops a machine that bends its rods.
 
 use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{refusal, run};
@@ -48,7 +48,7 @@ hold_s = 0.5
 /// Stiffness of the soft rods, N/µm.
 pub const SOFT_N_PER_UM: f64 = 5.0;
 
-/// A scene with rods of a stiffness and crank 0 off by an angle; `method` is what is said of it.
+/// Returns a scene with rods of a stiffness, an offset of crank 0, and a method.
 pub fn scene(rod_n_per_um: f64, off_deg: f64, warp_limit_deg: f64, method: &str) -> String {
     SCENE
         .replace("METHOD", method)
@@ -57,31 +57,31 @@ pub fn scene(rod_n_per_um: f64, off_deg: f64, warp_limit_deg: f64, method: &str)
         .replace("WARP", &warp_limit_deg.to_string())
 }
 
-/// What a stiffness does.
+/// Results for a stiffness.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
     /// Stiffness of a rod, N/µm.
     pub rod_n_per_um: f64,
-    /// Steps a tick that are taken for it.
+    /// Steps per tick that are chosen for it.
     pub steps: u32,
-    /// Greatest torque of the motor of the crank that stands off 1°, N·m.
+    /// Greatest torque of the motor of a crank with an offset of 1°, N·m.
     pub off_nm: f64,
-    /// The same where none stands off, N·m.
+    /// The same torque without an offset, N·m.
     pub in_phase_nm: f64,
-    /// Cycles that motors slipped, all together.
+    /// Cycles that all motors slipped together.
     pub slipped: i64,
 }
 
-/// What was seen.
+/// Measured results.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    /// By stiffness.
+    /// Results by stiffness.
     pub measured: Vec<Measured>,
-    /// Stiffness above which one step a tick is refused, N/µm.
+    /// Stiffness above which one step per tick is refused, N/µm.
     pub refused_from_n_per_um: f64,
 }
 
-/// Runs them.
+/// Runs the scenes.
 ///
 /// # Errors
 /// A scene does not run.

@@ -1,7 +1,7 @@
-//! Root at amax = 0: the speed that an amplitude takes is its root, whose slope is infinite at rest.
+//! Root at amax = 0: the speed of an amplitude is proportional to its root, whose slope is infinite at rest.
 //!
-//! Failure: a program that rises evenly from 0 asks for an acceleration without bound in its first moment. Guard: the
-//! master's limits decide how fast the shaft follows; that it is behind is reported, and is no fault.
+//! Failure: a program that rises linearly from 0 requires an unbounded acceleration at its start. Guard: the master's limits
+//! determine how fast the shaft follows. Its lag is reported, and is no fault.
 
 use cophase_core::supervisor::State;
 
@@ -13,7 +13,7 @@ use crate::chart::picture::{At, Level};
 use host_sim::sim::Outcome;
 use host_sim::sim::events::EventKind;
 
-/// An even ramp from rest.
+/// Linear ramp from rest.
 pub const SCENE: &str = r#"
 name = "root"
 fidelity = "kinematic"
@@ -41,27 +41,27 @@ amax_g = 5
 ramp_s = 1
 "#;
 
-/// The shaft's limit in [`SCENE`], rev/s².
+/// Limit of the shaft's acceleration in [`SCENE`], rev/s².
 pub const LIMIT_HZ_PER_S: f64 = 60.0;
 const TICK_S: f64 = 500e-6;
 const SHOWN_S: f64 = 0.4;
 
-/// What was seen.
+/// Measured results.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    /// Time since the program began, s; speed that the root asks for, and that is commanded, rev/s. To the end of the rise.
+    /// Time since the program began, s, required speed by the root, and commanded speed, rev/s, up to the end of the rise.
     pub speeds: Vec<(f64, f64, f64)>,
-    /// How the run ended.
+    /// End of the run.
     pub outcome: Outcome,
 }
 
 impl Facts {
-    /// Greatest acceleration that the root asks for, from tick to tick, rev/s².
+    /// Returns the greatest required acceleration by the root, from tick to tick, rev/s².
     pub fn requested_hz_per_s(&self) -> f64 {
         self.steepest(|speeds| speeds.1)
     }
 
-    /// Greatest acceleration that is commanded, rev/s².
+    /// Returns the greatest commanded acceleration, rev/s².
     pub fn commanded_hz_per_s(&self) -> f64 {
         self.steepest(|speeds| speeds.2)
     }
@@ -72,7 +72,7 @@ impl Facts {
         slopes.fold(0.0, f64::max)
     }
 
-    /// For how long the shaft was behind the rise, s, as the report has it.
+    /// Returns the time for which the shaft was behind the program, s, as in the report.
     pub fn behind_s(&self) -> Option<f64> {
         self.outcome
             .statistics
@@ -85,7 +85,7 @@ impl Facts {
     }
 }
 
-/// Runs it.
+/// Runs the scene.
 ///
 /// # Errors
 /// The scene does not run.
@@ -98,7 +98,7 @@ pub fn measure() -> Result<Facts, ChartError> {
         }
     })?;
     let began_s = began_s(&outcome).unwrap_or(0.0);
-    // What is asked in a tick is reached at its end; the program begins at rest.
+    // The requested speed of a tick is that at its end; the program begins at rest.
     let after = samples
         .into_iter()
         .map(|(t_s, requested, actual)| (t_s + TICK_S - began_s, requested, actual));

@@ -1,4 +1,4 @@
-//! Running the panels' scenes: what is looked at, and what is refused.
+//! Runs of the panels' scenes, with an observer, and messages of refused scenes.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use host_sim::sim::events::EventKind;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 use host_sim::units::turns;
 
-/// Three steppers of 1000 N·m/rad under 8 kg, run up to 15 g.
+/// Scene of three steppers of 1000 N·m/rad under 8 kg, up to 15 g.
 const THREE_STEPPERS: &str = r#"
 name = "three steppers"
 fidelity = "phased"
@@ -38,7 +38,7 @@ ramp_s = 0.5
 hold_s = 0.5
 "#;
 
-/// The scene that several panels begin with, three steppers on a model level; each thing in it replaced by another.
+/// Returns the scene of three steppers on a model level, with parts of its text replaced.
 pub fn three_steppers(model_level: &str, changes: &[(&str, &str)]) -> String {
     let on_level = THREE_STEPPERS.replace("\"phased\"", &format!("\"{model_level}\""));
     changes.iter().fold(on_level, |text, (from, to)| {
@@ -47,22 +47,22 @@ pub fn three_steppers(model_level: &str, changes: &[(&str, &str)]) -> String {
     })
 }
 
-/// What is seen of a tick.
+/// Observed values of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Now {
-    /// When it began, s since power-up.
+    /// Start of the tick, s since power-up.
     pub t_s: f64,
-    /// The supervisor's state.
+    /// State of the supervisor.
     pub state: State,
-    /// What the program asks for, m/s².
+    /// Amplitude that the program requests, m/s².
     pub requested_mps2: f64,
-    /// What the shaft is commanded, rev/s.
+    /// Commanded speed of the shaft, rev/s.
     pub speed_hz: f64,
-    /// What each crank is ahead of its command, turns; 0 of axes that are not there.
+    /// Lead of each crank over its command, turns; 0 for axes that do not exist.
     pub ahead_turns: [f64; MAX_AXES],
 }
 
-/// One observer for all panels: the simulator is compiled anew for each.
+/// Observer for all panels. The simulator is compiled once for each type of observer.
 struct Eyes<'a>(&'a mut dyn FnMut(&Now));
 
 impl Observer for Eyes<'_> {
@@ -84,15 +84,15 @@ impl Observer for Eyes<'_> {
     }
 }
 
-/// A scene from its text.
+/// Reads a scene from its text.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The scene has an error.
 pub fn check(text: &str) -> Result<Checked, SceneError> {
     Checked::new(load::parse(text)?)
 }
 
-/// What is said of a scene that is refused; none if it is not.
+/// Returns the message of a scene that is refused; `None` if it is not.
 pub fn refusal(text: &str) -> Option<String> {
     check(text).err().map(|error| error.to_string())
 }
@@ -107,18 +107,18 @@ pub fn run(text: &str, see: &mut dyn FnMut(&Now)) -> Result<Outcome, ChartError>
     simulate(&checked, &mut eyes, |_, _| {}).map_err(|error| ChartError(error.to_string()))
 }
 
-/// When a motor first lost a cycle, s.
+/// Returns the time at which a motor first lost a cycle, s.
 pub fn first_slip_s(outcome: &Outcome) -> Option<f64> {
     let slip = |what: &EventKind| matches!(what, EventKind::Slipped { .. });
     first(outcome, slip)
 }
 
-/// When the fault latched, s.
+/// Returns the time at which the fault latched, s.
 pub fn fault_s(outcome: &Outcome) -> Option<f64> {
     first(outcome, |what| matches!(what, EventKind::Fault { .. }))
 }
 
-/// When the program began, s.
+/// Returns the time at which the program began, s.
 pub fn began_s(outcome: &Outcome) -> Option<f64> {
     first(outcome, |what| matches!(what, EventKind::Running { .. }))
 }
@@ -131,7 +131,7 @@ fn first(outcome: &Outcome, is: impl Fn(&EventKind) -> bool) -> Option<f64> {
         .map(|event| event.t_s)
 }
 
-/// Crank speed at which a crank of a radius and λ reaches an amplitude, rev/s.
+/// Returns the speed at which a crank of a radius and λ reaches an amplitude, rev/s.
 pub fn speed_for_hz(amax_mps2: f64, crank_radius_m: f64, lambda: f64) -> f64 {
     (amax_mps2 / (crank_radius_m * (1.0 + lambda))).sqrt() / TAU
 }

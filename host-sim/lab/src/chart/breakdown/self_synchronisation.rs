@@ -1,7 +1,8 @@
 //! Self-synchronisation: unbalanced shafts on one box, each with a free motor, or kept in phase by the controller.
 //!
-//! Failure: free motors couple through the box. Co-rotating exciters settle where the box moves least: two at ±p from the centre of a box with mass M and pitch
-//! inertia I come to opposite phases unless M p²/I is above 2 (Blekhman), and the screen does not shake. Guard: the controller keeps each shaft at its commanded phase.
+//! Failure: free motors are coupled by the box. Co-rotating exciters settle at the phases at which the box moves least. Two exciters at
+//! ±p from the centre of a box with mass M and pitch inertia I have opposite phases unless M p²/I is above 2 (Blekhman), and the screen
+//! does not shake. Guard: the controller keeps each shaft at its commanded phase.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use host_sim::dynamics::{Body, Driven, Field, Freedom, Induction, Motor, OnPlant
 use host_sim::plant::screen::Screen;
 use host_sim::scene::library;
 
-/// Places of two and of four shafts along the box from its centre, m.
+/// Positions of two and of four shafts along the box from its centre, m.
 pub const TWO_M: &[f64] = &[-0.6, 0.6];
 /// See [`TWO_M`].
 pub const FOUR_M: &[f64] = &[-0.9, -0.3, 0.3, 0.9];
@@ -32,7 +33,7 @@ const STEP_S: f64 = 2e-4;
 const ROTOR_KGM2: f64 = 3.0;
 const APART_RAD: f64 = 0.2;
 
-/// Box of scene `screen`, with shafts at these places that share its exciter mass.
+/// Returns the box of scene `screen`, with shafts at these positions that share its exciter mass.
 ///
 /// # Errors
 /// The scene is missing, or has no screen.
@@ -61,7 +62,7 @@ fn resultant(angles_rad: &[f64]) -> f64 {
     sum(f64::cos).hypot(sum(f64::sin)) / angles_rad.len() as f64
 }
 
-/// Free motors at the working speed, from nearly in phase: induction motors on the mains, which no loop corrects.
+/// Runs free motors at the working speed, nearly in phase at first: induction motors on the mains, without a control loop.
 ///
 /// # Errors
 /// The method is refused.
@@ -102,7 +103,7 @@ pub fn free(places_m: &[f64]) -> Result<Resultant, ChartError> {
     Ok(shown)
 }
 
-/// Scene `screen` with shafts at these places, whose friction differs, held for the time that is shown.
+/// Returns scene `screen` with shafts at these positions, whose friction differs, held for the time that is shown.
 fn scene(places_m: &[f64]) -> Option<String> {
     let text = library::find("screen")?.text;
     let n = places_m.len();
@@ -126,7 +127,7 @@ fn scene(places_m: &[f64]) -> Option<String> {
     }))
 }
 
-/// Shafts under the controller, from the time at which they have their working speed.
+/// Runs shafts with the controller, from the time at which they have their working speed.
 ///
 /// # Errors
 /// The scene is refused.

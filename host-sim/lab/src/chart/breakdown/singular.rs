@@ -1,7 +1,8 @@
-//! Singular configuration: a five-bar arm whose path goes to the edge of its reach.
+//! Singular configuration: a five-bar arm whose path reaches the edge of its workspace.
 //!
-//! Failure: where the links lie in line, |sin(q₁ − q₂)| = 0, the joints turn without end for a hand that moves outwards. Their cam tables do not follow the path
-//! there any more, and the drives do not follow the tables. Guard: a scene whose path comes within its margin is refused, with the point of the path.
+//! Failure: where the links are in line, |sin(q₁ − q₂)| = 0, an outward motion of the hand requires unbounded joint speeds. There the cam
+//! tables do not follow the path, and the drives do not follow the tables. Guard: a scene whose path comes within its margin is
+//! refused, with the point of the path.
 
 use super::panel::{Curve, Shown, failing, requested};
 use super::runs::{check, refusal, run};
@@ -14,21 +15,21 @@ use host_sim::scene::library;
 pub const REACH_MM: f64 = 500.0;
 /// Margin of the built-in scene.
 pub const MARGIN: f64 = 0.2;
-/// Distances of the path's end from the axis that are run, mm.
+/// Distances of the path's end from the axis, mm, one per run.
 pub const ENDS_MM: [f64; 8] = [400.0, 440.0, 470.0, 485.0, 492.0, 496.0, 498.0, 499.5];
 
-/// A path that ends at a distance from the axis.
+/// Results of a path that ends at a distance from the axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts {
-    /// That distance, mm.
+    /// Distance of the path's end from the axis, mm.
     pub end_mm: f64,
     /// Greatest distance of the commanded hand from the path, mm.
     pub table_mm: f64,
-    /// Greatest distance of the hand from its commanded place, mm.
+    /// Greatest distance of the hand from its commanded position, mm.
     pub place_mm: f64,
 }
 
-/// Scene `five-bar` without a surface, its line at y = 300 mm drawn out to a distance from the axis, with a margin.
+/// Returns scene `five-bar` without a surface, with its line at y = 300 mm extended to a distance from the axis, and with a margin.
 pub fn scene(end_mm: f64, margin: f64) -> Option<String> {
     let text = library::find("five-bar")?.text;
     let x_mm = (end_mm * end_mm - 300.0 * 300.0).sqrt();
@@ -46,7 +47,7 @@ pub fn scene(end_mm: f64, margin: f64) -> Option<String> {
     }))
 }
 
-/// Runs it with next to no margin.
+/// Runs a path with almost no margin.
 ///
 /// # Errors
 /// The scene is refused.
@@ -67,7 +68,8 @@ pub fn measure(end_mm: f64) -> Result<Facts, ChartError> {
     })
 }
 
-/// Distance from the axis at which |sin(q₁ − q₂)| of equal links is a margin, mm: with δ the angle between them, it is the reach times cos(δ/2).
+/// Returns the distance from the axis at which |sin(q₁ − q₂)| of equal links is a margin, mm. With δ the angle between them, it is the
+/// reach times cos(δ/2).
 pub fn margin_mm(margin: f64) -> f64 {
     REACH_MM * (0.5 * margin.asin()).cos()
 }

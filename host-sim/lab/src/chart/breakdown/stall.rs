@@ -1,6 +1,6 @@
-//! Stall: rock that takes more torque than the motor has, on average over a turn, stops the flywheel.
+//! Stall: rock that requires more torque than the motor has, on average over a turn, stops the flywheel.
 //!
-//! Failure: an induction motor gives less torque beyond its breakdown slip, so that the shaft slows from turn to turn, and the rock holds it at last.
+//! Failure: beyond its breakdown slip, the torque of an induction motor falls. So the shaft slows down from turn to turn, until it stops.
 //! Guards: the report compares the rock's mean torque with the motor's, and the drive's following-error alarm stops the controller.
 
 use std::f64::consts::TAU;
@@ -27,7 +27,7 @@ pub struct Facts {
     pub actual: Speeds,
     /// Commanded speed.
     pub commanded: Speeds,
-    /// Time of the controller's stop, s; none if it did not stop.
+    /// Time of the controller's stop, s; `None` if it did not stop.
     pub stopped_s: Option<f64>,
 }
 
@@ -62,7 +62,7 @@ pub fn measure(rock_kn: f64) -> Result<Facts, ChartError> {
     })
 }
 
-/// First time from which on the shaft stands, s, after it was at speed.
+/// Returns the time from which on the shaft is at rest, s, after it was at speed.
 pub fn stands_s(speeds: &Speeds) -> Option<f64> {
     let fast = speeds.iter().position(|(_, speed)| *speed > 20.0)?;
     let stands = speeds[fast..].iter().find(|(_, speed)| *speed < 0.1);

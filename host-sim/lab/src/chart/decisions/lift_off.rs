@@ -1,11 +1,11 @@
-//! The speed at which a follower lifts off its cam.
+//! Speed at which a follower lifts off its cam.
 //!
-//! The wrapper's chain ([`Chain`]), its shaft damped to the cam, its pusher pressed on by a
-//! closing spring of constant force. What the cam presses on the follower with is that force, and what spring and damper of
-//! the shaft carry; at the speed that is the drive its least value in a turn is 0.
+//! The machine is the wrapper's chain ([`Chain`]). Its shaft is damped to the cam, and a closing spring of constant force presses on
+//! its pusher. The contact force is that force, plus the forces of spring and damper of the shaft. The threshold is the speed of
+//! the cam at which the least contact force in a turn is 0.
 //!
-//! The cam turns from rest of the chain: four turns until the start is forgotten, and one that is looked at. Between steps the least
-//! value is taken from a parabola through the lowest and its neighbours.
+//! The chain starts at rest. After four turns, in which the effect of the start decays, one turn is measured. Between steps, the least
+//! force is that of a parabola through the lowest value and its neighbours.
 
 use cophase_methods::Scheme;
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};
@@ -15,18 +15,18 @@ use crate::chart::methods::Counted;
 
 use std::f64::consts::TAU;
 
-/// The chain; the drive is the cam's speed in turns a second.
+/// Chain; the drive is the cam's speed in turns per second.
 pub struct LiftOff;
 
 /// Force of the closing spring, N.
 const PRELOAD_N: f64 = 500.0;
-/// Turns before the one that is looked at.
+/// Turns before the one that is measured.
 pub const SETTLING: u32 = 4;
-/// Steps a turn: the fewest, and how often they are doubled.
+/// Steps per turn: the fewest, and the number of doublings.
 const FEWEST: u32 = 64;
 const DOUBLINGS: u32 = 8;
 
-/// The wrapper at a speed.
+/// Wrapper at a speed.
 pub fn chain(speed_hz: f64) -> Chain {
     let cam = Cam {
         speed_rad_s: speed_hz * TAU,
@@ -35,7 +35,7 @@ pub fn chain(speed_hz: f64) -> Chain {
     Chain::wrapper(cam, Shaft::DampedToCam)
 }
 
-/// What the cam presses on the follower with, N.
+/// Returns the contact force of the cam on the follower, N.
 pub fn contact_n(chain: &Chain, t_s: f64, state: &[f64]) -> f64 {
     let cam = chain.cam.at(t_s);
     PRELOAD_N
@@ -43,7 +43,7 @@ pub fn contact_n(chain: &Chain, t_s: f64, state: &[f64]) -> f64 {
         + Chain::DAMPING_N_S_M[0] * (cam.velocity - state[3])
 }
 
-/// The least of values in even steps, between which a parabola runs through the lowest and its neighbours.
+/// Returns the least of evenly spaced values, on a parabola through the lowest and its neighbours.
 pub fn least(values: impl Iterator<Item = f64>) -> f64 {
     let (mut before, mut at) = (f64::INFINITY, f64::INFINITY);
     let mut least = f64::INFINITY;
@@ -79,7 +79,7 @@ impl Decision for LiftOff {
         UNCERTAINTY
     }
 
-    /// Of the slowest mode, which rings.
+    /// Frequency of the slowest mode, which oscillates.
     fn omega_rad_s(&self) -> f64 {
         chain(1.0).undamped_rad_s()[0]
     }
@@ -91,7 +91,7 @@ impl Decision for LiftOff {
     }
 
     fn beyond(&self, scheme: Scheme, step_s: f64, drive: f64) -> Result<(bool, u64), NoOutcome> {
-        // As many steps a turn at every speed: else what is seen of the least force would jump.
+        // The same number of steps per turn at every speed; otherwise the least force would jump.
         let steps = (1.0 / (REFERENCE_HZ * step_s)).round() as u32;
         let chain = chain(drive);
         let counted = Counted::new(&chain);
@@ -112,7 +112,7 @@ impl Decision for LiftOff {
     }
 }
 
-/// What DOP853 has for the threshold, turns a second; `super::reference` computes it again, and by another method.
+/// Threshold by DOP853, turns per second. `super::reference` computes it again, and by another method.
 pub const REFERENCE_HZ: f64 = 7.127_260_152_34;
-/// How far the two differ.
+/// Relative difference of the two.
 pub const UNCERTAINTY: f64 = 1e-10;

@@ -1,12 +1,12 @@
-//! What methods decide: the error of each not in a trajectory but in a threshold, over step sizes.
+//! Decisions of methods: the error of each method in a threshold, not in a trajectory, against the step.
 //!
-//! A method that is stable may still be wrong about what happens. Three machines stand at the edge of something: a screen that its
-//! resonance catches or lets through ([`resonance`]), a stepper that pulls out ([`pull_out`]), a follower that lifts off its cam
-//! ([`lift_off`]). Each has one number that is turned up, the *drive*, and a *threshold* of it where the outcome turns over.
+//! A stable method may still give a wrong outcome. Three machines have an outcome that changes at a *threshold* of one number, the
+//! *drive*: a screen is captured by its resonance or passes it ([`resonance`]), a stepper pulls out ([`pull_out`]), and a follower
+//! lifts off its cam ([`lift_off`]).
 //!
-//! The threshold of a method at a step is looked for outwards from the reference's: from 1e-10 of it, ten times as
-//! far each time, until the outcome turns over; between the last two it is then halved in. So its error is known to a
-//! thousandth of itself. Where nothing turns over between half and twice the reference there is none, nor where the method
+//! The search for the threshold of a method with a step begins at the reference's threshold. The distance is 1e-10 of it at first, and
+//! ten times as large each time, until the outcome changes. Bisection follows between the last two. So the error is known to a
+//! thousandth of itself. There is no threshold if the outcome is the same between half and twice the reference, or if the method
 //! diverges or does not converge.
 //!
 //! Reference thresholds come from a library's solvers, see the tests, which compute them again.
@@ -30,23 +30,23 @@ use lift_off::LiftOff;
 use pull_out::PullsOut;
 use resonance::Resonance;
 
-/// What a method takes for the threshold.
+/// Threshold of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Found {
     threshold: f64,
-    /// Relative, without sign.
+    /// Relative error, without sign.
     error: f64,
-    /// Of the machine, in one run at the threshold.
+    /// Evaluations of the machine in a run at the threshold.
     evaluations: u64,
 }
 
-/// Nearest and farthest that the outcome is looked at from the reference, relative.
+/// Least and greatest relative distance from the reference at which the outcome is computed.
 const NEAREST: f64 = 1e-10;
 const FARTHEST: f64 = 0.5;
-/// Halvings, of the logarithm, of the decade in which the outcome turns over: to 0.06 % of the error.
+/// Number of bisections, on a logarithmic scale, of the decade in which the outcome changes: to 0.06 % of the error.
 const HALVINGS: u32 = 12;
 
-/// The threshold that a method at a step has nearest to the reference's; none if it has none within half and twice it.
+/// Returns the threshold of a method with a step that is nearest to the reference's; `None` if there is none within half and twice it.
 fn threshold(
     decision: &dyn Decision,
     scheme: Scheme,
@@ -54,7 +54,7 @@ fn threshold(
 ) -> Result<Option<Found>, NoOutcome> {
     let reference = decision.reference();
     let outcome = |drive: f64| decision.beyond(scheme, step_s, drive);
-    // Beyond already at the reference: its own threshold is lower.
+    // If the method is beyond its threshold at the reference's, its own threshold is lower.
     let (is_lower, _) = outcome(reference)?;
     let mut evaluations;
     // Downwards to half, upwards to twice.
@@ -96,7 +96,7 @@ fn threshold(
     }))
 }
 
-/// The decisions of the chart.
+/// Returns the decisions of the chart.
 fn decisions() -> [Box<dyn Decision>; 3] {
     [
         Box::new(Resonance),
@@ -130,7 +130,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     Ok(Drawn::one(csv, svg, says))
 }
 
-/// What is worth saying of a scene.
+/// Summary of a scene.
 #[derive(Clone, Copy, Debug)]
 struct Worst {
     name: &'static str,
@@ -140,7 +140,7 @@ struct Worst {
     rk4: f64,
 }
 
-/// RK4's steps that count as fine, rad.
+/// Largest step of RK4 that counts as fine, rad.
 const FINE_RAD: f64 = 0.5;
 
 fn measure(decision: &dyn Decision, csv: &mut String) -> (Panel, Worst) {
@@ -170,7 +170,7 @@ fn measure(decision: &dyn Decision, csv: &mut String) -> (Panel, Worst) {
                     )
                 },
             );
-            // Writing to a string does not fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(
                 csv,
                 "\"{}\",{},{step_s:.6e},{h_omega:.4},{result}",
@@ -199,7 +199,7 @@ fn measure(decision: &dyn Decision, csv: &mut String) -> (Panel, Worst) {
             span(f64::min, f64::INFINITY) * omega / 1.5,
             span(f64::max, 0.0) * omega * 1.5,
         ),
-        // What the reference is not good for is not shown.
+        // Errors below that of the reference are not shown.
         y: Axis::log(
             "error of the threshold, relative",
             10.0 * decision.uncertainty(),

@@ -1,9 +1,9 @@
-//! The speed up to which a stepper keeps in step.
+//! Speed up to which a stepper keeps in step.
 //!
-//! One shaft, two cranks, two motors whose torque falls with speed. Their fields are led from 5 rev/s to the speed that is the
-//! drive, along a smooth ramp of 1.024 s, and kept there for 0.256 s. The rotors follow, or fall behind by half an electrical cycle and
-//! more. The platform asks for its torque twice a turn, and shakes the rotors on the spring that their fields are: it is where that
-//! is their resonance that they pull out, far below the speed at which they lack torque.
+//! The machine is a shaft with two cranks and two motors whose torque falls with speed. Their fields turn at 5 rev/s at first, and
+//! reach the speed of the drive on a smooth ramp of 1.024 s; they keep it for 0.256 s. The rotors follow, or fall behind by half an
+//! electrical cycle or more. The torque of the platform has a period of half a turn, and excites the rotors on the springs of their
+//! fields. They pull out at the resonance, far below the speed at which they lack torque.
 
 use cophase_methods::{Equations, Scheme};
 
@@ -27,23 +27,23 @@ const LOAD_KG: f64 = 3.0;
 /// Crank radius and rod length, m.
 const CRANK_M: (f64, f64) = (0.010, 0.040);
 
-/// Speed from which the ramp goes, rev/s.
+/// Speed at the start of the ramp, rev/s.
 const FROM_HZ: f64 = 5.0;
-/// Duration of the ramp, and of all, s.
+/// Duration of the ramp, and of the whole run, s.
 const RAMP_S: f64 = 1.024;
 pub const END_S: f64 = 1.28;
-/// The longest step, s, which divides both, and how often it is halved.
+/// Longest step, s, which divides both, and the number of halvings.
 const LONGEST_S: f64 = 8e-3;
 const HALVINGS: u32 = 7;
 
-/// The machine; the drive is the speed at the end of the ramp, rev/s.
+/// Machine; the drive is the speed at the end of the ramp, rev/s.
 pub struct PullsOut {
     rigid: Rigid,
     motor: Motor,
 }
 
 impl PullsOut {
-    /// At rest.
+    /// Creates the machine at rest.
     pub fn new() -> Self {
         let mechanism = SliderCrank::new(CRANK_M.0, CRANK_M.1).expect("a crank within its rod");
         let body = Body {
@@ -74,7 +74,7 @@ impl PullsOut {
         }
     }
 
-    /// The same, led to a speed.
+    /// Returns the machine with fields that reach a speed.
     pub fn led_to(&self, speed_hz: f64) -> Led<'_> {
         Led {
             machine: self,
@@ -83,17 +83,17 @@ impl PullsOut {
     }
 }
 
-/// The machine with fields that are led; state `[α, ω]`.
+/// Machine with turning fields; state `[α, ω]`.
 pub struct Led<'a> {
     machine: &'a PullsOut,
     speed_hz: f64,
 }
 
 impl Led<'_> {
-    /// In step with the field, at its speed.
+    /// Returns the state in step with the field, at its speed.
     pub const START: [f64; 2] = [0.0, FROM_HZ * TAU];
 
-    /// Where the field is at a time.
+    /// Returns the angle of the field at a time.
     fn field(&self, t_s: f64) -> Field {
         let u = (t_s / RAMP_S).clamp(0.0, 1.0);
         // x³ (10 − 15x + 6x²), and its integral.
@@ -107,7 +107,7 @@ impl Led<'_> {
         }
     }
 
-    /// Whether the rotors have fallen out of step by a time.
+    /// Returns true if the rotors are out of step at a time.
     pub fn is_out(&self, t_s: f64, state: &[f64]) -> bool {
         CYCLES_PER_TURN * (self.field(t_s).alpha_rad - state[0]).abs() > PI
     }
@@ -151,7 +151,7 @@ impl Decision for PullsOut {
         UNCERTAINTY
     }
 
-    /// Of the rotors on the spring of their fields, at rest.
+    /// Frequency of the rotors on the springs of their fields, at rest.
     fn omega_rad_s(&self) -> f64 {
         (CYCLES_PER_TURN * TORQUE_NM.0 / ROTOR_KGM2).sqrt()
     }

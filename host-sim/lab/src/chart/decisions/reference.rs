@@ -1,6 +1,7 @@
-//! Reference thresholds by a library's solvers, and what the chart says against them.
+//! Reference thresholds by a library's solvers, and checks of the chart against them.
 //!
-//! Two methods that have nothing in common but their library: DOP853 (Hairer) and RKV 9(8) (Verner). To 1e-13 of the threshold; what they differ by is what the reference is good for.
+//! The two methods, DOP853 (Hairer) and RKV 9(8) (Verner), share only their library. They give the threshold to 1e-13. Their
+//! difference is the error of the reference.
 
 use cophase_methods::problems::Screen;
 use cophase_methods::{Equations, Scheme, advance};
@@ -30,7 +31,7 @@ const ABSOLUTE: f64 = 1e-15;
 const ABSOLUTE_OF_CHAIN: f64 = 1e-11;
 const MOST_STEPS: usize = 10_000_000;
 
-/// The states at even times, or, without, at the end alone.
+/// Returns the states at evenly spaced times, or at the end only.
 macro_rules! solved {
     ($ivp:expr, $library:expr, $absolute:expr, $most_s:expr) => {
         match $library {
@@ -126,7 +127,7 @@ fn least_contact_n(drive: f64, library: Library) -> f64 {
     lift_off::least(contact)
 }
 
-/// Where an outcome turns over between two drives, to 1e-13 of it.
+/// Returns the drive at which an outcome changes, between two drives, to 1e-13 of it.
 fn bisected(low: f64, high: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (low, high);
     assert!(!beyond(low) && beyond(high), "nothing turns over");
@@ -141,7 +142,7 @@ fn bisected(low: f64, high: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     f64::midpoint(low, high)
 }
 
-/// Where the least force is 0, by secants: unlike the other outcomes it is a smooth number.
+/// Returns the drive at which the least force is 0, by secants. Unlike the other outcomes, this force is a smooth function.
 fn lift_off_hz(low: f64, high: f64, library: Library) -> f64 {
     let mut points = [low, high].map(|hz| (hz, least_contact_n(hz, library)));
     for _ in 0..8 {
@@ -155,7 +156,7 @@ fn lift_off_hz(low: f64, high: f64, library: Library) -> f64 {
     points[1].0
 }
 
-/// The constant is what DOP853 has, and the other is no farther from it than it says.
+/// Checks that a constant is DOP853's threshold, and that the other method's is within the stated difference.
 fn assert_reference(decision: &dyn Decision, found: [f64; 2]) {
     let uncertainty = (found[1] / found[0] - 1.0).abs();
     println!(
@@ -179,7 +180,7 @@ fn assert_reference(decision: &dyn Decision, found: [f64; 2]) {
     );
 }
 
-/// Were it wrong, errors would be given for a threshold that is none. (Each was found between far wider bounds.)
+/// If this fails, the chart gives errors against a wrong threshold. (Each was found between far wider bounds.)
 #[test]
 fn thresholds_are_the_librarys() {
     let near = |at: f64| (at * (1.0 - 1e-5), at * (1.0 + 1e-5));
@@ -196,8 +197,8 @@ fn thresholds_are_the_librarys() {
     assert_reference(&LiftOff, found);
 }
 
-/// Were it wrong, shorter steps would not lead to the reference: RK4's error falls at least as the step, over the three finest
-/// each, down to what the reference is good for.
+/// If this fails, shorter steps do not converge to the reference. The error of RK4 falls at least in proportion to the step, over the
+/// three finest steps each, down to the error of the reference.
 #[test]
 fn rk4_comes_to_the_reference() {
     for decision in super::decisions() {
@@ -217,8 +218,8 @@ fn rk4_comes_to_the_reference() {
     }
 }
 
-/// Were the screen another than the one that was published, it would not run up to 5.00 mm at 837 turns a minute, be caught near
-/// 187 with 28 mm at 1.05 of the rated torque, and run up at 1.1: to 2 %.
+/// If this fails, the screen is not the published one. That runs up to 5.00 mm at 837 turns per minute, is captured near 187 with 28 mm
+/// at 1.05 of the rated torque, and runs up at 1.1, to 2 %.
 #[test]
 fn the_screen_does_what_is_published_of_it() {
     let end = |torque_over_rated: f64| {
@@ -245,7 +246,7 @@ fn the_screen_does_what_is_published_of_it() {
     );
 }
 
-/// Looks for brackets of the thresholds from far away; run by hand after a change of a machine:
+/// Searches brackets of the thresholds in a wide range. Run it by hand after a change of a machine:
 /// `cargo test -p host-sim --lib decisions -- --ignored --nocapture`.
 #[test]
 #[ignore = "shows the constants anew; asserts nothing"]

@@ -1,7 +1,7 @@
-//! The least torque that gets a screen through its resonance.
+//! Least torque with which a screen passes its resonance.
 //!
-//! From rest on it either passes 40 rad/s, twice the resonance, within 10.24 s, or is caught. Near the threshold it hesitates, and decides
-//! later the nearer: the time is part of the question.
+//! From rest, it either passes 40 rad/s, twice the resonance, within 10.24 s, or is captured. Near the threshold, the outcome takes
+//! longer the nearer it is. So the time is part of the definition.
 
 use cophase_methods::Scheme;
 use cophase_methods::problems::Screen;
@@ -9,14 +9,14 @@ use cophase_methods::problems::Screen;
 use super::decision::{Decision, NoOutcome};
 use crate::chart::methods::Counted;
 
-/// The screen with its motor; the drive is the motor's torque over its rated one.
+/// Screen with its motor; the drive is the motor's torque over its rated torque.
 pub struct Resonance;
 
-/// Past the resonance, rad/s.
+/// Speed beyond the resonance, rad/s.
 pub const PASSED_RAD_S: f64 = 40.0;
-/// Time to get there, s.
+/// Time limit to reach it, s.
 pub const END_S: f64 = 10.24;
-/// The longest step, s, of which a power of two fits into that time, and how often it is halved.
+/// Longest step, s, of which a power of two fits that time, and the number of halvings.
 const LONGEST_S: f64 = 0.08;
 const HALVINGS: u32 = 7;
 
@@ -67,7 +67,7 @@ impl Decision for Resonance {
     }
 }
 
-/// What DOP853 has for the threshold; `super::reference` computes it again, and by another method.
+/// Threshold by DOP853. `super::reference` computes it again, and by another method.
 pub const REFERENCE: f64 = 1.075_202_385_583_13;
-/// How far the two differ.
+/// Relative difference of the two.
 pub const UNCERTAINTY: f64 = 1e-11;

@@ -1,4 +1,4 @@
-//! What a call takes on the machine at hand, of candidates that run there.
+//! Duration of a call on the host, for candidates that run there.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -8,24 +8,24 @@ use fixed::types::{I4F28, I16F16, U32F32};
 
 use crate::chart::yardstick::Yardstick;
 
-/// The tables of the emulator's candidates, the very same.
+/// Tables of the emulator's candidates.
 #[path = "../../../../../tests/emulator/functions/src/tables.rs"]
 mod tables;
 
-/// A candidate: 64 random bits to what it gives.
+/// Candidate: a function from 64 random bits to its result.
 type Call = fn(u64) -> u64;
 
-/// From 1 to 2, which no float takes longer for than for others.
+/// Converts bits to a number from 1 to 2, where the duration does not depend on the value.
 fn f32_of(bits: u64) -> f32 {
     f32::from_bits(0x3f80_0000 | (bits as u32 >> 9))
 }
 
-/// From −π to π.
+/// Converts bits to a number from −π to π.
 fn radians(bits: u64) -> f32 {
     (f32_of(bits) - 1.5) * std::f32::consts::TAU
 }
 
-/// A vector's two coordinates, −2 to 2 in I4F28.
+/// Converts bits to the two coordinates of a vector, −2 to 2 in I4F28.
 fn vector(bits: u64) -> (i32, i32) {
     (bits as i32 >> 2, (bits >> 32) as i32 >> 2)
 }
@@ -91,10 +91,10 @@ fn call(name: &str, format: &str) -> Option<Call> {
 }
 
 const CALLS: u32 = 4096;
-/// The shortest counts.
+/// Number of repetitions, of which the shortest counts.
 const TRIES: u32 = 5;
 
-/// What a call takes, in sines; none for what does not run here.
+/// Returns the duration of a call, in sines; `None` for a candidate that does not run here.
 pub fn sines_a_call(name: &str, format: &str, yardstick: Yardstick) -> Option<f64> {
     let call = call(name, format)?;
     let time = || {

@@ -1,8 +1,7 @@
-//! Elementary functions: error against what they cost on the board.
+//! Elementary functions: error against cost on the board.
 //!
-//! Errors and cycles are those that the emulator counted (`docs/emulated-functions.csv`, which
-//! `tests/emulator/functions/measure.mjs` writes). Beside them the data has what a call takes on the machine that draws the
-//! chart, where the same crate runs there.
+//! The emulator measured errors and cycles (`docs/emulated-functions.csv`, which `tests/emulator/functions/measure.mjs` writes). The
+//! data also has the duration of a call on the machine that draws the chart, if the same crate runs there.
 
 mod host;
 
@@ -15,15 +14,15 @@ use super::yardstick::Yardstick;
 use super::{ChartError, Drawn, Progress, Size};
 
 const MEASURED: &str = include_str!("../../../../../docs/emulated-functions.csv");
-/// A panel.
+/// Panel of a function.
 struct Shown {
-    /// As the data calls it.
+    /// Name in the data.
     function: &'static str,
-    /// What is called in the controller.
+    /// Function that the controller calls.
     called: &'static str,
-    /// Errors from and to.
+    /// Range of errors.
     errors: (f64, f64),
-    /// What kind of error.
+    /// Kind of error.
     axis: &'static str,
 }
 
@@ -48,7 +47,7 @@ const PANELS: [Shown; 3] = [
     },
 ];
 
-/// Who offers a function: what a candidate's name begins with, how its points are called, their colour.
+/// Sources of functions: the start of a candidate's name, the name of its points, and their colour.
 const OFFERED: [(&str, &str, Ink); 8] = [
     ("cophase", "cophase", Ink::Blue),
     ("micromath", "micromath", Ink::Orange),
@@ -60,7 +59,7 @@ const OFFERED: [(&str, &str, Ink); 8] = [
     ("", "core, fixed, fixed_analytics, fixed-sqrt", Ink::Sky),
 ];
 
-/// A function as it was measured.
+/// Measured function.
 struct Candidate {
     name: String,
     function: String,
@@ -80,9 +79,9 @@ impl Candidate {
         by.map_or(("", Ink::Grey), |(_, by, ink)| (by, *ink))
     }
 
-    /// The name for its point; the crate is in the legend.
+    /// Returns the name of its point; the crate is in the legend.
     fn point(&self) -> String {
-        // Some share a colour: theirs is written out.
+        // Some crates share a colour, so their names are in full.
         let is_shared = self.offered_by().1 == Ink::Sky;
         let (_, called) = match self.name.split_once('`') {
             Some(named) if !is_shared => named,
@@ -117,7 +116,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let of = candidates.iter().filter(shown).count() as u64;
     for (done, candidate) in candidates.iter().filter(shown).enumerate() {
         let timing = host::sines_a_call(&candidate.name, &candidate.format, yardstick);
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(
             csv,
             "\"{}\",\"{}\",\"{}\",{},{:e},{},{},{},{}",
@@ -213,7 +212,7 @@ fn panel(candidates: &[Candidate], shown: &Shown) -> Panel {
     }
 }
 
-/// Who else is both cheaper than what the controller calls, and closer.
+/// Returns the candidates that are both faster and more accurate than the controller's function.
 fn beaten(candidates: &[Candidate], shown: &Shown) -> String {
     let of_function = || {
         candidates

@@ -1,19 +1,19 @@
-//! What a method costs, counted: how often it asks the machine for its rates, or for its input where that is all it
-//! needs.
+//! Cost of a method as a count: evaluations of the machine's rates, or of its input for a method that needs only
+//! that.
 
 use std::cell::Cell;
 
 use cophase_methods::{Differences, Equations, Linear};
 use nalgebra::DMatrix;
 
-/// Equations that count how often they are asked.
+/// Equations that count their evaluations.
 pub struct Counted<'a> {
     equations: &'a dyn Equations,
     evaluations: Cell<u64>,
 }
 
 impl<'a> Counted<'a> {
-    /// Of equations, not yet asked.
+    /// Wraps equations, with a count of 0.
     pub fn new(equations: &'a dyn Equations) -> Self {
         Self {
             equations,
@@ -21,7 +21,7 @@ impl<'a> Counted<'a> {
         }
     }
 
-    /// How often their rates were computed; a Jacobian counts as if it were taken by differences.
+    /// Returns the number of evaluations of their rates. A Jacobian counts as if computed by differences.
     pub fn evaluations(&self) -> u64 {
         self.evaluations.get()
     }
@@ -52,7 +52,7 @@ impl Equations for Counted<'_> {
         differences: &mut Differences,
         jacobian: &mut DMatrix<f64>,
     ) {
-        // What it takes by differences, and about what it takes by a formula: a column each, and one to differ from.
+        // The cost by differences, and about that by a formula: one evaluation for each column, and one to differ from.
         self.count(self.dimension() as u64 + 1);
         self.equations.jacobian(t_s, y, differences, jacobian);
     }

@@ -1,4 +1,4 @@
-//! Cost and error of a method on a problem, at one step length after the other.
+//! Cost and error of a method on a problem, for a series of step lengths.
 
 use std::time::Instant;
 
@@ -9,35 +9,35 @@ use super::problems::Problem;
 use crate::chart::yardstick::Yardstick;
 use crate::chart::{ChartError, Size};
 
-/// A problem solved with one step length.
+/// Solution of a problem with one step length.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
-    /// Steps from beginning to end.
+    /// Number of steps.
     pub steps: u32,
-    /// How often the machine was asked.
+    /// Number of evaluations of the machine.
     pub evaluations: u64,
-    /// Largest error of the components that are compared; infinite where it diverged or did not converge.
+    /// Largest error of the compared components; infinite if it diverged or did not converge.
     pub error: f64,
-    /// What an evaluation takes with the method's own work, in sines.
+    /// Duration of an evaluation with the method's own work, in sines.
     pub sines_an_evaluation: f64,
 }
 
-/// A method on a problem, from the longest step to the shortest.
+/// Results of a method on a problem, from the longest step to the shortest.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// The method.
+    /// Method.
     pub scheme: Scheme,
-    /// With ever more steps.
+    /// Solutions with increasing numbers of steps.
     pub runs: Vec<Run>,
 }
 
 /// Fewest step lengths of a curve.
 const FEWEST: usize = 6;
-/// Most that a small chart has.
+/// Most step lengths of a curve in a small chart.
 const SMALL: usize = 7;
 
 impl Curve {
-    /// Halves the step until nothing more of the curve would be seen, at least `FEWEST` lengths.
+    /// Halves the step until further points would be outside the chart, with at least `FEWEST` lengths.
     pub fn measure(
         problem: &Problem,
         scheme: Scheme,
@@ -47,7 +47,7 @@ impl Curve {
         let (fewest, doublings) = problem.steps;
         let mut runs: Vec<Run> = Vec::new();
         for doubling in 0..=doublings {
-            // One error below what is shown may be a curve that passes zero; two are its end.
+            // One error below the range may be a curve that crosses zero; two are its end.
             let unresolved = |run: &Run| run.error < problem.shown().0;
             let is_over = runs.len() >= 2 && runs[runs.len() - 2..].iter().all(unresolved);
             if runs.len() >= FEWEST && is_over || size == Size::Small && runs.len() >= SMALL {
@@ -58,7 +58,7 @@ impl Curve {
         Ok(Self { scheme, runs })
     }
 
-    /// Cost and error, as they are drawn.
+    /// Returns cost and error, as drawn.
     pub fn points(&self) -> Vec<(f64, f64)> {
         let points = self.runs.iter().filter(|run| run.error.is_finite());
         points
@@ -66,8 +66,8 @@ impl Curve {
             .collect()
     }
 
-    /// Evaluations from which on the error stays at most this, between two step lengths as the straight line on
-    /// logarithmic axes has it; none if it never does.
+    /// Returns the number of evaluations from which on the error is at most this, by a straight line between two step lengths on
+    /// logarithmic axes; `None` if there is none.
     pub fn cost_of(&self, error: f64) -> Option<f64> {
         let below = self.runs.iter().rposition(|run| run.error > error);
         let first = self.runs.get(below.map_or(0, |last| last + 1))?;
@@ -114,7 +114,7 @@ fn run(
 mod tests {
     use super::*;
 
-    /// Were it wrong, the text under the chart would name another method than the picture shows.
+    /// If this fails, the text under the chart names another method than the picture shows.
     #[test]
     fn costs_are_read_between_points() {
         let run = |evaluations, error| Run {

@@ -1,7 +1,7 @@
 //! Error against cost of each method: on this project's machines, and on problems whose answers are published.
 //!
-//! - [`problems`]: what they are put to, and how well its answer is known;
-//! - [`measure`]: cost and error at one step length after the other.
+//! - [`problems`]: the problems, and the accuracy of their solutions;
+//! - [`measure`]: cost and error for a series of step lengths.
 
 mod counted;
 pub mod measure;
@@ -20,15 +20,15 @@ use super::{ChartError, Drawn, Progress, Size};
 use measure::Curve;
 use problems::Problem;
 
-/// Below this part of the error wanted nothing is shown: nobody asks for it.
+/// Smallest error that is shown, relative to the wanted error.
 const LEAST: f64 = 1e-5;
-/// Nor above this multiple.
+/// Largest error that is shown, relative to the wanted error.
 const MOST: f64 = 1e4;
-/// Two references differ by at most a tenth of the smallest error shown.
+/// Ratio of the smallest error shown to the difference of two references, at least.
 const UNCERTAINTY_MARGIN: f64 = 10.0;
 
 impl Problem {
-    /// The smallest and the largest error that is shown.
+    /// Returns the smallest and the largest error that is shown.
     pub fn shown(&self) -> (f64, f64) {
         (
             (UNCERTAINTY_MARGIN * self.uncertainty).max(LEAST * self.required_error),
@@ -75,7 +75,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
 
 fn write_rows(csv: &mut String, problem: &Problem, curve: &Curve) {
     for run in &curve.runs {
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(
             csv,
             "\"{}\",{},{},{},{},{:e},{},{:e},{:.2}",
@@ -100,7 +100,7 @@ fn panel(problem: &Problem, curves: &[Curve]) -> Panel {
     let (least, most) = costs.fold((f64::INFINITY, 0.0_f64), |(least, most), cost| {
         (least.min(cost), most.max(cost))
     });
-    // Nothing may be shown, if all went wrong; axes are there even then.
+    // If all methods failed, the panel has axes without curves.
     let costs = if least < most {
         (0.7 * least, 1.4 * most)
     } else {
@@ -126,12 +126,12 @@ fn panel(problem: &Problem, curves: &[Curve]) -> Panel {
     }
 }
 
-/// Which method is the cheapest to the error wanted, of each problem.
+/// Cheapest method for the wanted error of each problem.
 #[derive(Default)]
 struct Cheapest {
-    /// Each winner, with what it wins.
+    /// Cheapest methods, each with its problems.
     of: Vec<(Scheme, Vec<&'static str>)>,
-    /// How many times what the cheapest costs the default costs, at worst.
+    /// Largest ratio of the default method's cost to that of the cheapest.
     default_at_worst: f64,
 }
 

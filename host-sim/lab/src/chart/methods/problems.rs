@@ -1,7 +1,7 @@
-//! What methods are put to: this project's machines over a short manoeuvre, and public problems.
+//! Problems for methods: this project's machines over a short manoeuvre, and public problems.
 //!
-//! Each has an answer and says how well it is known, its *uncertainty*: the most by which DOP853, a Verner method of order 9 and
-//! the answer given here differ. `host-sim/lab/tests/references.rs` solves all of them again with both.
+//! Each has a solution with an *uncertainty*: the largest difference between DOP853, a Verner method of order 9, and the solution
+//! given here. `host-sim/lab/tests/references.rs` solves all of them again with both.
 
 use cophase_methods::problems::{
     Andrews, Cam, Chain, Crusher, FiveBarArm, Hires, Law, Oscillator, Screen, Shaft, crusher,
@@ -16,34 +16,34 @@ use host_sim::mechanism::{Load, Platform};
 
 use crate::chart::ChartError;
 
-/// A problem with its answer.
+/// Problem with its solution.
 pub struct Problem {
-    /// What it is.
+    /// Name of the problem.
     pub name: &'static str,
-    /// The unit of what is compared.
+    /// Unit of the compared components.
     pub unit: &'static str,
-    /// The machine.
+    /// Machine.
     pub equations: Box<dyn Equations>,
-    /// Its state at time 0.
+    /// State at time 0.
     pub start: Vec<f64>,
-    /// When it ends.
+    /// End of the problem, s.
     pub end_s: f64,
-    /// What the first components are then; the others are not compared.
+    /// First components of the state at the end; the others are not compared.
     pub answer: Vec<f64>,
-    /// Largest difference between two references, and between either and the answer.
+    /// Largest difference between the two references, and between either and the solution.
     pub uncertainty: f64,
-    /// An error that is good enough for what the machine is used for.
+    /// Error that is sufficient for the use of the machine.
     pub required_error: f64,
-    /// Steps to the end: the fewest, and how often they are doubled.
+    /// Number of steps: the fewest, and the number of doublings.
     pub steps: (u32, u32),
-    /// Method that a scene takes for such a machine unless it says otherwise.
+    /// Default method of a scene with such a machine.
     pub default: Option<Scheme>,
 }
 
-/// All of them.
+/// Returns all problems.
 ///
 /// # Errors
-/// A machine whose numbers are not accepted.
+/// The values of a machine are refused.
 pub fn all() -> Result<Vec<Problem>, ChartError> {
     Ok(vec![
         rigid()?,
@@ -58,16 +58,16 @@ pub fn all() -> Result<Vec<Problem>, ChartError> {
     ])
 }
 
-/// Torque of each motor over its whole range, N·m: level, as a corner in it would cost methods their order.
+/// Torque of each motor, N·m, constant over its whole range, as a corner in it would reduce the order of methods.
 const TORQUE_NM: f64 = 6.0;
-/// Speed at which the fields turn, rad/s: 10 rev/s.
+/// Speed of the fields, rad/s: 10 rev/s.
 const SPEED_RAD_S: f64 = 62.8;
-/// A turn and a bit.
+/// Duration, s: a little more than a turn.
 const TURN_S: f64 = 0.11;
-/// By how much the cranks of the phased platform are out of phase at first, rad.
+/// Initial phase differences of the cranks of the phased platform, rad.
 const APART_RAD: [f64; 4] = [0.0, 0.02, -0.01, 0.015];
 
-/// A platform of 8 kg on four steppers.
+/// Returns a platform of 8 kg on four steppers.
 ///
 /// # Errors
 /// Never: the numbers are constants.
@@ -89,7 +89,7 @@ pub fn body() -> Result<Body, ChartError> {
     })
 }
 
-/// Its motors.
+/// Returns its motors.
 ///
 /// # Errors
 /// Never: the numbers are constants.
@@ -104,7 +104,7 @@ pub fn motors() -> Result<Vec<Motor>, ChartError> {
     Ok(vec![motor; 4])
 }
 
-/// Motors that lead the cranks through a turn at constant speed.
+/// Returns motors that turn the cranks through a turn at constant speed.
 fn led(freedom: Freedom) -> Result<Driven, ChartError> {
     let mut driven = Driven::new(freedom, motors()?);
     driven.energised = true;
@@ -116,10 +116,10 @@ fn led(freedom: Freedom) -> Result<Driven, ChartError> {
     Ok(driven)
 }
 
-/// What a scene takes that leaves the method open.
+/// Returns the method of a scene that leaves it open.
 ///
 /// # Errors
-/// What the machine says that refuses it.
+/// The machine is refused.
 pub fn default_of(driven: &Driven) -> Result<Scheme, ChartError> {
     let commanded = vec![DriveCommand::default(); driven.body().axes()];
     Rotors::new(driven.clone(), commanded, 5e-4, Chosen::default())

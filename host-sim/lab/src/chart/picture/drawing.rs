@@ -1,4 +1,4 @@
-//! From a picture to SVG, by way of kuva.
+//! Conversion of a picture to SVG with kuva.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::{LegendEntry, LegendShape};
@@ -17,14 +17,14 @@ use crate::chart::axis::Axis;
 use crate::chart::ink::Stroke;
 
 const CELL: (f64, f64) = (500.0, 410.0);
-/// Beside a panel's axes, px: for the label and its ticks, and for half a tick's width.
+/// Margins of a panel's axes, px, for the label and its ticks, and for half the width of a tick.
 const MARGINS: (f64, f64) = (74.0, 20.0);
 const FONT: &str = "sans-serif";
 const SAYS_SIZE: u32 = 15;
-/// About how wide a letter is, of its size; the viewer's font is not known here.
+/// Approximate width of a letter, relative to its size; the viewer's font is not known here.
 const LETTER: f64 = 0.53;
 
-/// The picture as SVG text.
+/// Returns the picture as SVG text.
 pub fn render(picture: Picture) -> String {
     let legend = legend(&picture);
     let columns = picture.columns.min(picture.panels.len()).max(1);
@@ -44,7 +44,7 @@ pub fn render(picture: Picture) -> String {
     SvgBackend::new().render_scene(&scene)
 }
 
-/// An entry for each name, in the order in which panels bring them.
+/// Returns an entry for each name, in the order of the panels.
 fn legend(picture: &Picture) -> Vec<LegendEntry> {
     let lines = || picture.panels.iter().flat_map(|panel| &panel.lines);
     let mut shown: Vec<&Line> = Vec::new();
@@ -143,7 +143,7 @@ fn draw(line: &Line, x: &Axis, y: &Axis) -> Vec<Plot> {
     plots
 }
 
-/// The names of all lines' points: of one plot, so that they keep clear of each other.
+/// Returns the names of the points of all lines, in one plot, so that they do not overlap.
 fn names(lines: &[Line], x: &Axis, y: &Axis) -> Option<Plot> {
     let named = lines
         .iter()

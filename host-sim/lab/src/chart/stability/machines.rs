@@ -12,13 +12,13 @@ use crate::chart::axis::Axis;
 use crate::chart::ink::{Ink, Stroke};
 use crate::chart::picture::{Line, Panel};
 
-/// Steps between which the longest stable one is looked for, s.
+/// Range in which the longest stable step is searched, s.
 const STEPS_S: (f64, f64) = (1e-7, 10.0);
 
-/// Place of a machine's name, over the longest of its steps.
+/// Height of a machine's name, relative to the longest of its steps.
 const NAME_ABOVE: f64 = 2.0;
 
-/// A machine close to a state: y′ = A y.
+/// Linearised machine: y′ = A y.
 pub struct Linearised {
     /// Name in the picture and the data.
     pub name: &'static str,
@@ -43,7 +43,7 @@ impl Equations for Linearised {
 }
 
 impl Linearised {
-    /// Components `kept` of a machine in a state; the others do not change.
+    /// Linearises the components `kept` of a machine at a state; the others do not change.
     fn new(name: &'static str, equations: &dyn Equations, state: &[f64], kept: &[usize]) -> Self {
         let n = equations.dimension();
         let mut all = DMatrix::zeros(n, n);
@@ -64,10 +64,10 @@ impl Linearised {
     }
 }
 
-/// All machines, the slowest first.
+/// Returns all machines, the slowest first.
 pub fn all() -> [Linearised; 4] {
     let mut arm = FiveBarArm::assumed(9.81);
-    // Links that hang, so that gravity holds what the surface leaves free.
+    // The links hang, so that gravity acts on the direction that the surface leaves free.
     let q = [-2.5, -0.64];
     arm.surface = Some(Surface {
         normal: [0.0, -1.0],
@@ -87,7 +87,7 @@ pub fn all() -> [Linearised; 4] {
     ]
 }
 
-/// Panel of the longest stable steps, and the data.
+/// Makes the panel of the longest stable steps, and the data.
 pub(super) fn panel(csv: &mut String) -> Result<Panel, ChartError> {
     let machines = all();
     let (mut lines, mut names) = (Vec::new(), Vec::new());
@@ -106,7 +106,7 @@ pub(super) fn panel(csv: &mut String) -> Result<Panel, ChartError> {
                 continue;
             };
             let fastest = machine.fastest_per_s();
-            // Writing to a string does not fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(
                 csv,
                 "{} on {},,,{:.5},,,",

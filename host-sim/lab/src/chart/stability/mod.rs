@@ -1,5 +1,5 @@
-//! Where things stop being stable: methods, by the growth a step of an oscillation against step × frequency; and the trim
-//! of an axis, in gain × delay.
+//! Limits of stability: of methods, as the growth of an oscillation per step against step × frequency; and of the trim of an axis,
+//! in gain × delay.
 
 pub mod machines;
 mod trim;
@@ -15,16 +15,17 @@ use super::{ChartError, Drawn, Progress, Size};
 
 /// Damping ratios of the two panels.
 const ZETAS: [f64; 2] = [0.0, 0.1];
-/// Where the curves are shown, and how many points they have.
+/// Range of the curves, and their number of points.
 const H_OMEGA: (f64, f64) = (0.1, 100.0);
 const POINTS: u32 = 240;
 const GROWTH: (f64, f64) = (0.1, 10.0);
 /// Delays of the third panel, turns.
 const DELAYS: std::ops::RangeInclusive<u32> = 0..=8;
-/// How a row of the data calls the trim.
+/// Name of the trim in the data.
 const TRIM: &str = "trim of an axis";
 
-/// Where theory has the edge in closed form, of an oscillation with damping ratio ζ; inside, none: no edge.
+/// Returns the limit of theory in closed form, if there is a formula, for an oscillation with damping ratio ζ; the inner `None`
+/// means no limit.
 ///
 /// Explicit Euler's eigenvalues 1 − ζhω ± i hω √(1 − ζ²) have magnitude 1 at hω = 2ζ. One of symplectic Euler's comes to
 /// −1 where (hω)² + 4ζhω = 4, velocity Verlet's at 2 / (ζ + √(1 − 3ζ²)) as long as ζ < ½, and RK4's have magnitude 1 at 2√2
@@ -66,7 +67,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
                         None => String::new(),
                     },
                 );
-                // Writing to a string does not fail.
+                // Writing to a string cannot fail.
                 let _ = writeln!(
                     csv,
                     "{},{zeta},,{measured},{by_theory},{h_omega:.6},{growth:.9}",
@@ -126,7 +127,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     Ok(Drawn::one(csv, svg, says))
 }
 
-/// The panel of trims: what is measured at each delay, on the line of theory.
+/// Makes the panel of trims: the measured limit at each delay, on the line of theory.
 fn trims(csv: &mut String, progress: &mut dyn FnMut(u64)) -> Panel {
     let mut measured = Vec::new();
     for delay in DELAYS {
@@ -136,7 +137,7 @@ fn trims(csv: &mut String, progress: &mut dyn FnMut(u64)) -> Panel {
         measured.push((f64::from(delay), edge));
         progress(u64::from(delay) + 1);
     }
-    // Between whole turns there is no such loop; the line leads the eye.
+    // There is no loop with a delay between whole turns; the line connects the points.
     let theory = (0..=170)
         .map(|i| f64::from(i) / 20.0)
         .map(|delay| (delay, trim::theory(delay)));

@@ -1,7 +1,7 @@
-//! How hard a phase offset may correct drift: the edge in gain × delay.
+//! Largest stable gain of the correction by phase offsets, against the delay.
 //!
-//! Once a turn an index shows an axis's phase error e; the offset then changes by −g e, of an error that was measured d turns ago:
-//! e[k+1] = e[k] − g e[k−d]. Here this loop is closed around the controller's own phase offsets, which move in whole steps.
+//! Once per turn, an index shows the phase error e of an axis. The offset then changes by −g e, with an error that was measured d turns
+//! ago: e[k+1] = e[k] − g e[k−d]. This loop is closed here around the controller's own phase offsets, which move in whole steps.
 //!
 //! Theory: the characteristic equation z^(d+1) = z^d − g has its first roots on the unit circle at
 //! g = 2 sin(π / (2 (2d + 1))).
@@ -17,21 +17,21 @@ const TICK_HZ: u32 = 500;
 const TICKS_A_TURN: u32 = 50;
 const STEPS_PER_TURN: u32 = 65_536;
 const LIMIT_TURNS: f64 = 0.1;
-/// How far out of phase the crank is at first, turns: far below the limit of the offset, far above a step.
+/// Initial phase error of the crank, turns: far below the limit of the offset, and far above a step.
 const SLIP_TURNS: f64 = 0.01;
-/// Turns that are played, and those at the end, and after a while, that are compared.
+/// Number of turns, length of the compared parts, and start of the earlier part, turns. The later part is at the end.
 const PLAYED: usize = 2400;
 const COMPARED: usize = 200;
 const SETTLED: usize = 400;
-/// The edge is found to this part of it.
+/// Relative error of the limit.
 const TOLERANCE: f64 = 2e-4;
 
-/// The largest gain at which drift dies out, as theory has it.
+/// Returns the largest gain at which the phase error decays, by theory.
 pub fn theory(delay_turns: f64) -> f64 {
     2.0 * (PI / (2.0 * (2.0 * delay_turns + 1.0))).sin()
 }
 
-/// The largest gain at which it does, as it is measured.
+/// Measures the largest gain at which it decays.
 pub fn edge(delay_turns: u32) -> f64 {
     let (mut inside, mut outside) = (0.0, 3.0);
     while outside - inside > TOLERANCE * outside {
@@ -45,7 +45,7 @@ pub fn edge(delay_turns: u32) -> f64 {
     inside
 }
 
-/// Plays the loop and says whether drift is gone at the end, or less than after a while.
+/// Runs the loop. Returns true if the phase error is zero at the end, or smaller than in between.
 fn dies_out(gain: f64, delay_turns: u32) -> bool {
     let mut settings = Settings::new();
     settings.tick_hz = TICK_HZ;
@@ -90,7 +90,7 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
             return false; // it has grown to the limit
         }
     }
-    // Drift of some steps has died out: rounding to whole steps keeps that much of it.
+    // A phase error of some steps counts as zero, as offsets are rounded to whole steps.
     let gone = (4.0 / f64::from(STEPS_PER_TURN)).powi(2) * COMPARED as f64;
     late < early || late < gone
 }

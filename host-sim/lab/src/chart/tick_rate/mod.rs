@@ -1,10 +1,10 @@
-//! What a faster control tick buys, and what it costs on the board.
+//! Benefit of a faster control tick, and its cost on the board.
 //!
-//! Scenes are run at every rate. What is looked at is the motion that is *played*: the amplitude that the shaft's speed
-//! amounts to, against what the program says at that very time, counted from the deadline at which the loop was commanded to
-//! start. So a lag of the loop counts too: a tick is planned at one deadline and played from the next.
+//! Scenes are run at every rate. The measured motion is that which is *played*: the amplitude of the shaft's speed, compared with the
+//! program at the same time since the deadline of the start command. So the lag of the loop counts, too: a tick is planned at one
+//! deadline and played from the next.
 //!
-//! What each rate costs is computed from the cycles of a tick as the emulator counts them (`docs/emulated.csv`).
+//! The cost of a rate follows from the emulated cycles of a tick (`docs/emulated.csv`).
 
 mod ramp;
 
@@ -20,12 +20,12 @@ use host_sim::scene::{Checked, library};
 use host_sim::sim::simulate;
 use ramp::{ProgramLevels, Ramp};
 
-/// Rates that the loop can have, whole microseconds each.
+/// Rates of the loop, whose ticks are whole microseconds.
 const RATES_HZ: [u32; 10] = [500, 800, 1000, 1600, 2000, 2500, 4000, 5000, 8000, 10_000];
-/// What a scene has unless it says otherwise.
+/// Default rate of a scene.
 const DEFAULT_HZ: u32 = 2000;
-/// Steppers and servos that are where commanded; and steppers that torque moves, without which no crank would ever
-/// be out of phase.
+/// Scenes with steppers and servos at their commanded phases; and one in which torque moves the cranks, as otherwise no crank is out
+/// of phase.
 const SCENES: [(&str, Ink); 3] = [
     ("default", Ink::Blue),
     ("patent-3", Ink::Vermilion),
@@ -33,12 +33,12 @@ const SCENES: [(&str, Ink); 3] = [
 ];
 const EMULATED: &str = include_str!("../../../../../docs/emulated.csv");
 
-/// A scene at a rate.
+/// Results of a scene at a rate.
 struct Run {
     tick_hz: u32,
     /// Largest relative error of a held amplitude.
     hold: f64,
-    /// Root mean square error on ramps, of the highest level.
+    /// Root mean square error on ramps, relative to the highest level.
     ramp: f64,
     /// Largest difference between two cranks' errors of phase, degrees.
     spread_deg: f64,
@@ -60,7 +60,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         let mut of_scene = Vec::new();
         for &tick_hz in &rates {
             let run = play(name, tick_hz)?;
-            // Writing to a string does not fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(
                 csv,
                 "{name},{tick_hz},{},{:e},{:e},{:.6},{:.4},{:.4}",
@@ -114,7 +114,7 @@ fn play(name: &str, tick_hz: u32) -> Result<Run, ChartError> {
     })
 }
 
-/// What a tick of four axes takes on the board.
+/// Cycles of a tick of four axes on the board.
 struct Cycles(f64);
 
 impl Cycles {
@@ -130,7 +130,7 @@ impl Cycles {
             .ok_or_else(missing)
     }
 
-    /// Part of the processor's time at a rate.
+    /// Returns the part of the processor's time at a rate.
     fn share(&self, tick_hz: u32) -> f64 {
         self.0 * f64::from(tick_hz) / f64::from(Rp2040::CLOCK_HZ)
     }

@@ -1,4 +1,4 @@
-//! How far the played motion is from the program while that changes.
+//! Error of the played motion on ramps of the program.
 
 use cophase_core::program::Cursor;
 use cophase_core::supervisor::State;
@@ -9,7 +9,7 @@ use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{Moment, Observer};
 use host_sim::units::speed_hz;
 
-/// What the program says at any time: its levels at the fastest tick, straight lines between them.
+/// Level of the program at any time: levels at the fastest tick, with straight lines between them.
 #[derive(Debug)]
 pub struct ProgramLevels(Vec<f64>);
 
@@ -17,10 +17,10 @@ impl ProgramLevels {
     /// At this rate a smooth ramp of 2 s leaves the straight lines by less than 1e-8 of its height.
     pub const TICK_HZ: u32 = 10_000;
 
-    /// Of a scene that ticks at [`Self::TICK_HZ`].
+    /// Computes the levels of a scene with ticks at [`Self::TICK_HZ`].
     ///
     /// # Errors
-    /// What the core says that refuses it.
+    /// The core refuses the scene.
     pub fn of(checked: &Checked) -> Result<Self, SceneError> {
         let controller = checked.controller()?;
         let (program, _) = controller.program();
@@ -32,7 +32,7 @@ impl ProgramLevels {
         Ok(Self(levels))
     }
 
-    /// The level at a time since the program's start; beyond its end, the last.
+    /// Returns the level at a time since the program's start; after its end, the last level.
     fn at(&self, t_s: f64) -> f64 {
         let place = (t_s * f64::from(Self::TICK_HZ)).max(0.0);
         let (before, part) = (place as usize, place.fract());
@@ -42,8 +42,8 @@ impl ProgramLevels {
     }
 }
 
-/// Looks on, and adds up how far ramps are off. Where a limit or a band keeps the shaft from what the program asks for, no
-/// rate would help, and nothing is counted.
+/// Observer that sums the errors on ramps. Ticks in which a limit or a band holds the shaft do not count, as no rate changes
+/// them.
 #[derive(Debug)]
 pub struct Ramp {
     levels: ProgramLevels,
@@ -56,7 +56,7 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// Nothing seen yet of a scene.
+    /// Creates an observer of a scene.
     pub fn new(checked: &Checked, levels: ProgramLevels) -> Self {
         Self {
             top: levels.0.iter().copied().fold(0.0, f64::max),
@@ -69,7 +69,7 @@ impl Ramp {
         }
     }
 
-    /// Root mean square error, of the highest level.
+    /// Returns the root mean square error, relative to the highest level.
     pub fn rms(&self) -> f64 {
         (self.squares / self.ticks.max(1) as f64).sqrt() / self.top
     }
