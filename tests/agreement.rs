@@ -1,5 +1,5 @@
-//! What a run leaves behind agrees with itself, and with integrals of its speed that nothing of the
-//! loop's has a part in.
+//! The files of a run agree with each other, and with integrals of its speed that are computed without the
+//! loop.
 
 #[path = "support/program.rs"]
 mod program;

@@ -49,7 +49,7 @@ fn amax_g(speed_hz: f64) -> f64 {
     0.005 * (TAU * speed_hz).powi(2) * 1.25 / 9.80665
 }
 
-/// What the frame does while the shaft turns evenly: turns of crank 0, heave in m, force on the ground in N.
+/// Motion of the frame at constant speed: turns of crank 0, heave in m, force on the ground in N.
 #[derive(Default)]
 struct Recorded(Vec<(f64, f64, f64)>);
 

@@ -1,4 +1,4 @@
-//! What a scene's `[[fault]]` and `[noise]` do to drives, cranks and sensors, whatever the controller makes of it.
+//! Effect of a scene's `[[fault]]` and `[noise]` on drives, cranks and sensors, without the controller's reaction.
 //!
 //! Each is looked at on a *kinematic* machine, whose cranks are where their fields are to the last digit, and where that
 //! says another thing on a *phased* one too, whose cranks swing there. The loop is not judged here: what it reports, and when it
@@ -59,7 +59,7 @@ ramp_s = 0.1
 hold_s = 1
 "#;
 
-/// When faults come: in the first turn, before any index is detected and anything is judged by it.
+/// Time of the faults: in the first turn, before any index is detected and judged.
 const AT_S: f64 = 0.12;
 /// The same as a tick.
 const AT_TICK: u64 = 240;
@@ -91,13 +91,13 @@ fn began(samples: &Samples) -> u64 {
     event_tick(samples, |what| matches!(what, EventKind::Injected(_))).expect("a fault was put in")
 }
 
-/// When the first fault latched: what plays in a tick was computed at the deadline before.
+/// Returns the time at which the first fault latched. A tick plays the output that was computed at the deadline before.
 fn latched_in(samples: &Samples) -> Option<u64> {
     let played = event_tick(samples, |what| matches!(what, EventKind::Fault { .. }))?;
     Some(played - 1)
 }
 
-/// Whether the loop latched a fault that can be reported to it at once.
+/// Returns true if the loop latched a fault that can be reported to it at once.
 fn latched(samples: &Samples, kind: FaultKind) -> bool {
     let mut events = samples.outcome.statistics.events.iter();
     let first = events.find_map(|event| match event.what {

@@ -47,7 +47,7 @@ fn late_by(by_us: f64) -> String {
     format!("{SCENE}[[late]]\nat_s = {LATE_S}\nby_us = {by_us}\n")
 }
 
-/// What a tick commands, whenever it is played and whatever was counted on the way.
+/// Returns the commands of the ticks, without their times and counters.
 fn commanded(watched: &Watched) -> Vec<Tick> {
     let timeless = |tick: &Tick| Tick {
         start_ns: 0,

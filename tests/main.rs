@@ -1,4 +1,4 @@
-//! What crosses crates, a module for each subject: `cargo test -p cophase-tests homing` runs the tests of one.
+//! Tests that cross crates, a module for each subject: `cargo test -p cophase-tests homing` runs the tests of one.
 
 mod agreement;
 mod code_walk;

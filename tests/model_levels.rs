@@ -42,7 +42,7 @@ fn last(run: &Run, column: &str) -> f64 {
     *run.trace().column(column).last().expect("a run has rows")
 }
 
-/// What a crank is ahead of its command at the end, turns.
+/// Returns the lead of a crank over its command at the end, turns.
 fn ahead(run: &Run, axis: usize) -> f64 {
     last(run, &format!("actual_turns_{axis}")) - last(run, &format!("command_turns_{axis}"))
 }

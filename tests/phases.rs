@@ -15,7 +15,7 @@ use host_sim::sim::{Moment, Observer, simulate};
 use proptest::prelude::*;
 use random::{Axis, any_plan};
 
-/// Where an axis is to be, from the way that the master has made.
+/// Returns the expected position of an axis, from the travel of the master.
 impl Axis {
     /// ⌊master · p / q⌋, 2⁻⁴⁸ turn.
     fn travelled(&self, master: i128) -> i128 {

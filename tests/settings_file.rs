@@ -1,4 +1,4 @@
-//! What the desk compiles is what a board reads, and stays so.
+//! A board reads the settings file that the host writes, and its format does not change.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use host_sim::scene::library::SCENES;
 /// The default scene as a settings file, as it was when its format got its version.
 const GOLDEN: &[u8] = include_bytes!("../firmware/link/golden/default.settings");
 
-/// What `cophase settings SCENE` writes, whether a board takes it or not.
+/// Returns the file that `cophase settings SCENE` writes, whether a board takes it or not.
 fn settings(scene: &str) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("it.settings");

@@ -1,7 +1,7 @@
-//! How far apart cranks are that run steadily: servos with cross-coupling and steppers with index correction, each with noise and
+//! Phase differences of cranks at a steady speed: servos with cross-coupling and steppers with index correction, each with noise and
 //! uneven load.
 //!
-//! A short time by default; ten minutes of each, as docs/faults.md has them, by
+//! The default is a short time. For ten minutes of each, as in docs/faults.md:
 //!
 //!     COPHASE_STEADY_S=600 cargo test --release -p cophase-tests spread -- --nocapture
 
@@ -9,7 +9,7 @@ use cophase_core::supervisor::State;
 use cophase_tests::scene;
 use host_sim::sim::{Moment, Observer, simulate};
 
-/// What both machines are: four cranks, two of them turning the other way, at 60 rev/s, with bearings of their own.
+/// Returns the scene of both machines: four cranks, two of them turning the other way, at 60 rev/s, with different bearings.
 fn text(hold_s: f64, motors: &str, more: &str) -> String {
     let counts = if motors.contains("encoder") {
         "encoder_counts = 1"
@@ -34,7 +34,7 @@ fn steady_s() -> f64 {
     requested.map_or(10.0, |requested| requested.parse().expect("seconds"))
 }
 
-/// What cranks are apart while they run steadily, degrees.
+/// Returns the phase differences of cranks at a steady speed, degrees.
 #[derive(Default)]
 struct Steady {
     worst_deg: f64,

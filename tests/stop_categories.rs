@@ -1,5 +1,5 @@
-//! What becomes of the drives after a fault, by stop category of IEC 60204-1: they hold (2), are cut at rest (1), or are
-//! disabled at once (0). Machines are on the phased level, where a platform falls that nothing holds.
+//! State of the drives after a fault, by stop category of IEC 60204-1: they hold (2), are cut at rest (1), or are disabled at once
+//! (0). Machines are on the phased level, where a platform without drives falls.
 
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_tests::scene;
@@ -12,7 +12,7 @@ const STEPPERS: &str = "drive = \"stepper\"\npull_out = [[0, 12], [20, 9]]\ndamp
 
 const SERVOS: &str = "drive = \"servo\"\nencoder = true\nservo = { position_gain_per_s = 100, velocity_gain_nms = 1.0 }\n";
 
-/// When faults come: at a steady speed of 11 rev/s.
+/// Time of the faults: at a steady speed of 11 rev/s.
 const AT_S: f64 = 2.2;
 
 /// By then the stop is over.
@@ -122,7 +122,7 @@ impl Run {
         self.ticks.iter().position(place).expect("it is stopped")
     }
 
-    /// What latched, under its best name.
+    /// Latched fault, with its best name.
     #[track_caller]
     fn kind(&self) -> FaultKind {
         let events = self.outcome.statistics.events.iter();

@@ -11,7 +11,7 @@ use cophase_tests::scripted::{
 };
 use cophase_tests::{Tick, Watched};
 
-/// When the shaft was in the middle of its first passage through the band, s.
+/// Returns the time at which the shaft was in the middle of its first passage through the band, s.
 fn amid_band(watched: &Watched) -> f64 {
     let inside = |tick: &&Tick| tick.crossing;
     let first = watched

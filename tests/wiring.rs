@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 #[path = "../firmware/src/board/pins.rs"]
 mod pins;
 
-/// What the code says: the name of each pin that is used.
+/// Returns the name of each used pin, from the code.
 fn in_code() -> BTreeMap<u8, String> {
     let mut names = BTreeMap::new();
     let mut name = |pin: u8, name: String| {
@@ -30,7 +30,7 @@ fn in_code() -> BTreeMap<u8, String> {
     names
 }
 
-/// What the page says: in the diagram a pin's name stands beside it, outside; in the text behind it.
+/// Returns the names of pins from the page: in the diagram, a pin's name is beside it, outside; in the text, after it.
 fn in_docs() -> BTreeMap<u8, String> {
     let page =
         std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/wiring.md")).unwrap();

@@ -1,4 +1,4 @@
-//! The loop's world, as this board has it.
+//! Input and output of the loop on this board.
 //!
 //! The loop is `cophase_core::control_loop::run`, the very function that the host runs. Nothing but short
 //! interrupts comes between a deadline and what it leads to.
@@ -24,10 +24,10 @@ use crate::board::{handover, has_passed, lines, sampler};
 use crate::link::LoopEnd;
 use crate::report::Reporter;
 
-/// The world of the loop.
+/// Input and output of the loop.
 #[repr(C)] // What every tick needs comes first: instructions reach 32 bytes, or 128 by words.
 pub struct Board {
-    /// What the machine was last said to be doing.
+    /// State of the machine in the last output.
     pub state: State,
     /// The trigger's level while the output that was handed over last is played.
     pub sync: bool,

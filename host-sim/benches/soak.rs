@@ -69,7 +69,7 @@ fn main() {
     );
 }
 
-/// What the axes must have come to.
+/// Expected state of the axes.
 #[derive(Default)]
 struct Truth {
     /// Turns of the master, in the unit of [`Turns`].

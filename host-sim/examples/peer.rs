@@ -71,7 +71,7 @@ impl Machine {
         Ok(driven)
     }
 
-    /// What a field has turned by at a time: a speed that rises as 3u² − 2u³, then stays.
+    /// Returns the angle of a field at a time: its speed rises as 3u² − 2u³, and is then constant.
     fn turned_rad(&self, t_s: f64) -> f64 {
         let omega = self.speed_hz * std::f64::consts::TAU;
         let u = (t_s / self.ramp_s).min(1.0);

@@ -31,7 +31,7 @@ pub struct View {
     pub scale: f64,
     /// A place of the mechanism.
     pub of: Place,
-    /// Where that place is on the sheet, px from its upper left corner.
+    /// Position of that place on the sheet, px from its upper left corner.
     pub at: (f64, f64),
 }
 

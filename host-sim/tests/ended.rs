@@ -1,4 +1,4 @@
-//! What `report.json` says of the end of a run, and of the gains that acted in it.
+//! Content of `report.json` about the end of a run, and about its gains.
 
 use cophase_core::supervisor::{Fault, FaultKind};
 use host_sim::fidelity::{self, Answers};

@@ -35,7 +35,7 @@ impl Climbed {
         both.map(|(found, right)| output.difference(found, right))
     }
 
-    /// Whether a model level's answers are within what is required.
+    /// Returns true if a model level's answers are within the tolerances.
     fn is_within(&self, of: &Answers) -> bool {
         let questions = questions(&self.checked);
         Output::ALL.into_iter().all(|output| {

@@ -1,4 +1,4 @@
-//! What of the source's control part can be computed: how steep the root of a ramp is where it starts.
+//! The computable part of the source's control section: the slope of the root of a ramp at its start.
 //!
 //! The rest of the published and calculated figures is in `design.rs`; `docs/reproduced.md` lists them all.
 

@@ -17,7 +17,7 @@ const GRAVITY_MPS2: f64 = 9.81;
 const RADIUS_M: f64 = 100.0 * GRAVITY_MPS2 / (31.0 * 31.0 * TAU * TAU);
 const TICK_S: f64 = 0.0005;
 
-/// What the program asks for at a time, g: 0, 20, 60, 40, 100, 0, with smooth ramps of 3 s.
+/// Returns the requested level at a time, g: 0, 20, 60, 40, 100, 0, with smooth ramps of 3 s.
 fn program_g(t_s: f64) -> f64 {
     const LEVELS: [(f64, f64); 5] = [
         (2.0, 20.0),

@@ -6,7 +6,7 @@ use host_sim::sim::events::EventKind;
 
 use super::samples::observe;
 
-/// When the drive turns back: at the top speed, 12 rev/s.
+/// Time at which the drive turns back: at the top speed, 12 rev/s.
 const AT_S: f64 = 2.6;
 const TICK_S: f64 = 5e-4;
 

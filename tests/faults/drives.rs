@@ -9,11 +9,11 @@ use super::{AT_TICK, KINEMATIC, TICK_S, began, latched, observe, phased, unread,
 /// A cycle of 256 of 12800 steps, turns.
 const CYCLE: f64 = 0.02;
 
-/// What a crank on the phased model level may be off its field while it turns at homing speed and swings: a quarter of a cycle is where it would
+/// Largest distance of a crank from its field at homing speed on the phased model level: at a quarter of a cycle it would
 /// slip.
 const SWING: f64 = CYCLE / 4.0;
 
-/// What a command of whole microsteps is off the phase that they are made of.
+/// Largest difference between a command in whole microsteps and its phase.
 const STEP: f64 = 1.0 / 12800.0;
 
 /// Were it wrong, steps would be lost by another number, or come back by themselves.

@@ -9,14 +9,14 @@ use host_sim::sim::{Moment, Observer, Outcome, simulate};
 pub struct Sample {
     /// Its number by the clock.
     pub tick: u64,
-    /// Where cranks were commanded to be at its end, and where they were, turns.
+    /// Commanded and true positions of the cranks at its end, turns.
     pub command: Vec<f64>,
     pub actual: Vec<f64>,
-    /// When index lines rose, µs since power-up.
+    /// Times at which index lines rose, µs since power-up.
     pub rose_us: Vec<Option<f64>>,
-    /// What encoders would read.
+    /// Readings of encoders.
     pub encoder: Vec<i32>,
-    /// Whether the drives were on.
+    /// True if the drives were on.
     pub enabled: bool,
 }
 
@@ -42,13 +42,13 @@ impl Samples {
         sample.actual[axis] - sample.command[axis]
     }
 
-    /// How far crank `axis` went in a tick, turns.
+    /// Returns the travel of crank `axis` in a tick, turns.
     #[track_caller]
     pub fn distance(&self, axis: usize, tick: u64) -> f64 {
         self.at(tick).actual[axis] - self.at(tick - 1).actual[axis]
     }
 
-    /// When the index line of an axis rose, µs since power-up.
+    /// Returns the times at which the index line of an axis rose, µs since power-up.
     pub fn rises_us(&self, axis: usize) -> Vec<f64> {
         let rose = self.ticks.iter().filter_map(|sample| sample.rose_us[axis]);
         rose.collect()
@@ -85,7 +85,7 @@ pub fn observe(checked: &Checked) -> Samples {
     }
 }
 
-/// What the layer says at one reading after another, a tick apart, of three axes on which nothing else happens.
+/// Returns the readings of the fault layer in successive ticks, for three axes without other events.
 pub fn readings(checked: &Checked, ticks: std::ops::Range<u64>) -> Vec<Feedback> {
     let mut faults = host_sim::faults::Faults::new(checked);
     let read = |tick: u64| {

@@ -21,8 +21,8 @@ fn servos(model_level: &str) -> String {
 const KINEMATIC_LEVEL: &str = "\"kinematic\"";
 const PHASED: &str = "\"phased\"";
 
-/// What a servo of 200 N·m/rad is off under its share of 5 kg at 25 m/s² and a lever of 10.3 mm, turns; twice that for what it
-/// swings.
+/// Lag of a servo of 200 N·m/rad under its share of 5 kg at 25 m/s² and a lever of 10.3 mm, turns; twice that, for its
+/// oscillation.
 const LAG: f64 = 2.0 * 5.0 * 35.0 * 0.0103 / 3.0 / 200.0 / std::f64::consts::TAU;
 
 /// Were it wrong, a reversed servo would follow its setpoint, or one that slips would take its crank along.

@@ -1,4 +1,5 @@
-//! What a campaign judges a run by: when cranks truly passed a limit, what was reported of it, and who was moved while another stood.
+//! Data by which a campaign judges a run: times at which cranks truly passed a limit, reported faults, and cranks that moved while
+//! others stood.
 
 use cophase_lab::campaign::geometry::Geometry;
 use cophase_lab::campaign::judge::{self, Verdict, judge};

@@ -30,7 +30,7 @@ impl Wire {
             .map(|(at, _)| *at)
     }
 
-    /// What a window from `from_ns` up to, not including, `to_ns` shows of it.
+    /// Returns its edges in a window from `from_ns` up to, not including, `to_ns`.
     pub fn cut(&self, from_ns: u64, to_ns: u64) -> Self {
         let before = from_ns
             .checked_sub(1)

@@ -1,4 +1,4 @@
-//! What the tests that cross crates share: running a scene, and reading back what it leaves.
+//! Helpers of the tests that cross crates: running a scene, and reading its files.
 //!
 //! The files are read by other code than wrote them: [`Trace`] by the `csv` crate's reader, [`Edges`]
 //! by the `vcd` crate's, the report by `serde_json`. [`watch`] keeps what the loop itself knew, tick by
@@ -42,7 +42,7 @@ pub fn built_in(name: &str) -> Checked {
 /// A run with what it left behind, in memory.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// How it ended.
+    /// End of the run.
     pub outcome: Outcome,
     /// `trace.csv`.
     pub csv: Vec<u8>,

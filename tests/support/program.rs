@@ -27,12 +27,12 @@ impl Program {
         Self(legs)
     }
 
-    /// How long it lasts.
+    /// Duration of the program.
     pub fn duration_s(&self) -> f64 {
         self.0.iter().map(|leg| leg.ramp_s + leg.hold_s).sum()
     }
 
-    /// What it asks for.
+    /// Requested level.
     pub fn amax_mps2(&self, t_s: f64) -> f64 {
         let (mut since_s, mut from) = (t_s, 0.0);
         for leg in &self.0 {

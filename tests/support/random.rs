@@ -1,12 +1,12 @@
 //! Random small scenes: any number of axes, mixed drives, gears and offsets, programs with repeats and
-//! bands, and whatever can happen to a run.
+//! bands, and all kinds of events.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use proptest::prelude::*;
 
-/// What an axis is to do, from the scene's text alone.
+/// Settings of an axis, from the scene's text alone.
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// Crank turns per master turn.
@@ -24,7 +24,7 @@ pub struct Axis {
 /// Percent of the greatest speed, ramp in ms, hold in ms, whether the ramp is linear.
 type Level = (u32, u32, u32, bool);
 
-/// How often, and what.
+/// Number of repeats, and the repeated levels.
 type Block = (u32, Vec<Level>);
 
 /// Numbers from which a scene is written.
@@ -38,9 +38,9 @@ pub struct Plan {
     /// The axes.
     pub axes: Vec<Axis>,
     program: Vec<Block>,
-    /// When what happens, ms.
+    /// Time of each event, ms, and its kind.
     happens: Vec<(u32, u32)>,
-    /// When the loop is late, ms, and by how much, in tenths of a tick.
+    /// Times at which the loop is late, ms, and delays, in tenths of a tick.
     late: Vec<(u32, u32)>,
 }
 

@@ -9,7 +9,7 @@ pub struct Trace {
     columns: HashMap<String, Vec<f64>>,
     /// The column `state`.
     pub states: Vec<String>,
-    /// How many axes it has.
+    /// Number of axes.
     pub axes: usize,
 }
 

@@ -1,4 +1,4 @@
-//! What the loop knew, tick by tick, with all axes compared to the bit.
+//! State of the loop in each tick, with all axes compared bit by bit.
 
 use cophase_core::supervisor::{Fault, State};
 use cophase_core::units::{Amax, Phase};
@@ -8,25 +8,25 @@ use host_sim::sim::{Moment, Observer, Outcome, simulate};
 /// One tick of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
-    /// When it was played, ns since power-up.
+    /// Start of the tick, ns since power-up.
     pub start_ns: u64,
     /// The supervisor's state.
     pub state: State,
     /// The fault that is latched.
     pub fault: Option<Fault>,
-    /// What the program asks for.
+    /// Amplitude that the program requests.
     pub program: Amax,
-    /// Whether the program's time stands still on command.
+    /// True if a command holds the program's time.
     pub holding: bool,
     /// The master's phase at the tick's end.
     pub phase: Phase,
     /// Its speed in the tick, in units of 2⁻⁴⁸ turn a tick.
     pub speed: i64,
-    /// Whether the shaft was inside a forbidden band.
+    /// True if the shaft was inside a forbidden band.
     pub crossing: bool,
     /// Steps of axis 0 at the tick's end.
     pub steps: i64,
-    /// Whether the drives were on.
+    /// True if the drives were on.
     pub drives_enabled: bool,
     /// Deadlines missed, and met late, so far.
     pub missed: u32,
@@ -39,7 +39,7 @@ pub struct Tick {
 pub struct Watched {
     /// Its ticks, in order.
     pub ticks: Vec<Tick>,
-    /// How it ended.
+    /// End of the run.
     pub outcome: Outcome,
 }
 

@@ -195,7 +195,7 @@ pub enum ControlRequest {
     Release,
 }
 
-/// How to stop.
+/// Kind of stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum StopKind {
     /// At the parking phase.
@@ -349,7 +349,7 @@ pub struct Identity {
     pub restarts: u32,
 }
 
-/// Who has control.
+/// Holder of control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Control {
     /// Nobody.
@@ -371,7 +371,7 @@ pub struct Status {
     pub flags: u8,
     /// Override of the amplitude, in thousandths.
     pub override_permille: u16,
-    /// Who has control.
+    /// Holder of control.
     pub control: Control,
     /// True if a start is allowed.
     pub armed: bool,

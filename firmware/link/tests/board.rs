@@ -166,8 +166,8 @@ fn too_many_axes_are_refused() {
     }
 }
 
-/// What each board has, beside the conformance: if an encoder were accepted that nobody reads, the loop would report its
-/// motor as stuck.
+/// Capabilities of each board, beside its conformance. If this fails, a board accepts an encoder that it does not read, and the loop
+/// reports its motor as stuck.
 #[test]
 fn each_board_has_its_own_capabilities() {
     let mut settings = steppers(4, 500, 200);

@@ -20,7 +20,7 @@ pub type Work = Box<dyn FnMut() -> u64>;
 pub struct Figure {
     /// Name in the output.
     pub name: &'static str,
-    /// What its work is counted in.
+    /// Unit of its work.
     pub unit: &'static str,
     /// Units per load that are asserted. Leave a wide margin: processors differ in what they are good at.
     pub least_per_load: f64,
@@ -167,7 +167,7 @@ impl CpuClock {
 /// Iterations of one load: about a millisecond.
 const LOAD_ITERATIONS: u32 = 80_000;
 
-/// What a load comes to on every machine.
+/// Result of a load, the same on every machine.
 const LOAD_RESULT: u64 = 0x8C0C_F37A_1A1E_7A93;
 
 /// Chains of operations that do not wait for each other. Work that fills a processor's units, as most does, suffers from a

@@ -260,7 +260,7 @@ fn shards(paths: &[PathBuf]) -> Result<Vec<(String, Shard)>, CommandError> {
     files.into_iter().map(read).collect()
 }
 
-/// Whether a file is called as a shard is; the whole, which lies beside them, is not one.
+/// Returns true if a file has the name of a shard. The joined file beside them is none.
 fn is_shard(file: &Path) -> bool {
     let name = file.file_name().and_then(|name| name.to_str());
     name.is_some_and(|name| name.starts_with("campaign-") && name.ends_with(".csv"))

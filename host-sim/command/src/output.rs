@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use host_sim::trace::RunFiles;
 
-/// Why a file was not written; nothing of it is left, nor are folders that were created for it.
+/// Reason why a file was not written. No part of it remains, and no folder that was created for it.
 #[derive(Debug, thiserror::Error)]
 #[error("{option} {}: {problem}; give a file in a folder that can be written", file.display())]
 pub struct NotWritten {

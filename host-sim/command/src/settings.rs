@@ -73,7 +73,7 @@ fn drag_and_drop(settings_file: &[u8]) -> Vec<u8> {
         .collect()
 }
 
-/// What was made, and what of the scene is not in it.
+/// Returns a summary of the settings file, with the parts of the scene that it leaves out.
 fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, CommandError> {
     let settings = &checked.settings;
     let controller = checked

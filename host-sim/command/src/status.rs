@@ -1,8 +1,8 @@
-//! How a command ends.
+//! Exit status and errors of a command.
 
 use std::io;
 
-/// How a command ended.
+/// Exit status of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Status {
@@ -14,13 +14,13 @@ pub enum Status {
     BadInput = 2,
 }
 
-/// Why a command could not be carried out.
+/// Reason why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CommandError {
-    /// What was given cannot be worked with.
+    /// The input is invalid.
     #[error("{0}")]
     Input(String),
-    /// What came out could not be written.
+    /// The output could not be written.
     #[error("cannot write: {0}")]
     Output(#[from] io::Error),
 }

@@ -171,7 +171,7 @@ fn assert_all_refused(cases: &[Case]) {
     }
 }
 
-/// What is said of a scene with these values instead of its own, line by line.
+/// Returns the message about a scene with these values in place of its own, line by line.
 fn lines_of(changes: &[(&str, &str)]) -> Vec<String> {
     let mut text = BASE.to_owned();
     for (from, to) in changes {

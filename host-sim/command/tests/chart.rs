@@ -287,7 +287,7 @@ fn only_ramps_gain_by_a_faster_tick() {
     }
 }
 
-/// What a picture says of the processor, its lines joined.
+/// Returns the message of a picture about the processor, with its lines joined.
 fn processor_share(svg: &str) -> String {
     let texts = svg.split("<text").skip(1).filter_map(|text| {
         let (_, text) = text.split_once('>')?;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-/// How a scene says that its run ends.
+/// End of a run as a scene states it.
 #[derive(Debug, PartialEq)]
 struct End {
     status: i32,

@@ -27,7 +27,7 @@ fn names(dir: &Path) -> Vec<String> {
     names
 }
 
-/// What it says when it is done.
+/// Returns the message of a successful run.
 #[track_caller]
 fn said(output: &Output) -> String {
     let words = String::from_utf8_lossy(&output.stderr);

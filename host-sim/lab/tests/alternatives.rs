@@ -9,7 +9,7 @@ use cophase_lab::campaign::plan::Plan;
 use host_sim::scene::Checked;
 use host_sim::scene::file::{Drive, FaultAt, FaultName};
 
-/// What happened, as the controller would call it if its sensors showed everything.
+/// Returns the name of a fault that the controller would report with perfect sensors.
 fn cause(fault: &FaultAt) -> Option<FaultKind> {
     let turns_back = fault.speed_hz.is_some_and(|speed_hz| speed_hz <= 0.0);
     if fault.kind == FaultName::Runaway && turns_back {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-/// What a source of the judge may not name: gates and thresholds of the monitor, and its table of reactions.
+/// Names that the judge's sources must not contain: gates and thresholds of the monitor, and its table of reactions.
 const OF_THE_MONITOR: [&str; 4] = [
     "cophase_core::drift",
     "supervisor::reaction",

@@ -1,5 +1,5 @@
-//! Whether the answers that charts measure errors against are answers: each problem is solved again by two methods of a
-//! library, neither of them under test.
+//! Checks of the solutions against which charts measure errors. Two methods of a library, which are not under test, solve each
+//! problem again.
 //!
 //! `cargo test -p cophase-lab --test references -- --nocapture` prints how far they are from each other.
 

@@ -1,4 +1,4 @@
-//! What a step costs: each method on the elastic chain of three masses, six components and one cam law.
+//! Cost of a step: each method on the elastic chain of three masses, six components and one cam law.
 //!
 //! `cargo bench -p cophase-methods`. Each sample is 1000 steps of 10 us, through the cam's whole turn again and
 //! again: a printed microsecond is a nanosecond a step. Steps allocate nothing (`tests/allocation.rs`).

@@ -18,7 +18,7 @@ const WINDOW_PERIODS: u32 = 100;
 /// Not whole numbers a period of either machine, so that the ripple is met at all its phases.
 const STEPS_PER_RADIAN: f64 = 10.3;
 
-/// What counts as kept.
+/// Largest relative drift that counts as conserved.
 const KEPT: f64 = 1e-6;
 
 /// Relative change of the mean energy; infinite if the state grew beyond `f64`.

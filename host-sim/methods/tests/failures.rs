@@ -1,4 +1,4 @@
-//! What goes wrong is a typed error, and leaves the state as it was.
+//! Failures are typed errors, and leave the state unchanged.
 
 use cophase_methods::problems::{Andrews, Hires, Oscillator};
 use cophase_methods::{Equations, Needs, Refused, Scheme, StepError};

@@ -73,7 +73,7 @@ impl Run {
         }
     }
 
-    /// When it leaves idle, to the tick, ns since power-up.
+    /// Returns the time at which it leaves idle, to the tick, ns since power-up.
     fn start_of_events(&self) -> Option<i64> {
         self.events.as_ref()?.start_ns()
     }

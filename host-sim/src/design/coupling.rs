@@ -1,17 +1,17 @@
-//! Gains of the cross-coupling between servos, from what the drives and their rotors are.
+//! Gains of the cross-coupling between servos, from the properties of the drives and their rotors.
 //!
-//! The loop moves each servo's setpoint against what its crank is off from the mean of all, s, by −(p s + q ∫ s dt). What modes 1
-//! and up see of it is an open loop L(s) = (p + q/s) e^(−sτ) T(s): τ is two ticks, one in which the setpoint is computed and one
-//! until it is reached, and T what the drive makes of its setpoint,
+//! The loop corrects each servo's setpoint by −(p s + q ∫ s dt), with s the deviation of its crank from the mean of all. For modes 1 and
+//! up, the open loop is L(s) = (p + q/s) e^(−sτ) T(s). The delay τ is two ticks: one in which the setpoint is computed, and one until
+//! it is reached. T is the transfer function of the drive from its setpoint,
 //!
 //! T = C (f s + g) / (J s² + C (s + g)), C = k (1 + 1/(Tᵢ s)),
 //!
-//! with the drive's gains g, k and integral time Tᵢ, its share f of velocity feed-forward, and J the rotor's inertia, alone and with the most of the platform that it
-//! may have to carry. The gains are the largest with which L keeps a distance from −1 of [`APART`] at all frequencies, at either
-//! inertia: a gain margin of 1/(1 − APART) at the least, and a phase margin of 2 asin(APART/2). Of the proportional part a
-//! fixed share is taken, as more of it gains little: what it answers to comes two ticks late.
+//! with the drive's gains g, k and integral time Tᵢ, and its part f of velocity feed-forward. J is the inertia of the rotor, alone and
+//! with the largest load. The gains are the largest with which the distance of L from −1 is at least [`APART`] at all frequencies and
+//! both inertias. So the gain margin is at least 1/(1 − APART), and the phase margin 2 asin(APART/2). The proportional gain is fixed, as
+//! more of it improves little: its input is two ticks late.
 //!
-//! What it leaves out: the drives' current limits, and rods that bend.
+//! The design neglects the drives' current limits and the elasticity of rods.
 
 use std::f64::consts::TAU;
 
@@ -22,37 +22,37 @@ use crate::scene::file::ServoDrive;
 /// Least distance of the open loop from −1, at any frequency.
 pub const APART: f64 = 0.6;
 
-/// The proportional gain.
+/// Proportional gain.
 const PROPORTIONAL: f64 = 0.2;
 
-/// What the coupling is to be designed for.
+/// Properties of the servos for which the coupling is designed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plant {
-    /// The drives.
+    /// Servo drives.
     pub servo: ServoDrive,
     /// Inertia of a rotor alone, kg·m².
     pub least_kgm2: f64,
-    /// And with the most that it has to carry.
+    /// Inertia of a rotor with its largest load, kg·m².
     pub most_kgm2: f64,
-    /// Control ticks a second.
+    /// Control ticks per second.
     pub tick_hz: f64,
 }
 
-/// Gains, and how far they are from being too large.
+/// Gains, with their margin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gains {
-    /// Setpoint against what a crank is off.
+    /// Gain from the deviation of a crank to its setpoint.
     pub proportional: f64,
-    /// And against that integrated, 1/s.
+    /// Gain from the integrated deviation, 1/s.
     pub per_s: f64,
-    /// By how much both may be multiplied until the coupling swings without end.
+    /// Factor on both gains at which the coupling becomes unstable.
     pub gain_margin: f64,
 }
 
 impl Plant {
-    /// The gains.
+    /// Computes the gains.
     ///
-    /// `None` where even the least would not keep the distance: drives that are badly damped by themselves.
+    /// `None` if even the smallest gains do not keep the distance, as for drives with little damping of their own.
     pub fn gains(&self) -> Option<Gains> {
         let keeps = |per_s: f64| self.apart(PROPORTIONAL, per_s) >= APART;
         let (mut inside, mut outside) = (1e-3, self.tick_hz);
@@ -67,7 +67,7 @@ impl Plant {
                 outside = per_s;
             }
         }
-        // Two digits, rounded down: nobody wants to read more.
+        // Two digits, rounded down, are enough to read.
         let unit = 10_f64.powf(inside.log10().floor() - 1.0);
         let per_s = (inside / unit).floor() * unit;
         Some(Gains {
@@ -77,7 +77,7 @@ impl Plant {
         })
     }
 
-    /// Distance of the open loop from −1, the least over all frequencies.
+    /// Returns the least distance of the open loop from −1 over all frequencies.
     fn apart(&self, proportional: f64, per_s: f64) -> f64 {
         let inertias = [self.least_kgm2, self.most_kgm2];
         let all = inertias.iter().flat_map(|&inertia| {
@@ -88,7 +88,7 @@ impl Plant {
         all.fold(f64::INFINITY, f64::min)
     }
 
-    /// What both gains may be multiplied by until the open loop passes −1.
+    /// Returns the factor on both gains at which the open loop passes −1.
     fn gain_margin(&self, proportional: f64, per_s: f64) -> f64 {
         let mut margin = f64::INFINITY;
         for inertia in [self.least_kgm2, self.most_kgm2] {
@@ -126,7 +126,7 @@ impl Plant {
         (Complex::new(proportional, 0.0) + per_s / s) * delay * follows
     }
 
-    /// From slow to half the tick rate, a hundred to a decade.
+    /// Returns frequencies from low ones to half the tick rate, a hundred per decade.
     fn frequencies(&self) -> impl Iterator<Item = f64> + use<> {
         let top = TAU * self.tick_hz / 2.0;
         (0..=500).map(move |i| top * 10_f64.powf(-f64::from(i) / 100.0))

@@ -18,7 +18,7 @@ pub struct Range {
     pub high: f64,
     /// Unit, with the space that goes before it.
     pub unit: &'static str,
-    /// What the range is, in a few words.
+    /// Name of the range, in a few words.
     pub meaning: &'static str,
     /// A value that works, for input that is not finite or lies below an open end.
     pub usual: f64,

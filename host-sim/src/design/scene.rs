@@ -2,18 +2,18 @@
 
 use crate::scene::load::checked_from_text;
 
-/// Why a design is no scene that can be run.
+/// Reason why a design is no scene that can be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("--scene: this design cannot be run: {problem}")]
 pub struct NotRunnable {
-    /// What the scene was refused for, with the key and what would be right.
+    /// Problem of the scene, with the key and the fix.
     pub problem: String,
 }
 
 /// Checks the text of a scene that a design was written as.
 ///
 /// # Errors
-/// What a run of it is refused for, such as a speed that no scene takes.
+/// A run would refuse the scene, for instance for a speed that no scene takes.
 pub(super) fn checked(text: String) -> Result<String, NotRunnable> {
     let text = aligned(&text);
     match checked_from_text(&text, None) {

@@ -147,7 +147,7 @@ impl OperatingRange {
         SvgBackend::new().render_scene(&scene)
     }
 
-    /// How much of their torque the program requires of the motors.
+    /// Part of the motors' torque that the program requires.
     fn subtitle(&self) -> String {
         let Some(load) = self.greatest_load() else {
             return String::new();

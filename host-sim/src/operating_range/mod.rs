@@ -140,7 +140,7 @@ impl OperatingRange {
         self.mechanism.amax_mps2(speed_hz * TAU)
     }
 
-    /// Whether an axis is commanded by STEP and DIR.
+    /// Returns true if STEP and DIR command an axis.
     pub fn takes_pulses(&self, axis: usize) -> bool {
         self.settings.axes[axis].drive != DriveKind::Servo
     }
@@ -165,7 +165,7 @@ impl OperatingRange {
     /// Greatest speed at which the [RP2040](Rp2040) makes the steps of all axes within a tick, rev/s; none where it has time at any.
     ///
     /// # Errors
-    /// Why the board cannot run this machine at all.
+    /// The board cannot run this machine at any speed.
     pub fn board_speed_hz(&self) -> Result<Option<f64>, Unfit> {
         let mut settings = self.settings.clone();
         settings.clock_hz = Rp2040::CLOCK_HZ;

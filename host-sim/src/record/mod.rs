@@ -55,11 +55,11 @@ pub struct Recording<W: Write + Seek> {
 /// A recording that is complete.
 #[derive(Clone, Debug)]
 pub struct Recorded {
-    /// How the files were written.
+    /// Format of the written files.
     pub written: Written,
-    /// Why there are no edges; none if there are.
+    /// Reason why there are no edges; `None` if there are.
     pub no_edges: Option<NoEdges>,
-    /// What the scope shows.
+    /// Data for `scope.svg`.
     pub scope: ScopeData,
     /// Samples that were lost.
     pub gaps: Gaps,
@@ -259,7 +259,7 @@ impl<W: Write + Seek + 'static> Recording<W> {
     }
 }
 
-/// When the tick begins that plays what the loop commanded in a tick, ns since power-up.
+/// Returns the start of the tick that plays the commands of a tick, ns since power-up.
 pub(crate) const fn played_ns(tick: u32, tick_ns: u64) -> u64 {
     (tick as u64 + 1) * tick_ns
 }

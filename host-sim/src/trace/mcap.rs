@@ -15,7 +15,7 @@ use super::Row;
 use super::column::{Column, Read, Topic};
 use super::json::JsonColumns;
 
-/// Why a trace could not be written.
+/// Reason why a trace could not be written.
 #[derive(Debug, Error)]
 pub enum McapTraceError {
     /// The `mcap` crate or the file under it refused.

@@ -1,4 +1,4 @@
-//! What a run leaves behind for people to look at.
+//! Files of a run: traces and pictures.
 //!
 //! One [`Row`] a control tick goes in; out come numbers ([`TraceCsv`], [`TraceMcap`], and [`RowsUdp`] for live plots), edges as a
 //! logic analyser shows them ([`StepsVcd`], [`StepsFst`]), and one page as a scope shows it ([`ScopeData`]). The [columns](mod@column) are

@@ -12,7 +12,7 @@ use super::{ControllerRows, EdgeError, Format, Row, RowsUdp, ScopeData, TickEdge
 use crate::scene::Checked;
 use crate::sim::{Moment, Observer};
 
-/// What went wrong while a trace was written.
+/// Error while a trace was written.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// In `trace.csv`.

@@ -12,9 +12,9 @@ pub struct Row {
     pub state: &'static str,
     /// Its number: 0 idle, 1 homing, 2 run, 3 stop, 4 parked, 5 fault.
     pub state_code: u8,
-    /// What the program asks for, m/s².
+    /// Amplitude that the program requests, m/s².
     pub amax_requested_mps2: f64,
-    /// What the commanded speed amounts to, m/s².
+    /// Amplitude at the commanded speed, m/s².
     pub amax_commanded_mps2: f64,
     /// Commanded speed of the master shaft, rad/s.
     pub omega_rad_s: f64,

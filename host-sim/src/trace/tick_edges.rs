@@ -28,7 +28,7 @@ pub struct TickEdges<'a> {
 /// Wires that no controller reports.
 #[derive(Debug)]
 pub struct SensedEdges<'a> {
-    /// When index lines rose: cycles from the tick's beginning.
+    /// Times at which index lines rose, cycles from the tick's beginning.
     pub index: &'a [Option<u32>],
     /// Length of an index pulse, cycles.
     pub index_cycles: u32,
@@ -62,7 +62,7 @@ impl<'a> TickEdges<'a> {
         cycles * (self.end_ns - self.start_ns) / u64::from(self.tick_cycles)
     }
 
-    /// When the index line of an axis rose and falls again, ns since power-up.
+    /// Returns the times at which the index line of an axis rose and falls again, ns since power-up.
     pub(super) fn index_ns(&self, axis: usize) -> Option<(u64, u64)> {
         let sensed = self.sensed.as_ref()?;
         let rise = self.start_ns + self.ns(sensed.index[axis]?.into());

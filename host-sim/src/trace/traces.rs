@@ -125,7 +125,7 @@ impl<W: Write + Seek> RowWriter for TraceMcap<W> {
     }
 }
 
-/// What cannot be sent is counted, and is no reason to end a run.
+/// Rows that cannot be sent are counted, and do not end a run.
 impl RowWriter for &mut RowsUdp {
     fn write(&mut self, row: &Row) -> Result<(), RecordError> {
         self.send(row);

@@ -22,7 +22,7 @@ pub struct RowsUdp {
     lost: u64,
 }
 
-/// How many rows were sent.
+/// Number of sent rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SentRows {
     /// Rows there were.

@@ -30,8 +30,8 @@ const SHOWN_NS: u64 = 200_000_000;
 const BEFORE_FAULT_NS: u64 = 50_000_000;
 
 impl Window {
-    /// Of a scene that says nothing of it: around the first fault that it puts in, else the first motion. Wires that are wrong
-    /// are so from power-up, and seen when the machine first moves.
+    /// Returns the window of a scene. The default is around the first injected fault, else the first motion. Wrong wiring exists from
+    /// power-up on, and shows when the machine first moves.
     pub fn of(scene: &Scene) -> Self {
         if let Some(scope) = scene.scope {
             return Self::seconds(scope.from_s, scope.to_s);

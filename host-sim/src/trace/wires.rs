@@ -36,7 +36,7 @@ pub struct Levels {
     pub is_sensed_unknown: bool,
 }
 
-/// Why a change was not written.
+/// Reason why a change was not written.
 #[derive(Debug, Error)]
 pub enum EdgeError {
     /// The change is earlier than what is already written (a file's times cannot go back).
@@ -62,9 +62,9 @@ pub enum EdgeError {
         *at_ns as f64 * 1e-9
     )]
     TooLong {
-        /// Where the window begins.
+        /// Start of the window.
         from_ns: u64,
-        /// Where it became too much.
+        /// Time at which the limit was exceeded.
         at_ns: u64,
     },
     /// The writer refused.

@@ -70,7 +70,7 @@ fn there_and_back_again() {
     }
 }
 
-/// Where the hand cannot be is refused by name; at the very edge there is one assembly mode, which is singular.
+/// Unreachable points are refused by name. The edge of the reach has one assembly mode, which is singular.
 #[test]
 fn edges_of_the_reach() {
     let at = |l1_m, l4_m, x_m, y_m| {

@@ -57,7 +57,7 @@ fn irregularity_and_energy() {
     assert_near("energy", energy_j * 40.9 / found.rim_kgm2(), 2431.7, 0.05);
 }
 
-/// What does not go together is refused by name, as is what is out of range.
+/// Values that contradict each other, or are out of range, are refused by name.
 #[test]
 fn what_does_not_go_together_is_refused_by_name() {
     let refused = |change: fn(&mut Requirement)| {

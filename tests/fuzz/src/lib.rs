@@ -19,7 +19,7 @@ use watch::Watch;
 /// Ticks of a case: enough to home at the slowest, run, stop and start again.
 pub const TICKS: u32 = 5000;
 
-/// How far a case got, so that a test can see that cases get anywhere.
+/// Progress of a case, with which a test checks that cases run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reached {
     /// Ticks that were played.
@@ -28,7 +28,7 @@ pub struct Reached {
     pub running: u32,
     /// Faults that latched.
     pub faults: u32,
-    /// What went wrong, fault or not: a bit for each kind, at its number.
+    /// Reported events, faults or not: a bit for each kind, at its number.
     pub kinds: u32,
 }
 

@@ -16,16 +16,16 @@ struct Crank {
     reversed: bool,
     /// The phase at which its flag begins.
     index: i64,
-    /// Where it was commanded to be at the end of the ticks that were played last, the latest first; units of a turn, not wrapped.
+    /// Commanded positions at the ends of the last ticks, the latest first; units of a turn, not wrapped.
     commanded: [i64; 4],
-    /// How far from that it is.
+    /// Its distance from the command.
     apart: i64,
-    /// How much further in each tick.
+    /// Change of that distance per tick.
     walks: i64,
     stuck: bool,
     reversed_by_mistake: bool,
     index_dead: bool,
-    /// What its encoder is off by, counts.
+    /// Error of its encoder, counts.
     glitch: i32,
     encoder_dead: bool,
     was: i64,
@@ -160,7 +160,7 @@ impl Machine {
         }
     }
 
-    /// How long nothing else happens.
+    /// Number of ticks without another event.
     pub fn quiet_ticks(&self, script: &mut Script<'_>) -> u32 {
         match script.byte() {
             short @ 0..64 => u32::from(short % 4),
@@ -168,7 +168,7 @@ impl Machine {
         }
     }
 
-    /// What the loop reads at this deadline.
+    /// Returns the feedback at this deadline.
     pub fn feedback(&mut self, script: &mut Script<'_>) -> Feedback {
         for crank in &mut self.cranks {
             crank.move_on();

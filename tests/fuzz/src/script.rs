@@ -10,7 +10,7 @@ pub struct Script<'a> {
 }
 
 impl<'a> Script<'a> {
-    /// Of any bytes, none at all too.
+    /// Creates a script from any bytes, also from none.
     pub const fn new(bytes: &'a [u8]) -> Self {
         Self {
             bytes,

@@ -1,4 +1,4 @@
-//! What must hold after every tick, whatever was read.
+//! Conditions that must hold after every tick, for any feedback.
 
 use cophase_core::settings::{DriveKind, Settings};
 use cophase_core::signals::{Feedback, Output};
@@ -19,7 +19,7 @@ pub struct Watch {
     /// Axes that turn once with the master: their phases are its own, except for their offsets.
     plain: Vec<Option<Turns>>,
     stepper: Vec<bool>,
-    /// Whether drift is corrected.
+    /// True if phase errors are corrected.
     corrects: bool,
     tick_cycles: u32,
     phase: Phase,

@@ -33,7 +33,7 @@ const LEAST_ACCEPTED: u64 = 80;
 /// One scene of so many is run twice.
 const TWICE: u64 = 10;
 
-/// How often long tests say how far they are.
+/// Interval of the progress messages of long tests.
 const PROGRESS: Duration = Duration::from_secs(20);
 
 /// Outcome of a run of the command.

@@ -151,7 +151,7 @@ pub struct AxisSettings {
     pub steps_per_turn: u32,
     /// True if the crank turns in the opposite sense of axis 0.
     pub reversed: bool,
-    /// How the crank follows the master.
+    /// Follower of the crank: its relation to the master.
     pub follower: FollowerSettings,
     /// Crank phase relative to the one that its follower gives, turns, −½ to ½.
     pub offset_turns: f64,

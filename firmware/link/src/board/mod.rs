@@ -33,7 +33,7 @@ pub trait Board {
     /// Checks that the board has what an axis needs. `number` is the axis's place in the settings, counted from 0.
     ///
     /// # Errors
-    /// What the board lacks, with that number.
+    /// Capability that the board lacks, with that number.
     fn check_axis(number: usize, axis: &AxisSettings) -> Result<(), Unfit>;
 
     /// Processor time of the longest tick at a tick rate in Hz, in cycles of the step clock. Only the axes and the limits

@@ -48,7 +48,7 @@ pub trait Device {
     /// Checks a settings file, and stores it for the next restart. The drives are off.
     ///
     /// # Errors
-    /// Why it was not stored. The old settings stay.
+    /// Reason why it was not stored. The old settings remain.
     fn store_settings(&mut self, settings_file: &[u8]) -> Result<(), SettingsRefusal>;
 
     /// Restarts the controller, once the reply had time to leave; with only one axis of the settings, if one is given.

@@ -42,8 +42,8 @@ pub struct Planner {
     place: Place,
 }
 
-/// Where an axis is within a step, and the levels of its lines: all that the edges of a tick depend on besides its turns and the
-/// lines' timing, which is the same for all axes of a machine.
+/// Position of an axis within a step, and the levels of its lines. The edges of a tick also depend on its turns, and on the lines'
+/// timing, which is the same for all axes of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     half_steps_per_turn: u32,
@@ -69,7 +69,7 @@ impl Planner {
         }
     }
 
-    /// Where the axis is within a step.
+    /// Returns the position of the axis within a step.
     pub const fn place(&self) -> &Place {
         &self.place
     }

@@ -67,12 +67,12 @@ pub fn feed(cs: CriticalSection<'_>, axis: usize, words: Span) {
     }
 }
 
-/// Whether a channel still has words to move.
+/// Returns true if a channel still has words to move.
 pub fn is_busy(axis: usize) -> bool {
     CtrlTrig(pac::DMA.ch(axis).al1_ctrl().read()).busy()
 }
 
-/// Whether words of an axis wait for its channel.
+/// Returns true if words of an axis wait for its channel.
 pub fn is_waiting(cs: CriticalSection<'_>, axis: usize) -> bool {
     let queued = QUEUED.borrow(cs).get(axis);
     queued.is_some_and(|queued| {

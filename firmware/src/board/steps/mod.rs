@@ -75,15 +75,15 @@ const fn machines(block: usize, axes: usize) -> u8 {
 /// Instructions of a block that the program takes, from the first on.
 pub const PROGRAM_LENGTH: usize = 15;
 
-/// What became of a submission of words.
+/// Result of a submission of words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Submission {
-    /// They will be played when they are due, right behind those before them.
+    /// The words will be played when they are due, directly after those before them.
     Taken,
-    /// They will be played when they are due. The machines stood, and have been let go this many cycles
-    /// before that.
+    /// The words will be played when they are due. The machines stood, and were started this many cycles before
+    /// that.
     Begun(u32),
-    /// It was too late: the machines stand, or are about to.
+    /// The submission was too late: the machines stand, or will stand.
     TooLate,
     /// An axis underran inside a tick: it is behind the others. Nothing was taken.
     Underrun(usize),
@@ -91,9 +91,9 @@ pub enum Submission {
 
 /// The step output of all axes.
 pub struct Steps {
-    /// Where the next tick's words go.
+    /// Buffers for the next tick's words.
     free: &'static mut [Words; AXES],
-    /// What the channels were given last.
+    /// Buffers that the channels were given last.
     given: &'static mut [Words; AXES],
     axes: usize,
     /// Machines of each block that make steps, a bit each.
@@ -104,7 +104,7 @@ pub struct Steps {
     /// Axes whose words are read, and where these words are.
     read: heapless::Vec<u8, AXES>,
     spans: [Span; AXES],
-    /// What turns a word's DIR round, or not, for each axis.
+    /// Mask that inverts a word's DIR, or 0, of each axis.
     reversed: [u32; AXES],
     tick: Duration,
     /// The deadline up to which the machines have words; none if they stand.
@@ -308,7 +308,7 @@ impl Steps {
         (0..self.axes.min(AXES)).find(|&axis| has_underrun(axis))
     }
 
-    /// Whether every machine has played all its words and waits for more.
+    /// Returns true if every machine has played all its words and waits for more.
     fn all_stand(&self, cs: CriticalSection<'_>) -> bool {
         (0..self.axes.min(AXES)).all(|axis| {
             let pio = if block_of(axis) == 0 {
@@ -326,7 +326,7 @@ impl Steps {
     }
 }
 
-/// Whether the machine of an axis has waited for words since it was let go.
+/// Returns true if the machine of an axis has waited for words since it was started.
 fn has_underrun(axis: usize) -> bool {
     let pio = if block_of(axis) == 0 {
         pac::PIO0

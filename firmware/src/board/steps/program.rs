@@ -1,4 +1,4 @@
-//! What a state machine does with the words of a run: the program that makes every step edge.
+//! Program of a state machine: it makes every step edge from the words of a run.
 //!
 //! | part of the word | in a run | in a pause |
 //! | --- | --- | --- |

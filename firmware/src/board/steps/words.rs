@@ -9,10 +9,10 @@ use super::AXES;
 /// DIR in a word.
 pub const DIR: u32 = 1 << 31;
 
-/// Room for the words of one tick of one axis, behind one for the pause with which to begin.
+/// Buffer for the words of one tick of one axis, after one for the pause at the start.
 pub struct Words {
     words: [u32; MAX_RUNS + 1],
-    /// How many of them the tick uses.
+    /// Number of words that the tick uses.
     count: u32,
 }
 

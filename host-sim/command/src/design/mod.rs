@@ -57,7 +57,7 @@ enum Other {
     Screen(ScreenArgs),
 }
 
-/// Why `cophase design` came to nothing.
+/// Reason why `cophase design` failed.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignCommandError {
     /// Bad input (exit status 2); nothing was written. Has a line for each number that is wrong.

@@ -28,7 +28,7 @@ pub(super) struct Session<W: Write + Seek> {
     bar: ProgressBar,
 }
 
-/// How far the machine has come.
+/// Progress of the machine.
 #[derive(Default)]
 struct Watched {
     /// A program ran, or a motion ended in a fault.

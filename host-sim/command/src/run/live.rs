@@ -1,4 +1,4 @@
-//! What of a run is live: rows that are sent while it runs, in step with the wall clock.
+//! Live rows of a run: they are sent while it runs, in step with the wall clock.
 
 use std::net::SocketAddr;
 
@@ -38,7 +38,7 @@ impl Live {
         (rows, self.speed.map(WallClock::new))
     }
 
-    /// How much was sent, and to whom.
+    /// Ends the sending. Returns the receiver, and the number of sent rows.
     pub(super) fn finish(self) -> Option<(SocketAddr, SentRows)> {
         self.rows.map(|(receiver, rows)| (receiver, rows.finish()))
     }

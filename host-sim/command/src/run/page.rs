@@ -1,4 +1,4 @@
-//! What `scope.svg` shows besides the rows: the scene, and marks.
+//! Parts of `scope.svg` beside the rows: the scene, and marks.
 
 use host_sim::report;
 use host_sim::scene::Checked;

@@ -1,4 +1,4 @@
-//! Who is let in: the token, and the server's own host and origin.
+//! Access control: the token, and the server's own host and origin.
 //!
 //! The token is in the path of the page, so that every file and the socket need it, and no cookie carries it to another
 //! page. `Host` must be the server's own: a name that somebody else resolves to this computer is refused. `Origin`, which a

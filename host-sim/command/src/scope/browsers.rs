@@ -126,7 +126,7 @@ mod tests {
 
     use super::*;
 
-    /// What finds no room is counted, for the slow browser only.
+    /// Messages without room are counted, for the slow browser only.
     #[test]
     fn samples_and_reports_that_find_no_room_are_counted() {
         let address = SocketAddr::from(([127, 0, 0, 1], 1));

@@ -8,7 +8,7 @@ use host_sim::scene::library;
 use super::ScopeArgs;
 
 /// Reads the scene of `--scene`, that of `--to sim:SCENE`, or the built-in one that has the name of the controller's settings.
-/// Of a controller with other settings there is no text.
+/// There is no text for a controller with other settings.
 pub(super) fn text(args: &ScopeArgs, identity: &Identity) -> Result<String, String> {
     let to = args.to.as_deref().unwrap_or_default();
     let named = args.scene.as_deref().or_else(|| to.strip_prefix("sim:"));

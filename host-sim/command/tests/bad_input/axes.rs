@@ -318,7 +318,7 @@ fn what_one_has_apart() {
     ]);
 }
 
-/// What is given of a stepper, where it could not act.
+/// Keys of a stepper that have no effect are refused.
 #[test]
 fn torque_that_scales_or_slips_nothing() {
     assert_all_refused(&[

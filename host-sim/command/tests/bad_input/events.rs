@@ -1,4 +1,4 @@
-//! What happens to a scene at a time, and the window on it.
+//! Events of a scene at stated times, and its window.
 
 use super::edit::{append, set, without};
 use super::{assert_all_refused, case};

@@ -1,4 +1,4 @@
-//! What is put in on purpose: each kind takes its own numbers, on axes and machines that can show it.
+//! Injected faults: each kind takes its own values, on axes and machines that can show it.
 
 use super::edit::{append, replace};
 use super::{Case, assert_all_refused, case};

@@ -1,4 +1,4 @@
-//! What is no scene file at all, and where nothing can be written.
+//! Files that are no scene, and folders that cannot be written to.
 
 use std::fs;
 use std::path::Path;

@@ -18,7 +18,7 @@ pub use page::write_page;
 pub struct Section {
     /// Machine.
     pub title: &'static str,
-    /// Source, and what is to be known of it.
+    /// Source, with remarks.
     pub source: &'static str,
     /// Command that runs the tests.
     pub command: &'static str,
@@ -26,7 +26,7 @@ pub struct Section {
     pub figures: Vec<Figure>,
 }
 
-/// One figure, or several of one kind.
+/// Figure, or several of one kind.
 #[derive(Clone, Debug)]
 pub struct Figure {
     /// Item, by the numbers of the list that the tests cite.
@@ -48,16 +48,16 @@ pub struct Figure {
 /// Permitted difference of a figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
-    /// In the figure's unit.
+    /// Absolute tolerance, in the figure's unit.
     Absolute(f64),
-    /// Of the figure itself.
+    /// Tolerance relative to the figure.
     Relative(f64),
     /// None: the figure is not reproduced, and the note has the reason.
     NotReproduced,
 }
 
 impl Figure {
-    /// A figure that is reproduced without a remark.
+    /// Creates a figure that is reproduced without a remark.
     fn new<const N: usize>(
         item: u32,
         what: &'static str,
@@ -77,7 +77,7 @@ impl Figure {
         }
     }
 
-    /// The same with a remark.
+    /// Returns the same figure with a remark.
     fn noted(mut self, note: &'static str) -> Self {
         self.note = note;
         self
@@ -105,7 +105,7 @@ impl Figure {
     }
 }
 
-/// Why a figure of ours could not be computed.
+/// Reason why a figure could not be computed.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct ReproducedError(String);

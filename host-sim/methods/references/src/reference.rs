@@ -3,7 +3,7 @@
 //! Reference solutions are solved to their end in one run, at the tightest tolerance that a solver works with. Their error is
 //! taken to be their difference from the other library's, and errors below ten times that are not judged.
 //!
-//! What works how tightly: the explicit two, DOP853 and TSIT45, agree to 1e-13 at tolerance 1e-14. diffsol's BDF is off by
+//! Accuracies: the explicit two, DOP853 and TSIT45, agree to 1e-13 at tolerance 1e-14. The error of diffsol's BDF is
 //! 1e-12 to 1e-9. BDF of `differential-equations` 0.7 stops at its first step ("step size became too small") on Van der
 //! Pol's oscillator at any tolerance, and on HIRES if the absolute one is below 1e-10; its Radau IIA takes the former.
 

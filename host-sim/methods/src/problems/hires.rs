@@ -15,7 +15,7 @@ impl Hires {
     /// State at time 0.
     pub const START: [f64; 8] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057];
 
-    /// When the published state is reached.
+    /// Time of the published state.
     pub const END: f64 = 321.8122;
 
     /// Published state at [`Hires::END`]: RADAU5 at tolerance 1.1e-18 in 128-bit arithmetic.

@@ -21,7 +21,7 @@ impl VanDerPol {
     /// State at time 0. (Where (2, −0.66) is given for the start, the published state is missed by 3e-7.)
     pub const START: [f64; 2] = [2.0, 0.0];
 
-    /// When the published state is reached.
+    /// Time of the published state.
     pub const END: f64 = 2.0;
 
     /// Published state at [`VanDerPol::END`], for ε = 1e-6.

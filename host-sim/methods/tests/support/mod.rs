@@ -1,4 +1,4 @@
-//! What several tests share.
+//! Helpers that several tests share.
 #![allow(dead_code, reason = "each test takes what it needs")]
 
 use cophase_methods::{Equations, Scheme, StepError, advance};

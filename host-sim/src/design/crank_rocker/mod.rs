@@ -36,7 +36,7 @@ pub struct Requirement {
     pub screw_lead_mm: Option<f64>,
 }
 
-/// Why a requirement has no linkage.
+/// Reason why a requirement has no linkage.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
     /// Numbers out of their ranges: all of them, never empty. Prints a line each.

@@ -22,7 +22,7 @@ pub struct Requirement {
     pub y_m: f64,
 }
 
-/// Why a requirement has no joint angles.
+/// Reason why a requirement has no joint angles.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
     /// Numbers out of their ranges: all of them, never empty. Prints a line each.
@@ -77,7 +77,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// How near the point is to the edge of the reach: |det J| over the largest that the links can have, 0 to 1.
+    /// Distance of the point from the edge of the reach: |det J| over the largest that the links can have, 0 to 1.
     #[must_use]
     pub fn margin(&self) -> f64 {
         let det = self.arm.determinant_m2(self.solutions[0]);

@@ -39,7 +39,7 @@ pub struct Requirement {
     pub speeds_rad_s: Option<[f64; 2]>,
 }
 
-/// Why a requirement has no design.
+/// Reason why a requirement has no design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
     /// Numbers out of their ranges: all of them, never empty. Prints a line each.

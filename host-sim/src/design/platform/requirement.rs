@@ -1,4 +1,4 @@
-//! What the platform must do, and within which ranges the method answers.
+//! Requirement of a platform, and the ranges of the method.
 //!
 //! The ranges of load, acceleration, frequency, ratio, motors and safety are the source's (steps A to C,
 //! E, H, I). Gravity's range is ours: Earth's, or the round 10 m/s² behind the source's figures.

@@ -31,7 +31,7 @@ impl Design {
     /// DIR.
     ///
     /// # Errors
-    /// What a scene cannot have of the design.
+    /// A scene cannot have the design's values.
     pub fn scene(&self) -> Result<String, NotRunnable> {
         let text = [
             self.heading(),
@@ -43,7 +43,7 @@ impl Design {
         checked(text.concat())
     }
 
-    /// Whether steppers are beyond their speed or power.
+    /// Returns true if the design exceeds the speed or power of steppers.
     fn needs_servos(&self) -> bool {
         let is_about_steppers = |warning: &Warning| {
             matches!(

@@ -11,7 +11,7 @@ use crate::mechanism::slider_crank::{SliderCrank, SliderCrankError};
 use crate::mechanism::turn_search::{TurnPeak, largest_over_turn};
 use crate::mechanism::{Mechanism, Platform};
 
-/// Why a requirement has no design.
+/// Reason why a requirement has no design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
     /// Quantities out of their ranges: all of them, never empty. Prints a line each.
@@ -22,7 +22,7 @@ pub enum DesignError {
     NoCrank {
         /// The requested frequency, Hz.
         freq_hz: f64,
-        /// What is wrong with the crank.
+        /// Error of the crank.
         source: SliderCrankError,
     },
     /// A load so near 0 that torques underflow.

@@ -1,5 +1,5 @@
-//! What to know before a motor is bought by these figures: where the patent's formula is off, where its
-//! print is wrong, and what no stepper does.
+//! Warnings for buyers of motors: errors of the patent's formula and of its print, and figures that no stepper
+//! reaches.
 
 use core::fmt;
 
@@ -67,13 +67,13 @@ pub enum Warning {
     },
     /// Gravity is the rounded one behind the patent's printed figures.
     RoundedGravity {
-        /// How much lower torques are with standard gravity, as a fraction.
+        /// Relative reduction of torques with standard gravity.
         torque_drop: f64,
     },
 }
 
 impl Design {
-    /// Where the method or its printed form misleads for this design.
+    /// Returns the warnings about the method and its printed form for this design.
     pub fn warnings(&self) -> Vec<Warning> {
         of(self)
     }

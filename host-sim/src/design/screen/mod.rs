@@ -46,7 +46,7 @@ pub struct Requirement {
     pub deck_deg: Option<f64>,
 }
 
-/// Why a requirement has no screen: numbers out of their ranges, all of them, never empty. Prints a line each.
+/// Reason why a requirement has no screen: all numbers out of their ranges, never empty. Prints a line each.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", OutOfRange::lines(.0))]
 pub struct DesignError(pub Vec<OutOfRange>);

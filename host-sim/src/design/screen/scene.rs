@@ -13,7 +13,7 @@ impl Design {
     /// The scene, as TOML text. The design has no motor and no length of the box: these are assumed, and marked so.
     ///
     /// # Errors
-    /// What a scene cannot have of the design.
+    /// A scene cannot have the design's values.
     pub fn scene(&self) -> Result<String, NotRunnable> {
         let required = &self.requirement;
         let speed_hz = self.speed_rad_s() / TAU;

@@ -92,7 +92,7 @@ pub fn thin(points: &mut Points, tolerance: f64) {
     *points = kept;
 }
 
-/// Whether the straight line from `anchor` to `point` goes between the doors.
+/// Returns true if the straight line from `anchor` to `point` is between the doors.
 fn passes(anchor: (f64, f64), point: (f64, f64), doors: (f64, f64)) -> bool {
     let run = point.0 - anchor.0;
     if run <= 0.0 {
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// What the line through `points` is at `t`, where it is not vertical.
+    /// Returns the value of the line through `points` at `t`, where it is not vertical.
     fn at(points: &Points, t: f64) -> f64 {
         let right = points
             .partition_point(|p| p.0 < t)

@@ -1,4 +1,4 @@
-//! Why a question could not be answered.
+//! Reasons why a question could not be answered.
 
 use std::path::{Path, PathBuf};
 

@@ -177,7 +177,7 @@ impl Decision for PullsOut {
     }
 }
 
-/// What DOP853 has for the threshold, rev/s; `super::reference` computes it again, and by another method.
+/// Threshold by DOP853, rev/s. `super::reference` computes it again, and by another method.
 pub const REFERENCE_HZ: f64 = 21.316_965_607_630_66;
-/// How far the two differ.
+/// Relative difference of the two.
 pub const UNCERTAINTY: f64 = 1e-11;

@@ -26,8 +26,8 @@ enum Library {
 const LIBRARY: [Library; 2] = [Library::Dop853, Library::Rkv98];
 const RELATIVE: f64 = 1e-13;
 const ABSOLUTE: f64 = 1e-15;
-/// Of the chain, whose velocities carry rounding of 1e-13 m/s a step from the stiffest link. Places are better than that by
-/// its frequencies: 2e-15 m, 1e-8 N at the cam.
+/// Absolute tolerance of the chain. The stiffest link causes rounding errors of 1e-13 m/s per step in its velocities. The errors of
+/// positions are smaller by its frequencies: 2e-15 m, or 1e-8 N at the cam.
 const ABSOLUTE_OF_CHAIN: f64 = 1e-11;
 const MOST_STEPS: usize = 10_000_000;
 

@@ -13,7 +13,7 @@ use cophase_references::slope::Slope;
 
 use super::support::{difference, play};
 
-/// How far a slope may be from the order.
+/// Permitted difference between a slope and the order.
 const MARGIN: f64 = 0.1;
 
 /// A machine to measure the order on, from its start to `end_s`, in `coarsest` steps and up to a hundred times as many.
