@@ -189,7 +189,7 @@ fn a_method_is_not_run_where_it_is_unstable() {
     for name in ["rk4", "velocity-verlet", "implicit-midpoint", "sdirk4"] {
         let run = run(&with(&format!("name = \"{name}\"\nsteps_per_tick = 8")));
         assert_eq!(run.report["method"]["steps_per_tick"], 8, "{name}");
-        assert_eq!(run.report["method"]["why"], "the scene asks for it");
+        assert_eq!(run.report["method"]["why"], "the scene sets it");
         assert_eq!(run.outcome.diverged, None);
         let off = (last(&run, "actual_turns_0") - usual).abs();
         assert!(off < 1e-6, "{name}: {off} turns from the usual method");

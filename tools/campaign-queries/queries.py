@@ -71,7 +71,7 @@ def connect(paths, parquet):
                           'give a file that `cophase campaign` wrote') from None
         read, expected = connection.execute('SELECT count(*) FROM loaded').fetchone()[0] - before, 2 * (head['end'] - head['start'])
         if read != expected:
-            raise Refused(f'{file}: has {read} of the {expected} rows that its first line says; run that range again')
+            raise Refused(f'{file}: has {read} of the {expected} rows that its first line states; run that range again')
     connection.execute(f"COPY loaded TO '{quoted(parquet)}' (FORMAT parquet, COMPRESSION zstd)")
     connection.execute(f"CREATE VIEW campaign AS SELECT * FROM read_parquet('{quoted(parquet)}')")
     connection.create_function('lower_end', lambda hits, of: interval.lower(hits, of), ['BIGINT', 'BIGINT'], 'DOUBLE')

@@ -130,13 +130,13 @@ impl Trial {
             choice.why.clone()
         } else if model_level < choice.model_level {
             format!(
-                "its bounds go beyond what is required, but a sample of the scene differs from the top model level by less than {} of \
+                "its bounds exceed the tolerances, but a sample of the scene differs from the top model level by less than {} of \
                  each tolerance",
                 self.well_within()
             )
         } else {
             format!(
-                "the model level that its bounds would allow, {}, was off by more than its tolerance, or its bound, in a sample of the \
+                "the error of the model level that the bounds allow, {}, exceeded its tolerance or its bound in a sample of the \
                  scene",
                 choice.model_level.name()
             )

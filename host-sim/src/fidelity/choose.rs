@@ -93,8 +93,8 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
         Err(_) if checked.scene.questions.is_none() => {
             return Ok(Choice {
                 model_level: Fidelity::QuasiStatic,
-                why: "the scene gives the motors' pull-out torque, so whether they keep in step is required; what oscillation \
-                      adds to torque is not known, as it gives no rotor inertia"
+                why: "the scene gives the motors' pull-out torque, so the question is whether they keep in step; the torque of \
+                      oscillations is unknown, as it gives no rotor inertia"
                     .to_owned(),
                 judged: judge(None, &questions, Fidelity::QuasiStatic, RESOLUTION),
                 resolution: RESOLUTION,
@@ -144,7 +144,7 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
     let top = model_levels.last().copied().unwrap_or(Fidelity::Kinematic);
     Ok(Choice {
         model_level: top,
-        why: "no model level's bounds are within what is required; this is the highest that the scene says enough for".to_owned(),
+        why: "no model level's bounds are within the tolerances; this is the highest for which the scene has data".to_owned(),
         judged: judge(Some(&bounds), &questions, top, resolution),
         resolution,
     })
@@ -175,17 +175,17 @@ fn without_questions(checked: &Checked) -> Choice {
     let (model_level, why) = if gives {
         (
             Fidelity::Elastic,
-            "the scene gives the followers' masses and springs, so what these make of the law is required",
+            "the scene gives the followers' masses and springs, so their motion is required",
         )
     } else if checked.cam.is_some() {
         (
             Fidelity::Kinematic,
-            "the scene says nothing of what gives between cam and pusher, so only phases and the law are required",
+            "the scene has no masses and springs between cam and pusher, so only phases and the law are required",
         )
     } else {
         (
             Fidelity::Kinematic,
-            "the scene asks nothing of torque, so only phases and what follows from them are required",
+            "the scene has no question about torque, so only phases and the motion that follows from them are required",
         )
     };
     Choice {
@@ -199,10 +199,10 @@ fn without_questions(checked: &Checked) -> Choice {
 fn why(bounds: &Bounds, model_level: Fidelity, is_top: bool) -> String {
     let numbers = bounds.numbers();
     if is_top {
-        format!("the model levels below may be off by more than is required: {numbers}")
+        format!("the errors of the model levels below may exceed the tolerances: {numbers}")
     } else {
         let name = model_level.name();
-        format!("what {name} leaves out stays within the tolerances: {numbers}")
+        format!("the effects that {name} leaves out are within the tolerances: {numbers}")
     }
 }
 

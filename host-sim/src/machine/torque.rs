@@ -56,7 +56,7 @@ pub fn rotors(
             "method.name",
             format!(
                 "{scheme} needs {}, and axes.servo.integral_s gives each servo a component more, which is neither; let it \
-                 be \"rk4\", or \"sdirk4\" where that asks for too many steps, or leave integral_s out",
+                 be \"rk4\", or \"sdirk4\" where that needs too many steps, or leave integral_s out",
                 scheme.facts().needs
             ),
         ));

@@ -93,7 +93,7 @@ impl MethodReport {
                     if model_level.moves_by_torque()
                         && checked.scene.method.name != MethodName::Auto =>
                 {
-                    "the scene asks for it"
+                    "the scene sets it"
                 }
                 model_level if model_level.moves_by_torque() => {
                     "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution"
@@ -141,7 +141,7 @@ fn left_out(checked: &Checked) -> String {
     };
     let plane = if rods == Rods::QuasiStatic && over_constrained {
         format!(
-            "; more than three cranks over-constrain the platform, so that it lies in the plane that asks least of the {links}"
+            "; more than three cranks over-constrain the platform, so that it lies in the plane that loads the {links} least"
         )
     } else {
         String::new()

@@ -52,7 +52,7 @@ pub fn describe(what: &EventKind) -> String {
         }
         EventKind::HeldAtBand { for_s } => {
             format!(
-                "the program asks for a forbidden band, for {for_s:.2} s: kept at its nearer edge"
+                "the program requests a forbidden band, for {for_s:.2} s: kept at its nearer edge"
             )
         }
         EventKind::Lagged { for_s, worst_mps2 } => {

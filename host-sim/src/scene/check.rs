@@ -83,7 +83,7 @@ impl Checked {
         if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
             return Err(SceneError::at(
                 "questions.ground_percent",
-                "asks what the ground feels, and only a frame on springs hands that on: give [frame], or leave the question out",
+                "requests the force on the ground, which needs a frame on springs: give [frame], or leave the question out",
             ));
         }
         if checked.fidelity == Fidelity::Auto {

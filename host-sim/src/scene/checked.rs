@@ -46,7 +46,7 @@ impl Checked {
     /// Returns the reason for the model level, as a sentence.
     pub fn why(&self) -> &str {
         let chosen = self.choice.as_ref().map(|choice| choice.why.as_str());
-        chosen.unwrap_or("the scene asks for it")
+        chosen.unwrap_or("the scene sets it")
     }
 
     /// Returns the key, or the kind of fault, that puts cranks out of phase, if there is one.

@@ -268,13 +268,7 @@ fn model_levels_and_methods() {
         ),
     ] {
         let text = edit("count = 4", &format!("count = 4\n{line}"));
-        cases.push(case(
-            key,
-            text,
-            key,
-            "says something of torque",
-            "leave it out",
-        ));
+        cases.push(case(key, text, key, "concerns torque", "leave it out"));
     }
     let tilt = edit("warp_limit_deg = 1", "tilt_limit_mrad = 2");
     cases.push(case(

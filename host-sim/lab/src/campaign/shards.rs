@@ -203,7 +203,7 @@ impl Shard {
         let cases = header.numbers.end.saturating_sub(header.numbers.start);
         if rows.len() as u64 != 2 * cases {
             return Err(ShardError(format!(
-                "has {} of the {} rows that its first line says; run that range again",
+                "has {} of the {} rows that its first line states; run that range again",
                 rows.len(),
                 2 * cases
             )));

@@ -74,7 +74,7 @@ pub const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "breakdown",
-        shows: "what happens at the bad places, and what stands guard there",
+        shows: "failures of machines and methods, and the guards against them",
         draw: breakdown::draw,
     },
 ];

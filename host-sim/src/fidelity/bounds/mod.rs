@@ -152,7 +152,7 @@ impl Bounds {
         match &self.of {
             Of::Cranks(cranks) => cranks.numbers(),
             Of::Followers(followers) => followers.numbers(),
-            Of::None { .. } => "nothing bounds what they leave out of this machine".to_owned(),
+            Of::None { .. } => "there are no bounds for this machine".to_owned(),
         }
     }
 }

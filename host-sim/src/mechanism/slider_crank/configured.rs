@@ -52,7 +52,7 @@ fn lambda(machine: &Machine) -> Result<f64, SceneError> {
         }
         (Some(_), Some(_)) => Err(SceneError::at(
             "machine.rod_length_mm",
-            "given together with machine.lambda, which says the same; leave one out",
+            "given together with machine.lambda, which has the same meaning; leave one out",
         )),
         (None, None) => Err(SceneError::at(
             "machine.lambda",

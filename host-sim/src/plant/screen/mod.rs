@@ -149,7 +149,7 @@ impl Plant for Screen {
         match model_level {
             Fidelity::Phased => "stones that leave the deck, belts, and large pitch angles",
             _ => {
-                "torque, pitch, and how the box comes to its steady motion: the shafts are where commanded"
+                "torque, pitch, and the transient motion of the box: shafts are at their commanded phases"
             }
         }
         .to_owned()

@@ -174,7 +174,7 @@ fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {
         }
         (Some(_), Some(_)) => Err(SceneError::at(
             "cam.zeta",
-            "given together with cam.dampers_ns_per_m, which says the same; leave one out",
+            "given together with cam.dampers_ns_per_m, which has the same meaning; leave one out",
         )),
         (None, None) => Err(SceneError::at(
             "cam.zeta",
@@ -265,7 +265,7 @@ pub(super) fn check_useless(scene: &Scene) -> Result<(), SceneError> {
     match torques.iter().find(|(_, given)| *given) {
         Some((key, _)) => Err(SceneError::at(
             *key,
-            "says something of torque, and cams turn as commanded: no model level of [cam] asks for it; leave it out",
+            "concerns torque, but cams turn as commanded, and no model level of [cam] uses it; leave it out",
         )),
         None => Ok(()),
     }

@@ -55,7 +55,7 @@ fn one(entry: usize, table: &CamTable) -> Result<CamSettings, SceneError> {
         (None, false) => sampled(entry, table),
         (Some(_), false) => Err(SceneError::at(
             key("segment"),
-            "given together with file, which says the same; leave one out",
+            "given together with file, which has the same meaning; leave one out",
         )),
         (None, true) => Err(SceneError::at(
             key("segment"),

@@ -79,7 +79,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     }
     let says = says(&runs, &cycles);
     let svg = render(Picture {
-        title: "Tick rate: what it buys, and what it costs".to_owned(),
+        title: "Tick rate: benefit and cost".to_owned(),
         says: says.clone(),
         columns: 2,
         chosen_is: "default",
