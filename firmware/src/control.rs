@@ -1,7 +1,7 @@
 //! Input and output of the loop on this board.
 //!
-//! The loop is `cophase_core::control_loop::run`, the very function that the host runs. Nothing but short
-//! interrupts comes between a deadline and what it leads to.
+//! The loop is `cophase_core::control_loop::run`, the same function that the host runs. Only short interrupts come
+//! between a deadline and the work that it starts.
 
 use core::future::Future;
 
@@ -25,17 +25,17 @@ use crate::link::LoopEnd;
 use crate::report::Reporter;
 
 /// Input and output of the loop.
-#[repr(C)] // What every tick needs comes first: instructions reach 32 bytes, or 128 by words.
+#[repr(C)] // The fields that every tick needs come first: instructions reach 32 bytes, or 128 by words.
 pub struct Board {
     /// State of the machine in the last output.
     pub state: State,
-    /// The trigger's level while the output that was handed over last is played.
+    /// The trigger's level while the output that was submitted last is played.
     pub sync: bool,
     /// Control ticks since power-up.
     pub ticks: u32,
     /// An axis that underran, until it has been reported to the loop.
     pub fifo_underrun: Option<usize>,
-    /// The deadline that ends the tick whose index pulses are read next; none before the machines were let go.
+    /// The deadline that ends the tick whose index pulses are read next. None before the machines were started.
     pub read_to: Option<Instant>,
     /// Watchdog, which restarts a loop that hangs.
     pub watchdog: Fed,
@@ -79,7 +79,7 @@ impl Board {
 impl Io for Board {
     #[inline(never)] // as `Controller::tick`
     fn read(&mut self, feedback: &mut Feedback) {
-        // What was handed over last is played from now on.
+        // The output that was submitted last is played from now on.
         lines::sync(self.sync);
         feedback.index = [None; MAX_AXES];
         self.read_index(&mut feedback.index);
@@ -92,13 +92,14 @@ impl Io for Board {
         feedback.inputs = inputs;
         levels.read_alarms(&self.alarms, &mut feedback.alarm);
         feedback.fifo_underrun = self.fifo_underrun.take();
-        // A host's stop comes first, and then a press; anything else of the host was for another state.
+        // A host's stop has priority, and then a press of the button. Any other command of the host was for another
+        // state.
         feedback.command = match from_host {
             Some(Command::Stop | Command::StopNow) => from_host,
             _ if pressed => Some(panel::command(self.state)),
             _ => from_host,
         };
-        // The counts of encoders stay zero: this board has no pins left to count with.
+        // The counts of encoders stay zero: this board has no pins left for encoders.
     }
 
     fn new_program(&mut self) -> Option<&Program> {

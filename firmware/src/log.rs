@@ -1,7 +1,7 @@
 //! Log: frames of defmt for a debug probe, over RTT, written without blocking an interrupt.
 //!
-//! The crate `defmt-rtt` blocks interrupts while it writes a frame, and a tick of the loop begins as much later. Its mode
-//! that does not block them needs compare-and-swap, which this processor lacks.
+//! The crate `defmt-rtt` blocks interrupts while it writes a frame, and a tick of the loop begins later by that time. Its mode that does
+//! not block them needs compare-and-swap, which this processor lacks.
 //!
 //! A *frame* is one message. It is written behind the *cursor* that the probe has, and published as a whole when it ends.
 //! A frame that begins while another one is written, in an interrupt, is dropped. So a frame has one writer at a time.
@@ -35,7 +35,7 @@ struct ControlBlock {
     up: Channel,
 }
 
-// SAFETY: what changes is atomic; the buffer is written by the one frame that is open.
+// SAFETY: the fields that change are atomic. Only the one frame that is open writes the buffer.
 unsafe impl Sync for ControlBlock {}
 
 struct Buffer(UnsafeCell<MaybeUninit<[u8; SIZE]>>);
@@ -43,7 +43,7 @@ struct Buffer(UnsafeCell<MaybeUninit<[u8; SIZE]>>);
 // SAFETY: as for the control block.
 unsafe impl Sync for Buffer {}
 
-/// Not set to zero at power-up: what it held before is of no use.
+/// Not set to zero at power-up: its earlier contents are of no use.
 #[unsafe(link_section = ".uninit.log")]
 static BUFFER: Buffer = Buffer(UnsafeCell::new(MaybeUninit::uninit()));
 
@@ -139,7 +139,7 @@ impl Frame {
     }
 }
 
-/// Discards the frame that is written, so that a panic amid it can be logged. No interrupt may come any more.
+/// Discards the frame that is being written, so that a panic in the middle of it can be logged. No interrupt may come any more.
 pub fn discard() {
     FRAME.depth.store(0, Ordering::Relaxed);
 }

@@ -29,7 +29,7 @@ pub struct Note {
 }
 
 #[derive(Clone, Copy)]
-#[repr(u32)] // With a tag of a byte the rest would be copied byte by byte: 1,300 cycles a note.
+#[repr(u32)] // With a tag of a byte the rest is copied byte by byte: 1,300 cycles a note.
 enum What {
     /// New state of the machine, and the phase errors at its start.
     State {
@@ -63,7 +63,7 @@ impl Note {
     }
 }
 
-/// Notes what changed from tick to tick.
+/// Notes the changes from tick to tick.
 pub struct Reporter {
     axes: usize,
     watch: Watch,
@@ -97,7 +97,7 @@ struct NoteQueue {
 }
 
 impl NoteQueue {
-    #[inline(never)] // The check of the linked firmware for panics knows it by name.
+    #[inline(never)] // The check of the linked firmware for panics finds it by name.
     fn note(&mut self, tick: u32, change: Change, output: &Output, axes: usize) {
         let what = match change {
             Change::State(state) => What::State {

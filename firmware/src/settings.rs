@@ -68,7 +68,7 @@ fn read(
             defmt::info!("settings built in");
             match store(flash, BUILT_IN, built_in.mark()) {
                 Ok(slot) => defmt::info!("stored in slot {}", slot),
-                // They run all the same.
+                // These settings run all the same.
                 Err(error) => defmt::warn!("not stored: {}", error),
             }
             BUILT_IN

@@ -92,7 +92,7 @@ fn main() -> ! {
         })
     };
     let task: Pin<&mut dyn Future<Output = ()>> = pin!(control_loop::run(controller, board));
-    // SAFETY: this function never returns, and a panic does not unwind: what it has on its stack stays there.
+    // SAFETY: this function never returns, and a panic does not unwind. So the values on its stack stay there.
     alarm::run(unsafe { mem::transmute::<Pin<&mut _>, Pin<&'static mut _>>(task) });
     executor.run(|spawner| link::spawn(spawner, device, lines))
 }

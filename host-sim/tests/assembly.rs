@@ -1,4 +1,5 @@
-//! Cranks that are commanded apart on a platform of four: refused where rods cannot bend so far, before anything is simulated.
+//! Cranks that are commanded apart on a platform of four. They are refused where rods cannot bend so far, before the
+//! simulation begins.
 
 use host_sim::scene::{Checked, load};
 
@@ -35,7 +36,7 @@ ramp_s = 0.8
     )
 }
 
-/// Were it wrong, a machine that cannot be assembled would run away, and its user be advised on the method's step.
+/// If this fails, a machine that cannot be assembled diverges, and its user gets advice on the method's step instead.
 #[test]
 fn rods_that_cannot_bend_so_far_are_refused() {
     for offset_deg in [30.0, 90.0, 180.0] {
@@ -45,7 +46,7 @@ fn rods_that_cannot_bend_so_far_are_refused() {
         assert!(error.problem.contains("rods would bend by"), "{error}");
         assert!(error.problem.contains("at most three"), "{error}");
     }
-    // Nothing bends a rod on three cranks, on a model level without torque, or where all stand alike.
+    // No rod bends on three cranks, on a model level without torque, or where all cranks have the same angle.
     for (fidelity, count, offset_deg) in [
         ("phased", 3, 90.0),
         ("kinematic", 4, 90.0),

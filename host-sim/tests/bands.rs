@@ -1,4 +1,4 @@
-//! Forbidden bands in the log: how long each visit took, and which edges the shaft went through.
+//! Forbidden bands in the log: the time of each visit, and the edges that the shaft crossed.
 
 use host_sim::report;
 use host_sim::scene::{Checked, load};
@@ -11,7 +11,7 @@ const ACCELERATION_HZ_PER_S: f64 = 100.0;
 const JERK_HZ_PER_S2: f64 = 1600.0;
 const TICK_S: f64 = 0.0005;
 
-/// A program that crosses the band upwards and downwards, and is stopped on request at a time.
+/// Returns the events of a program that crosses the band upwards and downwards. A request stops it at the given time.
 fn events(stop_s: f64) -> Vec<EventKind> {
     let text = format!(
         "name = \"bands\"\n[machine]\ncrank_radius_mm = 4\nlambda = 0.25\nload_kg = 5\n\
@@ -28,11 +28,11 @@ fn events(stop_s: f64) -> Vec<EventKind> {
     events.map(|event| event.what).collect()
 }
 
-/// Were it wrong, a stop in a band would be logged as a crossing that did not happen, or stay longer than the claim of
-/// docs/loop.md.
+/// If this fails, a stop in a band is logged as a crossing that did not happen, or stays in the band longer than
+/// docs/loop.md claims.
 #[test]
 fn a_stop_in_a_band_turns_back_and_is_logged_so() {
-    // From rest at one edge to rest at the other.
+    // Time from rest at one edge to rest at the other.
     let across_s =
         (TO_HZ - FROM_HZ) / ACCELERATION_HZ_PER_S + ACCELERATION_HZ_PER_S / JERK_HZ_PER_S2;
     let (mut turned_back, mut downwards) = (0, 0);

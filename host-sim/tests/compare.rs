@@ -1,4 +1,4 @@
-//! `compare` on made-up rows and edges, against plain definitions.
+//! Tests of `compare` on synthetic rows and edges, against plain definitions.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use host_sim::compare::{Comparison, Matching, Origin, Run, Tolerances, Trace, compare, summary};
 use proptest::prelude::*;
 
-/// Length of a tick of the made-up traces, ns.
+/// Length of a tick of the synthetic traces, ns.
 const TICK_NS: u64 = 500_000;
 const HEADER: &str = "t_s,state,state_code,accel_mps2,steps_0\n";
 
-/// Rows of a made-up run, one a tick from tick 1 on: state, acceleration, steps.
+/// Rows of a synthetic run, one a tick from tick 1 on: state, acceleration, steps.
 type Ticks = Vec<(bool, f64, i64)>;
 
-/// Time of a tick as the trace has it.
+/// Time of a tick as written in the trace.
 fn t_s(tick: u64, shift_ns: u64) -> String {
     let ns = tick * TICK_NS + shift_ns;
     format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
@@ -57,7 +57,8 @@ fn steady(length: usize) -> Ticks {
         .collect()
 }
 
-/// All that the summary of a column states, from the text alone: every row of one file against every row of the other.
+/// Computes everything that the summary of a column states from the text alone. It compares every row of one file with
+/// every row of the other.
 fn judged(
     first: &str,
     second: &str,
@@ -132,7 +133,7 @@ proptest! {
                 parts.push(expected);
             }
         }
-        // Ends differ by less than the distance of two rows, so that nothing else parts.
+        // The ends of the files differ by less than the distance of two rows, so no other difference exists.
         let first_part = parts.into_iter().reduce(f64::min);
         prop_assert_eq!(comparison.parts.is_some(), first_part.is_some());
         if let (Some(part), Some(expected)) = (&comparison.parts, first_part) {
@@ -140,14 +141,14 @@ proptest! {
         }
     }
 
-    /// Edges are at least 1000 ns apart and shifted by at most 400 ns, so that each one's partner is known.
+    /// Edges are at least 1000 ns apart and shifted by at most 400 ns, so each one has a unique partner.
     #[test]
     fn every_lost_and_shifted_edge_is_counted(
         edges in prop::collection::vec((1_000_u64..5_000, 0_u8..10, -400_i64..400), 4..200),
         tolerance in 0_i64..500,
     ) {
         let folder = tempfile::tempdir().unwrap();
-        // Pulses of 300 ns; some are missing in the second file, others shifted there as a whole.
+        // Pulses last 300 ns. In the second file some are missing, and others are shifted as a whole.
         let (mut first, mut second) = (Vec::new(), Vec::new());
         let (mut equal, mut shifted, mut lost, mut first_differs) = (0, 0, 0, None);
         let mut at = 100_000_u64;
@@ -182,7 +183,7 @@ proptest! {
         let tolerances = Tolerances::new([("edges_ns".to_owned(), tolerance as f64)]);
         let comparison = compare([&a, &b], Origin::PowerUp, &tolerances).unwrap();
         let found = comparison.edges.unwrap();
-        // A pulse has two edges, which share its fate.
+        // The two edges of a pulse are lost or shifted together.
         prop_assert_eq!(found.total(|wire| wire.equal), 2 * equal);
         prop_assert_eq!(found.total(|wire| wire.shifted), 2 * shifted);
         prop_assert_eq!(found.total(|wire| wire.only_first), 2 * lost);
@@ -192,7 +193,7 @@ proptest! {
     }
 }
 
-/// A file with one wire of pulses that are 300 ns long.
+/// Returns a file with one wire of pulses that are 300 ns long.
 fn vcd(pulses: &[u64], end: u64) -> String {
     let mut text = "$timescale 1 ns $end\n$scope module cophase $end\n$var wire 1 ! step_0 $end\n$upscope $end\n\
                     $enddefinitions $end\n#0\n$dumpvars\n0!\n$end\n"
@@ -224,7 +225,7 @@ fn a_run_that_is_late_parts_unless_times_count_from_its_start() {
     assert_eq!(equal.parts, None, "{}", summary(&equal));
 }
 
-/// A file that ends early differs if something happens after its end, and only then.
+/// A file that ends early counts as different only if something happens after its end.
 #[test]
 fn what_one_run_lacks_counts_if_anything_happens_there() {
     let mut ticks = steady(100);
@@ -246,7 +247,7 @@ fn what_one_run_lacks_counts_if_anything_happens_there() {
     }
 }
 
-/// Without a common time, numbers are interpolated, and integers and states are not.
+/// Without a common time, numbers are interpolated. Integers and states are not.
 #[test]
 fn between_rows_integers_hold_their_value() {
     let ramp: Ticks = (0..40)
@@ -256,13 +257,14 @@ fn between_rows_integers_hold_their_value() {
     let comparison = at_power_up(&first, &second);
     assert_eq!(comparison.matching, Matching::BetweenRowsOfSecond);
     let column = |name: &str| comparison.columns.iter().find(|c| c.name == name).unwrap();
-    // A quarter of a tick late, a slope of 1 a tick is a quarter less; the last whole number is one less.
+    // With a delay of a quarter of a tick, a slope of 1 a tick gives a quarter less. The last whole number is one
+    // less.
     let accel = column("accel_mps2");
     assert!(
         (accel.largest.unwrap() + 0.25).abs() < 1e-9 && (accel.rms.unwrap() - 0.25).abs() < 1e-9
     );
     assert_eq!(column("steps_0").largest, Some(-1.0));
-    // Only at one row is A running already and B not yet.
+    // At only one row, A is in the run state and B is not yet.
     assert_eq!(column("state").beyond, 1);
     assert_eq!(column("state").compared, 39);
     assert!(summary(&comparison).contains("are held"));

@@ -1,9 +1,10 @@
-//! The design method against the figures of its source, and against those computed independently.
+//! The design method against the figures of its source, and against independently computed figures.
 //!
 //! "Examples" are the source's embodiments 1 to 4, which take gravity as 10 m/s². "Calculated" figures
-//! are asserted to half a unit of the last place given, unless a tolerance stands beside them.
+//! are asserted to half a unit of the last place given, unless a tolerance is given with them.
 //!
-//! `cargo test -p host-sim --test design -- --nocapture` prints them all, ours beside theirs.
+//! `cargo test -p host-sim --test design -- --nocapture` prints them all, with our figures beside the
+//! published ones.
 
 use std::f64::consts::TAU;
 
@@ -57,9 +58,9 @@ fn lengths_mm(design: &Design) -> [f64; 2] {
     [mechanism.crank_radius_m(), mechanism.rod_length_m()].map(|m| 1e3 * m)
 }
 
-/// Item 1. If this fails, R = amax/(ω² (1 + λ)) or L = R/λ is another formula than the source's. The
-/// reference is that formula in closed form; ours must also round to the calculated figures, and lie
-/// within half a digit of the printed ones.
+/// Item 1. If this fails, R = amax/(ω² (1 + λ)) or L = R/λ differs from the source's formula. The
+/// reference is that formula in closed form. Our values must also round to the calculated figures, and
+/// lie within half a digit of the printed ones.
 #[test]
 fn lengths_of_the_examples_with_gravity_10() {
     let calculated = [
@@ -91,7 +92,7 @@ fn lengths_of_the_examples_with_gravity_10() {
     }
 }
 
-/// Item 2. If this fails, gravity does not reach the lengths, or the wrong gravity is standard.
+/// Item 2. If this fails, gravity does not affect the lengths, or the standard gravity is wrong.
 #[test]
 fn lengths_of_the_examples_with_standard_gravity() {
     let calculated = [
@@ -127,8 +128,9 @@ fn two_term_torque_maxima() {
     }
 }
 
-/// Item 4. If this fails, the exact acceleration or gravity's sense is wrong; or, for example 4 with the
-/// platform above, the search stayed on a lower hill: its highest is not the first one of the turn.
+/// Item 4. If this fails, the exact acceleration or the direction of gravity is wrong. For example 4 with
+/// the platform above, the search may also have stopped at a lower maximum: the highest is not the first
+/// one of the turn.
 #[test]
 fn exact_torque_maxima_on_both_sides() {
     let below = [228.81, 57.20, 240.85, 45.74];
@@ -142,11 +144,11 @@ fn exact_torque_maxima_on_both_sides() {
     assert!(fourth > 180.0, "found the lower hill, at {fourth} deg");
 }
 
-/// Item 5. If this fails, our account of the printed torques (docs/design-command.md) is wrong: they come
-/// from a radius rounded for print, at the printed speed (π = 3.14), or from g = 9.8.
+/// Item 5. If this fails, our explanation of the printed torques (docs/design-command.md) is wrong. They
+/// come from a radius rounded for print, at the printed speed (π = 3.14), or from g = 9.8.
 #[test]
 fn printed_torques_come_from_rounded_inputs() {
-    // The source's formula with R of the lever arm and R ω² of the acceleration set apart.
+    // The source's formula, with separate values for R of the lever arm and R ω² of the acceleration.
     let formula = |m: f64, radius_m: f64, r_omega2: f64, lambda: f64, g: f64| {
         let mechanism = of_lambda(lambda);
         let curve = |alpha: f64| {
@@ -195,7 +197,8 @@ fn one_set_of_round_inputs_gives_figure_2() {
     assert_near("prints 64.5 a motor", found.motor_torque_nm(), 64.5, 0.05);
 }
 
-/// Item 6. If this fails, a lowest acceleration is misplaced or has the sign the source prints.
+/// Item 6. If this fails, a lowest acceleration is at the wrong angle or has the sign that the source
+/// prints.
 #[test]
 fn lowest_accelerations() {
     // λ, then two-term and exact value in units of R ω² (to 1e-4), and angle in deg.
@@ -234,7 +237,7 @@ fn lowest_accelerations() {
     }
 }
 
-/// Item 7. If this fails, we say the source's approximation is better, or worse, than it is.
+/// Item 7. If this fails, our statement makes the source's approximation better, or worse, than it is.
 #[test]
 fn two_term_error() {
     // λ, percent of amax, half a unit of the last place.
@@ -251,7 +254,7 @@ fn two_term_error() {
     }
 }
 
-/// Item 8. If this fails, the mechanism makes or eats energy without friction. The mean of 3600 equal
+/// Item 8. If this fails, the mechanism gains or loses energy without friction. The mean of 3600 equal
 /// steps is exact for harmonics below the 3600th.
 #[test]
 fn torque_gives_back_what_it_takes() {
@@ -271,7 +274,7 @@ fn torque_gives_back_what_it_takes() {
     }
 }
 
-/// Item 9. If this fails, peak power is another one than the largest |M| ω, platform above, exact.
+/// Item 9. If this fails, peak power differs from the largest |M| ω, platform above, exact.
 #[test]
 fn peak_powers() {
     // kW, half a unit of the last place, rpm.
@@ -287,8 +290,8 @@ fn peak_powers() {
     }
 }
 
-/// Item 11. If this fails, a phase error is turned into the wrong height. 1.483 mm belongs to the radius
-/// the source prints for example 3, 40 mm; the unrounded one gives 1.467 mm.
+/// Item 11. If this fails, a phase error is converted into the wrong height. 1.483 mm belongs to the
+/// radius that the source prints for example 3, 40 mm. The unrounded radius gives 1.467 mm.
 #[test]
 fn one_full_step_of_phase_error() {
     let step = 1.8_f64.to_radians();
@@ -306,7 +309,7 @@ fn one_full_step_of_phase_error() {
 }
 
 /// If this fails, a torque maximum somewhere in the whole range is a local one. Samples every 0.05 deg
-/// lie below the top by at most (0.025 deg)²/2 = 1e-7 times its relative curvature, which is below 100.
+/// lie below the peak by at most (0.025 deg)²/2 = 1e-7 times its relative curvature, which is below 100.
 #[test]
 fn no_design_in_range_has_a_higher_torque_than_found() {
     for amax_g in [10.0, 11.0, 13.0, 20.0, 200.0] {
@@ -334,7 +337,8 @@ fn no_design_in_range_has_a_higher_torque_than_found() {
     }
 }
 
-/// If this fails, a bad number passes, or is refused without its flag, its range, or its fellows.
+/// If this fails, a bad number is accepted, or is refused without its flag, its range, or the other bad
+/// numbers.
 #[test]
 fn refuses_what_is_out_of_range_all_at_once() {
     let all_bad = Requirement {
@@ -365,7 +369,7 @@ fn refuses_what_is_out_of_range_all_at_once() {
     assert_eq!(message.lines().collect::<Vec<_>>(), expected);
 }
 
-/// If this fails, an end of a range is on the wrong side of it.
+/// If this fails, an end of a range is accepted although it is outside, or the reverse.
 #[test]
 fn ranges_end_where_they_say() {
     let good = example(3, 10.0);
@@ -417,7 +421,7 @@ fn refuses_what_leaves_floating_point() {
     assert_eq!(light, Err(DesignError::NoTorque(5e-324)));
 }
 
-/// If this fails, a trap goes unmentioned where it bites, or is cried out where it does not.
+/// If this fails, a warning is missing where it is due, or appears where it is not.
 #[test]
 fn warnings_come_when_due() {
     let kind = |warning: &Warning| match warning {
@@ -436,7 +440,7 @@ fn warnings_come_when_due() {
         ["gsnP", "gsnP", "g3resP", "g3es"]
     );
     assert_eq!(examples(9.81).map(kinds), ["snP", "snP", "3resP", "3es"]);
-    // λ (1/√(1 − λ²) − 1)/(1 + λ) passes 0.5 % between 0.22 (0.45 %) and 0.23 (0.52 %).
+    // λ (1/√(1 − λ²) − 1)/(1 + λ) exceeds 0.5 % between 0.22 (0.45 %) and 0.23 (0.52 %).
     let sized = |lambda| {
         design(&Requirement {
             lambda,
@@ -445,7 +449,8 @@ fn warnings_come_when_due() {
         .expect("in range")
     };
     assert_eq!([0.22, 0.23].map(sized).map(kinds), ["s", "es"]);
-    // λ/√(1 − λ²), a rod's greatest force sideways over that upwards, passes a half at 1/√5 = 0.447.
+    // λ/√(1 − λ²), the ratio of a rod's greatest sideways force to its upward force, exceeds a half at
+    // 1/√5 = 0.447.
     assert_eq!([0.44, 0.45].map(sized).map(kinds), ["3es", "3res"]);
     let short = sized(0.6).warnings()[1].to_string();
     let figures = ["1.667 crank radii", "36.9 deg", "75.0 %"];

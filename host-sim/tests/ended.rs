@@ -1,4 +1,4 @@
-//! Content of `report.json` about the end of a run, and about its gains.
+//! The parts of `report.json` about the end of a run and about its gains.
 
 use cophase_core::supervisor::{Fault, FaultKind};
 use host_sim::fidelity::{self, Answers};
@@ -8,7 +8,7 @@ use host_sim::sim::events::EventKind;
 use host_sim::sim::simulate;
 use serde_json::Value;
 
-/// Three axes whose program ends at about 3.3 s.
+/// A scene of three axes whose program ends at about 3.3 s.
 fn scene(axes: &str, more: &str) -> String {
     format!(
         "name = \"ended\"\nfidelity = \"kinematic\"\n\
@@ -20,7 +20,7 @@ fn scene(axes: &str, more: &str) -> String {
 
 const STEPPERS: &str = "drive = \"stepper\"\nsteps_per_turn = 3200";
 
-/// The report of a scene, and the page beside it.
+/// Returns the report of a scene, and the page beside it.
 fn run(text: &str) -> (Value, String) {
     let checked = Checked::new(load::parse(text).unwrap()).unwrap();
     let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
@@ -28,8 +28,8 @@ fn run(text: &str) -> (Value, String) {
     (report, summary(&checked, &outcome, None, 1.0))
 }
 
-/// Were it wrong, a report would not say what stopped a machine whose drives were switched off, or name the program's end where a
-/// fault came on top of it.
+/// If this fails, the report omits the reason of a stop when the drives were switched off, or gives the program's end as the reason
+/// although a fault followed.
 #[test]
 fn what_stopped_the_machine_is_always_said() {
     let (plain, _) = run(&scene(STEPPERS, ""));
@@ -52,14 +52,14 @@ fn what_stopped_the_machine_is_always_said() {
     }
 }
 
-/// Line of a page that says how a fault ended the run.
+/// Returns the line of a page that states how a fault ended the run.
 fn fault_line(more: &str) -> String {
     let (_, page) = run(&scene(STEPPERS, more));
     let line = page.lines().find(|line| line.starts_with("A fault "));
     line.unwrap_or_else(|| panic!("{page}")).to_owned()
 }
 
-/// Were it wrong, a summary would promise a common stop where drives were cut, where a crank stood, or where nothing turned at all.
+/// If this fails, a summary states a coordinated stop where the drives were off, where a crank stood, or where no axis turned.
 #[test]
 fn a_common_stop_is_said_of_axes_that_made_one() {
     const TOGETHER: &str = "brought to rest together";
@@ -74,13 +74,13 @@ fn a_common_stop_is_said_of_axes_that_made_one() {
     assert!(stop_s > 0.1, "{stop_s}");
     for (more, expected) in [
         (fault(2.0, "enable-loss"), "without a stop"),
-        // The second fault comes while the first one stops the machine.
+        // The second fault occurs while the first one stops the machine.
         (
             alarm(2.0) + &fault(2.0 + stop_s / 2.0, "enable-loss"),
             "before the stop was over",
         ),
         (stuck.clone(), "axis 1 did not follow"),
-        // It lets go long after the stop: the end of the run is not the end of the stop.
+        // The crank is released long after the stop. The end of the run is then not the end of the stop.
         (stuck + "for_s = 5\n", "axis 1 did not follow"),
         (alarm(5.0), "stood already"),
     ] {
@@ -94,7 +94,7 @@ fn a_common_stop_is_said_of_axes_that_made_one() {
             "{line}"
         );
     }
-    // Homing knows the crank that stands apart, and begins no second time.
+    // Homing detects the crank that stands apart, and does not begin a second time.
     let again = "[[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 5\ndo = \"reset\"\n\
                  [[command]]\nat_s = 6\ndo = \"start\"\n";
     let lost = fault(2.0, "lost-steps") + "axis = 1\ncycles = 9\n";
@@ -106,7 +106,7 @@ fn a_common_stop_is_said_of_axes_that_made_one() {
     assert!(line.ends_with("The drives stayed off."), "{line}");
 }
 
-/// Were it wrong, a fault would seem to have had its last name when it was detected, or to be two faults.
+/// If this fails, a fault appears to have its last name from its detection on, or to be two faults.
 #[test]
 fn a_fault_that_gets_a_better_name_is_one_with_two_times() {
     let lost = "[[fault]]\nat_s = 2\nkind = \"lost-steps\"\naxis = 1\ncycles = 9\n";
@@ -135,21 +135,21 @@ fn a_fault_that_gets_a_better_name_is_one_with_two_times() {
         let off_s = shown.parse::<f64>().unwrap() - t_s;
         assert!(off_s.abs() < 0.000_6, "{shown}, and not {t_s}");
     }
-    // As it latches, it is listed once; a fault that is only reported, too.
+    // A fault that latches is listed once. So is a fault that is only reported.
     assert_eq!(page.matches("  fault: index-timeout").count(), 1, "{page}");
     assert!(!page.contains("  reported: "), "{page}");
     let extra = "[[fault]]\nat_s = 2\nkind = \"index-extra\"\naxis = 1\n";
     let (_, page) = run(&scene(&format!("{STEPPERS}\nencoder = true"), extra));
     assert_eq!(page.matches("  reported: index-extra").count(), 1, "{page}");
 
-    // Reset, the fault is over, and was one.
+    // After a reset the fault is over, and counts as one.
     let reset = "[[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 5\ndo = \"reset\"\n";
     let (_, page) = run(&scene(STEPPERS, &format!("{lost}{reset}")));
     let ended = "There was 1 fault, and the machine ended in state `idle`.";
     assert!(page.contains(ended), "{page}");
 }
 
-/// Were it wrong, cranks would lead at 360°, where there is no axis.
+/// If this fails, the page states that cranks lead at 360°, where no axis is.
 #[test]
 fn the_side_that_leads_is_below_a_whole_turn() {
     for (deg, expected) in [
@@ -164,7 +164,7 @@ fn the_side_that_leads_is_below_a_whole_turn() {
     }
 }
 
-/// Were it wrong, cranks that coast would pass for motors that slipped, and nobody would know where they came to stand.
+/// If this fails, cranks that coast count as motors that slipped, and the page omits their final positions.
 #[test]
 fn what_cranks_do_with_their_drives_off_is_said_apart() {
     let mut scene = library::find("lost-steps").unwrap().scene();
@@ -191,7 +191,7 @@ fn what_cranks_do_with_their_drives_off_is_said_apart() {
     assert!(page.contains(&line), "{line}: {page}");
 }
 
-/// Were it wrong, gains that a scene leaves to be derived would be known to nobody.
+/// If this fails, the gains that the program derives do not appear in the report.
 #[test]
 fn the_coupling_says_its_gains() {
     let servos = "drive = \"servo\"\nsteps_per_turn = 32768\nencoder = true\nrotor_inertia_kgm2 = 1e-3\n\
@@ -208,7 +208,7 @@ fn the_coupling_says_its_gains() {
         "Cross-coupling of the setpoints: gain {p:.4}, integral gain {q:.3} 1/s (derived)."
     );
     assert!(page.contains(&line), "{page}");
-    // The same gains, given, are those that act.
+    // The same gains, given in the scene, have the same effect.
     let given = format!("[correction]\ncoupling = {p}\ncoupling_per_s = {q}\n");
     let (given, page) = run(&scene(servos, &given));
     assert_eq!(given["coupling"], derived["coupling"]);

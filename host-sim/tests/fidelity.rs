@@ -1,4 +1,4 @@
-//! `fidelity = "auto"`: its bounds hold, it takes no more model than is needed, and it does not believe itself.
+//! `fidelity = "auto"`: its bounds hold, it takes no more model than is needed, and a sample checks its choice.
 
 use host_sim::fidelity::{self, Answers, Bounds, Output, answers, available, check, questions};
 use host_sim::report::Report;
@@ -6,7 +6,7 @@ use host_sim::scene::file::Fidelity;
 use host_sim::scene::{Checked, library, load};
 use host_sim::sim::simulate;
 
-/// A scene on all its model levels: what each comes to in the sample.
+/// A scene on all its model levels, with the answers of each in the sample.
 struct Climbed {
     name: &'static str,
     checked: Checked,
@@ -46,10 +46,9 @@ impl Climbed {
     }
 }
 
-/// Were it wrong, a report would promise what the machine does not keep: every model level of every built-in scene is off the top
-/// by no more than its bound, in each output that there is, requested or not.
-///
-/// And were `auto` careless, or wasteful: what it takes is within each tolerance, and at most one model level above the lowest that is.
+/// If this fails, a report promises an accuracy that the machine does not reach. Every model level of every built-in scene must differ
+/// from the top one by at most its bound. This applies to each output that exists, requested or not. The level that `auto` takes must
+/// be within each tolerance. It must be at most one model level above the lowest that is.
 fn judge(name: &'static str) {
     let scene = library::find(name).expect("a built-in scene").scene();
     judge_scene(name, Checked::new(scene).unwrap());
@@ -58,13 +57,13 @@ fn judge(name: &'static str) {
 fn judge_scene(name: &'static str, checked: Checked) {
     let climbed = climb(name, checked);
     if climbed.model_levels.len() == 1 {
-        // Its scene says too little for a second level, so that there is nothing to compare it with.
+        // Its scene does not say enough for a second level, so there is no other level to compare with.
         assert_eq!(name, "electronic-cam", "a scene has lost its model levels");
         assert!(Bounds::new(&climbed.checked).is_err());
         return;
     }
     let bounds = Bounds::new(&climbed.checked).expect("built-in scenes say enough");
-    // Bounds are of the machine that nothing disturbs; `auto` prints none for another.
+    // Bounds apply to the undisturbed machine. `auto` prints none for another.
     let is_disturbed = !climbed.checked.scene.fault.is_empty();
     for (model_level, found) in &climbed.model_levels {
         for output in Output::ALL {
@@ -104,7 +103,7 @@ fn judge_scene(name: &'static str, checked: Checked) {
     let lowest = lowest.expect("the top is within");
     assert!(climbed.is_within(&climbed.model_levels[taken].1), "{name}");
     if name == "lost-steps" {
-        // Nothing bounds what its fault does, so that `auto` takes the top.
+        // Nothing bounds the effects of its fault, so `auto` takes the top level.
         assert_eq!((taken, lowest), (3, 1), "{name}");
     } else {
         assert!(
@@ -123,7 +122,7 @@ macro_rules! judged {
             }
         )*
 
-        /// Were a scene left out, nobody would know what `auto` makes of it.
+        /// If this fails, no test checks the model level that `auto` takes for a scene.
         #[test]
         fn all_built_in_scenes_are_judged() {
             let judged = [$($scene),*];
@@ -154,7 +153,7 @@ judged! {
     electronic_cam: "electronic-cam",
 }
 
-/// A machine whose load moves its cranks by a good half degree.
+/// A machine whose load moves its cranks by slightly more than half a degree.
 const SOFT: &str = r#"
 name = "soft"
 [questions]
@@ -184,8 +183,8 @@ fn checked(text: &str) -> Checked {
     Checked::new(load::parse(text).unwrap()).unwrap()
 }
 
-/// The same of machines that are less even than those: a crank that stands off, whose rods pull at the others; cranks apart by
-/// design, on a frame; rods that spring; a method and a step of the scene's own.
+/// The same check for less uniform machines. One has a crank that stands off, whose rods pull at the others. One has cranks that are
+/// apart by design, on a frame. One has elastic rods. One has a method and a step that the scene sets.
 #[test]
 fn less_even_machines() {
     let default = library::SCENES[0].text;
@@ -214,10 +213,10 @@ fn less_even_machines() {
     judge_scene("coarse", coarse);
 }
 
-/// Were it wrong, equal motors that swing past what they have would be taken to stay alike, as they do on one shaft.
+/// If this fails, equal motors that swing beyond their torque are assumed to stay alike, as they do on one shaft.
 #[test]
 fn motors_that_may_slip_are_not_bounded_on_one_shaft() {
-    // Their springs of 200 N·m/rad meet the fourth harmonic of 17 rev/s.
+    // The motors' springs of 200 N·m/rad meet the fourth harmonic of 17 rev/s.
     let weak = SOFT
         .replace("damping_nms = 0.5", "damping_nms = 0.002")
         .replace("[[0, 20.0], [60, 20.0]]", "[[0, 4.0], [60, 4.0]]");
@@ -232,7 +231,7 @@ fn motors_that_may_slip_are_not_bounded_on_one_shaft() {
     assert_eq!(weak.fidelity, Fidelity::Phased);
 }
 
-/// Were it wrong, the force on the ground could be requested of a machine that stands on nothing, or be answered without its frame.
+/// If this fails, the force on the ground is accepted as a question for a machine without a frame, or is answered without its frame.
 #[test]
 fn the_ground_question_needs_a_frame() {
     let suspended = library::find("suspended").unwrap().text;
@@ -245,7 +244,7 @@ fn the_ground_question_needs_a_frame() {
     assert!(said.problem.contains("give [frame]"), "{said}");
 }
 
-/// If this fails, the choice relies on a bound that is too small. The bound here is forged, and the sample shows that.
+/// If this fails, the choice relies on a bound that is too small. The test forges such a bound, and the sample must reveal it.
 #[test]
 fn a_level_that_is_off_in_the_sample_is_rejected() {
     let mut forged = checked(SOFT);
@@ -279,7 +278,7 @@ fn a_lower_level_is_taken_where_the_sample_confirms_it() {
         .of(Fidelity::Kinematic, Output::Lag)
         .unwrap();
     assert!(off < 0.4 * bound, "{off} of {bound}: no room between them");
-    // Between what it is and what it may be: the bound says no, the sample says yes.
+    // A tolerance between the actual difference and its bound. The bound fails it, and the sample confirms it.
     let requested = 2.2 * off;
     let scene = checked(&SOFT.replace("lag_deg = 0.05", &format!("lag_deg = {requested}")));
     assert!(scene.fidelity > Fidelity::Kinematic);
@@ -288,7 +287,7 @@ fn a_lower_level_is_taken_where_the_sample_confirms_it() {
     assert!(taken.why().contains("sample"), "{}", taken.why());
 }
 
-/// Were it wrong, a scene would get an answer for which it did not say enough.
+/// If this fails, a scene gets an answer although it lacks the keys for it.
 #[test]
 fn a_question_that_cannot_be_answered_is_refused() {
     for line in [
@@ -314,8 +313,8 @@ fn a_question_that_cannot_be_answered_is_refused() {
     assert!(said.contains("questions.lag_deg"), "{said}");
 }
 
-/// Were it wrong, the answer to a question would not be printed, or be that of another time: a crank that stands off at power-up tilts
-/// the platform in homing alone.
+/// If this fails, the answer to a question is not printed, or is that of another time. A crank that stands off at power-up tilts the
+/// platform only in homing.
 #[test]
 fn an_answer_is_that_of_running_and_stopping() {
     let apart = SOFT
@@ -339,7 +338,7 @@ fn an_answer_is_that_of_running_and_stopping() {
     assert_eq!(report["fidelity"]["outputs"][0]["value"], spread_deg);
 }
 
-/// Were it wrong, a model level that has all cranks on one shaft would confirm that none of them slips: here one does, by itself.
+/// If this fails, a model level with all cranks on one shaft confirms that none of them slips. Here one crank slips alone.
 #[test]
 fn a_slip_is_confirmed_by_a_level_that_can_show_it() {
     let weak = SOFT
@@ -364,7 +363,7 @@ fn a_slip_is_confirmed_by_a_level_that_can_show_it() {
     assert!(slips(Fidelity::Phased) > 0.0);
 }
 
-/// Were it wrong, `cophase run` of the default scene would simulate it several times: its bounds decide, and no sample is run.
+/// If this fails, `cophase run` simulates the default scene several times. Its bounds decide, and no sample is run.
 #[test]
 fn the_default_scene_needs_no_sample() {
     let taken = check(Checked::new(library::SCENES[0].scene()).unwrap()).unwrap();
@@ -375,7 +374,7 @@ fn the_default_scene_needs_no_sample() {
         assert!(judged.bound.is_some_and(|bound| bound <= judged.tolerance));
         assert_eq!((judged.measured, judged.step_error), (None, None));
     }
-    // What happens to a machine voids its bounds, so that it is sampled.
+    // A disturbance voids the machine's bounds, so a sample is run.
     let disturbed =
         library::SCENES[0].text.to_owned() + "[[fault]]\nat_s = 5\nkind = \"stuck\"\naxis = 1\n";
     let disturbed = checked(&disturbed);

@@ -1,4 +1,4 @@
-//! A simulated controller behind the host link does what a run of its scene does.
+//! A simulated controller behind the host link behaves as in a run of its scene.
 
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use host_sim::scene::file::{FaultAt, FaultName};
 use host_sim::scene::{Checked, load};
 use host_sim::sim::{Moment, Observer, simulate};
 
-/// Simulated seconds per second. Much faster, and the queue of samples would overflow.
+/// Simulated seconds per second. At a much higher speed the queue of samples overflows.
 const SPEED: f64 = 4.0;
 
 /// Longest time that a test waits for the loop.
@@ -76,7 +76,7 @@ impl Bench {
         answer.expect("every request is answered")
     }
 
-    /// Reads what the controller sent; keeps the samples.
+    /// Reads the messages of the controller, and keeps the samples.
     fn read(&mut self, mut visit: impl FnMut(&Message<'_>)) {
         let mut bytes = [0; 256];
         loop {
@@ -104,7 +104,7 @@ impl Bench {
         }
     }
 
-    /// Waits until a sample is as required; returns it.
+    /// Waits until a sample meets the condition, and returns the sample.
     fn wait(&mut self, is_there: impl Fn(&Sample) -> bool) -> Sample {
         let end = Instant::now() + PATIENCE;
         let mut read = self.samples.len();
@@ -157,7 +157,7 @@ impl Observer for Ticks {
     }
 }
 
-/// If it differed, a program tried on the simulated controller would do something else on a board.
+/// If this fails, a program tried on the simulated controller does something else on a board.
 #[test]
 fn a_run_over_the_link_is_that_of_the_scene_bit_for_bit() {
     let checked = checked(2.0);
@@ -190,7 +190,7 @@ fn a_run_over_the_link_is_that_of_the_scene_bit_for_bit() {
     assert!(compared > 1000, "only {compared} ticks were compared");
 }
 
-/// The program that was loaded runs, and not the one of the settings.
+/// The loaded program runs, and not the one of the settings.
 #[test]
 fn a_program_that_is_loaded_runs() {
     let other = checked(3.0);
@@ -281,8 +281,8 @@ fn settings_run_after_a_restart() {
     assert_ne!(crc(&mut bench), before);
 }
 
-/// Were a fault injected that the scene's machine cannot have, or too late, the page would show something that no scene
-/// does.
+/// If this fails, a fault is injected too late, or one that the scene's machine cannot have. The page then shows a
+/// behaviour that no scene has.
 #[test]
 fn a_fault_that_is_injected_is_named_and_others_are_refused() {
     let fault = |kind, axis| FaultAt {
@@ -323,7 +323,7 @@ fn a_fault_that_is_injected_is_named_and_others_are_refused() {
             ..
         } = message
         {
-            // The last one has the best name.
+            // The last event has the most precise name.
             fault = events.iter().rev().find_map(|record| match &record.event {
                 Event::Fault(fault) => fault.fault(),
                 _ => None,

@@ -1,5 +1,4 @@
-//! The operating range that pictures show, against runs, against the bounds that warnings are made of, and against what settings
-//! accept.
+//! The operating range that pictures show, against runs, against the bounds behind the warnings, and against the limits of the settings.
 
 use cophase_link::board::{self, Rp2040};
 use host_sim::fidelity::Bounds;
@@ -16,7 +15,7 @@ fn range(checked: &Checked) -> OperatingRange {
     range.expect("whose torque is known")
 }
 
-/// Three steppers with a flat pull-out curve, that hold one level at the quasi-static model level.
+/// Three steppers with a flat pull-out curve that hold one level, at the quasi-static model level.
 fn level(amax_g: f64, more: &str) -> Checked {
     checked(&format!(
         "name = \"level\"\nfidelity = \"quasi-static\"\n\
@@ -28,8 +27,8 @@ fn level(amax_g: f64, more: &str) -> Checked {
     ))
 }
 
-/// If this fails, the picture's required torque is not that of the simulation: a run that holds a level has the same peak. A tick may
-/// be beside the peak of the turn, by 0.06 rad at 20 rev/s: 0.2 % of a second harmonic. Ramps of 3 rev/s² add up to 0.2 % at 10 rev/s.
+/// If this fails, the picture's required torque differs from that of the simulation: a run that holds a level has the same peak. A tick
+/// may miss the peak of the turn by 0.06 rad at 20 rev/s: 0.2 % of a second harmonic. Ramps of 3 rev/s² add up to 0.2 % at 10 rev/s.
 #[test]
 fn required_torque_is_the_peak_of_a_run_at_that_speed() {
     for (amax_g, axis) in [(6.0, 0), (15.0, 1), (25.0, 2)] {
@@ -49,9 +48,9 @@ fn required_torque_is_the_peak_of_a_run_at_that_speed() {
     }
 }
 
-/// If this fails, the picture and the warning that motors lack torque are made of different numbers. The bounds sample a turn at 64
-/// places, and so miss up to 1 % of a peak. They add friction to a load that drives the motor, too, as that of crank-rockers does: there
-/// the picture has less.
+/// If this fails, the picture and the warning about a lack of torque use different numbers. The bounds sample a turn at 64 places, and
+/// so miss up to 1 % of a peak. They also add friction to a load that drives the motor, as that of crank-rockers does. There the picture
+/// shows less.
 #[test]
 fn the_greatest_load_is_that_of_the_warning() {
     for name in ["default", "stiff-bearing", "patent-4", "crank-rocker"] {
@@ -69,7 +68,7 @@ fn the_greatest_load_is_that_of_the_warning() {
 #[test]
 fn limits_of_the_step_rate_are_where_settings_are_refused() {
     let range = range(&level(10.0, ""));
-    // Slow drifts of phase offsets, 1 degree a second on each of three axes, are within the limit, too.
+    // Slow drifts of phase offsets, 1 degree a second on each of three axes, count towards the limit, too.
     let offset_hz = 3.0 / 360.0;
     let most_hz = range.planner_step_hz().expect("a timing");
     let steps = most_hz / (30.0 + offset_hz);
@@ -94,7 +93,7 @@ fn limits_of_the_step_rate_are_where_settings_are_refused() {
     }
 }
 
-/// If this fails, a picture lacks a curve or a limit, or a machine that has none gets one.
+/// If this fails, a picture lacks a curve or a limit, or shows one that its machine does not have.
 #[test]
 fn the_picture_names_what_it_shows() {
     let of = |name: &str| Checked::new(library::find(name).expect("built in").scene()).unwrap();
@@ -119,7 +118,7 @@ fn the_picture_names_what_it_shows() {
     }
 }
 
-/// If this fails, a scene with a load that comes during the run has no picture, and `cophase run` refuses it.
+/// If this fails, a scene with a load that starts during the run has no picture, and `cophase run` refuses it.
 #[test]
 fn a_disturbed_scene_has_the_range_of_its_undisturbed_machine() {
     let scene = library::find("pulse-servo").expect("it is built in").text;

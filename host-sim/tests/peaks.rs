@@ -1,10 +1,10 @@
-//! Peaks of followers, and how near the method's step has them.
+//! Peaks of followers, and the accuracy that the method's step gives them.
 
 use host_sim::machine::Peaks;
 use host_sim::scene::{Checked, load};
 use host_sim::sim::simulate;
 
-/// Two wrapper pushers (`docs/methods.md`, the elastic follower), run up to 450 turns a minute.
+/// Two wrapper pushers (`docs/methods.md`, the elastic follower), at up to 450 turns a minute.
 const SCENE: &str = r#"
 name = "peaks"
 fidelity = "elastic"
@@ -37,8 +37,8 @@ fn peaks(method: &str) -> Peaks {
     outcome.statistics.followers[0]
 }
 
-/// Were it wrong, the docs would promise of a peak what the step does not keep: of the pusher 0.03 %, of the cam side 0.3 %, and there a
-/// ninth of it for a third of the step.
+/// If this fails, the docs promise an accuracy of a peak that the step does not reach: of the pusher 0.03 %, of the cam side 0.3 %, and
+/// there a ninth of it for a third of the step.
 #[test]
 fn peaks_are_as_near_as_the_docs_have_it() {
     let steps = |count: u32| peaks(&format!("steps_per_tick = {count}\n"));

@@ -1,12 +1,12 @@
 //! The computable part of the source's control section: the slope of the root of a ramp at its start.
 //!
-//! The rest of the published and calculated figures is in `design.rs`; `docs/reproduced.md` lists them all.
+//! The rest of the published and calculated figures is in `design.rs`. `docs/reproduced.md` lists them all.
 
 use host_sim::mechanism::Mechanism;
 use host_sim::mechanism::slider_crank::SliderCrank;
 
-/// Speed of a mechanism whose amax goes evenly from 0 to `full_mps2` in 1 s, and its slope by central differences: with
-/// steps of 1e-5 of the time off by (1e-5)² · 5/8 of itself.
+/// Speed of a mechanism whose amax rises evenly from 0 to `full_mps2` in 1 s, and its slope by central differences. Steps
+/// of 1e-5 of the time give an error of (1e-5)² · 5/8 of the slope.
 fn ramp(mechanism: &SliderCrank, full_mps2: f64, t_s: f64) -> (f64, f64) {
     let omega_rad_s = |t_s: f64| mechanism.speed_for_amax_rad_s(full_mps2 * t_s);
     let by_s = 1e-5 * t_s;
@@ -14,8 +14,8 @@ fn ramp(mechanism: &SliderCrank, full_mps2: f64, t_s: f64) -> (f64, f64) {
     (omega_rad_s(t_s), slope_rad_s2)
 }
 
-/// Item 10. If this fails, speed follows amax by another law than ω = √(amax / (R (1 + λ))), and what is said of its start
-/// is wrong: before these times the crank's angular acceleration, R α″, is more than R ω² itself.
+/// Item 10. If this fails, speed does not follow amax by ω = √(amax / (R (1 + λ))), and our statement about the start is
+/// wrong: before these times the crank's angular acceleration, R α″, is more than R ω² itself.
 ///
 /// Calculated: 8.59 ms for example 1, 63.27 ms for example 4, here to half a unit of their last place. In closed form
 /// ω = w √t, so that ω′ = ω² at t = (2 w)^(−2/3).
@@ -41,7 +41,7 @@ fn a_ramp_begins_steeper_than_it_turns() {
             "{found_ms} ms, published {published_ms}"
         );
         assert!((found_ms / closed_ms - 1.0).abs() < 1e-8, "{found_ms} ms");
-        // Nor is there a start without a limit: the slope grows as 1/√t.
+        // A start without a limit is impossible, too: the slope grows as 1/√t.
         let (_, early) = ramp(&mechanism, full_mps2, 1e-8 * after_s);
         let (_, there) = ramp(&mechanism, full_mps2, after_s);
         assert!((early / there - 1e4).abs() < 1.0, "{early}, {there} rad/s²");

@@ -19,7 +19,8 @@ fn scene(axes: usize, more: &str) -> Checked {
 const NOISE: &str = "noise = { load_nm = 0.3 }\n";
 const STEP: &str = "fault = [{ at_s = 0.5, kind = \"load-step\", axis = 1, torque_nm = 2 }]\n";
 
-/// Were it wrong, a load on one crank would be written into the state of a crank that the one shaft does not have.
+/// If this fails, a load on one crank is written into the state of a crank that does not exist, because there is
+/// one shaft only.
 #[test]
 fn loads_act_on_one_shaft() {
     for axes in 2..=6 {
@@ -29,7 +30,7 @@ fn loads_act_on_one_shaft() {
             found.of(Output::Torque).expect("torque moves the shaft")
         };
         let unloaded = torque("");
-        // The step is shared by all motors, which carry it alike.
+        // All motors share the step in equal parts.
         let shared = torque(STEP) - unloaded;
         assert!(
             (0.5..2.0).contains(&(shared * axes as f64 / 2.0)),
@@ -39,7 +40,7 @@ fn loads_act_on_one_shaft() {
     }
 }
 
-/// Were it wrong, the default model level would fail in the sample that it is checked with.
+/// If this fails, the default model level fails in the sample that checks it.
 #[test]
 fn auto_runs_its_sample_under_loads() {
     for more in [NOISE, STEP] {

@@ -1,6 +1,6 @@
-//! The files a run leaves behind, read back by other readers than their writers.
+//! The files that a run writes, read back by readers other than their writers.
 //!
-//! The pages drawn here are left in `tmp/` of the target folder, to be looked at.
+//! The pages drawn here stay in `tmp/` of the target folder for inspection.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -34,8 +34,8 @@ fn program_g(t_s: f64) -> f64 {
     level
 }
 
-/// A minute of mixing on three axes. With `slips`, axis 2 loses four full steps (7.2°) at each of those
-/// times, and the machine stops after the third.
+/// A minute of mixing on three axes. With `slips`, axis 2 loses four full steps (7.2°) at each of those times, and the machine stops
+/// after the third.
 fn mixing(slips: &[f64], mut each: impl FnMut(&Row)) {
     let mut phase_turns = 0.0;
     let mut amax_commanded_mps2 = 0.0_f64;
@@ -44,7 +44,7 @@ fn mixing(slips: &[f64], mut each: impl FnMut(&Row)) {
         let t_s = f64::from(tick) * TICK_S;
         let requested = program_g(t_s) * GRAVITY_MPS2;
         let target = if t_s > fault_s { 0.0 } else { requested };
-        // The command follows with a limit on its rate.
+        // The commanded amplitude follows with a limited rate.
         amax_commanded_mps2 += (target - amax_commanded_mps2).clamp(-0.22, 0.22);
         let omega_rad_s = (amax_commanded_mps2 / RADIUS_M).sqrt();
         phase_turns += omega_rad_s / TAU * TICK_S;
@@ -61,7 +61,7 @@ fn mixing(slips: &[f64], mut each: impl FnMut(&Row)) {
         let axes: Vec<AxisRow> = (0..3_u32)
             .map(|i| {
                 let slipped = slips.iter().filter(|&&at| i == 2 && t_s > at).count();
-                // Lag that grows with speed, corrected by trim every so often: a sawtooth.
+                // A lag that grows with speed and that trim corrects at intervals: a sawtooth.
                 let saw = (t_s / (1.3 + 0.4 * f64::from(i))).fract() * 0.12 * speed;
                 let phase_error_deg = saw + f64::from(i) * 0.02 * speed - 7.2 * slipped as f64;
                 AxisRow {
@@ -110,7 +110,7 @@ fn axes(count: usize) -> Vec<AxisRow> {
     vec![AxisRow::default(); count]
 }
 
-/// Keeps a page to be looked at, and checks that it is one.
+/// Stores a page for inspection, and checks that it is an SVG page.
 fn keep(name: &str, svg: &str) {
     fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join(name), svg).unwrap();
     assert!(svg.starts_with("<svg"), "{name}");
@@ -164,7 +164,7 @@ fn a_fault_is_shown_on_the_page() {
     }
 }
 
-/// Were it wrong, the axis that is drawn last would hide those with the same phase error, and a correction would seem to do nothing.
+/// If this fails, the axis that is drawn last hides those with the same phase error, and a correction appears to have no effect.
 #[test]
 fn axes_that_coincide_are_visible_and_a_correction_is_explained() {
     let page = |is_corrected: bool, apart_deg: f64| {
@@ -198,11 +198,11 @@ fn axes_that_coincide_are_visible_and_a_correction_is_explained() {
     ] {
         assert!(svg.contains(entry), "{entry}");
     }
-    // The widest line is at the back, the others within it.
+    // The widest line is at the back, and the others are within it.
     let first = |width: &str| svg.find(&format!("stroke-width=\"{width}\""));
     let [five, three] = [first("5.5").unwrap(), first("3.5").unwrap()];
     assert!(five < three, "{five}, {three}");
-    // Axes coincide that are less than a pixel apart.
+    // Axes that are less than a pixel apart coincide.
     assert!(page(true, 0.1).contains("axis 2, peak"));
     assert!(page(true, 0.01).contains("axis 2, as axis 0"));
 
@@ -225,12 +225,12 @@ fn the_same_run_gives_the_same_page() {
         }
         scope.render()
     };
-    // Drawn twice in one process, where a library's global counters would show.
+    // The page is drawn twice in one process. Global counters of a library would make a difference.
     assert_eq!(page(), page());
     keep("scope-six.svg", &page());
 }
 
-/// Were it wrong, the page would show what was commanded as what the platform did, or twice the amplitude of a level that is over.
+/// If this fails, the page shows the commanded amplitude as the actual one, or twice the amplitude of a level that is over.
 #[test]
 fn three_amplitudes_are_drawn_by_their_names() {
     let page = |moved: Moved| {
@@ -242,7 +242,7 @@ fn three_amplitudes_are_drawn_by_their_names() {
         for tick in 0..8000_u32 {
             let t_s = f64::from(tick) * TICK_S;
             let phase_turns = 10.0 * t_s;
-            // The last tick but one is a spike in a turn that is never whole.
+            // The last tick but one is a spike in an incomplete turn.
             let spike = if tick == 7998 { 90.0 } else { 1.0 };
             scope.push(&Row {
                 t_s,
@@ -351,7 +351,7 @@ fn a_trace_reads_back_to_the_stated_resolution() {
     for (line, row) in reader.records().zip(&rows) {
         let line = line.unwrap();
         let field = |name: &str| &line[names.iter().position(|n| n == name).unwrap()];
-        // Half of the last place, and a little for the rounding of turns counted in thousands.
+        // The tolerance is half of the last place, plus a little for the rounding of turns counted in thousands.
         let near = |name: &str, value: f64, resolution: f64| {
             let back: f64 = field(name).parse().unwrap();
             let off = (back - value).abs();
@@ -379,7 +379,7 @@ fn a_trace_reads_back_to_the_stated_resolution() {
         read += 1;
     }
     assert_eq!(read, rows.len());
-    // The second row's time, 97 ticks of 0.5 ms, to the letter.
+    // The second row's time, 97 ticks of 0.5 ms, is written exactly so.
     assert!(String::from_utf8(text).unwrap().contains("\n0.0485,idle,"));
 }
 

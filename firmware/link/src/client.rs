@@ -21,8 +21,8 @@ impl Client {
         }
     }
 
-    /// Encodes a request at the beginning of `frame`. Returns the number that its reply repeats, and the length; none if
-    /// the bytes of the request are more than a frame holds.
+    /// Encodes a request at the beginning of `frame`. Returns the number that its reply repeats, and the length, or
+    /// none if the request does not fit in a frame.
     pub fn request(
         &mut self,
         request: &Request<'_>,
@@ -36,7 +36,7 @@ impl Client {
         Some((number, length))
     }
 
-    /// Takes one byte from the line; returns the message that it ends, if that is intact.
+    /// Takes one byte from the line. Returns the message that the byte ends, if the message is intact.
     pub fn push(&mut self, byte: u8) -> Option<Message<'_>> {
         let (_, payload) = self.receiver.push(byte)?;
         match postcard::take_from_bytes(payload) {

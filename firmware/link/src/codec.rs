@@ -150,10 +150,9 @@ pub fn decode(settings_file: &[u8]) -> Result<Settings, SettingsFileError> {
 
 /// Decodes the settings in a settings file in place.
 ///
-/// The numbers are returned as written; `Controller::configure` checks them. The clock stays as it was: it is the
+/// The numbers are returned as written. `Controller::configure` checks them. The clock stays as it was, as it is the
 /// board's. Settings have 7 KiB, most of it the program and the cam tables. So they are read field by field, and long
-/// lists entry by entry. A board's stack then need not hold them
-/// twice.
+/// lists entry by entry. A board's stack then need not hold them twice.
 ///
 /// # Errors
 /// The bytes are not exactly one intact settings file of this version. The settings are then a mixture of old and new.
@@ -166,7 +165,7 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
     let Settings {
         name,
         tick_hz,
-        clock_hz: _, // The board's; no file has it.
+        clock_hz: _, // The board's clock, which no file contains.
         detect_at_once: _,
         machine,
         limits,
@@ -249,7 +248,7 @@ impl<'a> Payload<'a> {
     }
 }
 
-/// Converts a length for messages; no settings file, and no flash, is near 4 GiB.
+/// Converts a length for messages. No settings file, and no flash, is near 4 GiB.
 fn count(bytes: usize) -> u32 {
     u32::try_from(bytes).unwrap_or(u32::MAX)
 }

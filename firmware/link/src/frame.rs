@@ -1,4 +1,4 @@
-//! Frames: how a message is separated from the next one, and how damage is detected.
+//! Frames, which separate messages and make damage detectable.
 //!
 //! A frame is `COBS(number | payload | CRC-32) 0`. The zero ends it, and COBS removes all other zeros, so that a receiver
 //! finds the next frame after any damage. The number has two bytes and counts the frames of one direction: a gap shows
@@ -44,7 +44,7 @@ pub struct FrameCounts {
     pub good: u32,
     /// Damaged frames: wrong CRC, wrong coding, or too long.
     pub bad: u32,
-    /// Frames that the numbers of the intact ones show to be missing. Damaged frames are among them.
+    /// Missing frames, found from gaps in the numbers of intact frames. Damaged frames are included.
     pub missing: u32,
 }
 
@@ -52,7 +52,7 @@ pub struct FrameCounts {
 #[derive(Clone, Debug)]
 pub struct Receiver {
     buffer: [u8; MAX_FRAME_BYTES],
-    /// Bytes of the present frame; more than the buffer holds if the frame is longer than any.
+    /// Bytes of the present frame. The number exceeds the buffer if the frame is too long.
     length: usize,
     next: Option<u16>,
     counts: FrameCounts,
@@ -78,7 +78,7 @@ impl Receiver {
         self.counts
     }
 
-    /// Takes one byte. Returns the number and the payload of the frame that it ends, if that is intact.
+    /// Takes one byte. Returns the number and the payload of the frame that the byte ends, if the frame is intact.
     pub fn push(&mut self, byte: u8) -> Option<(u16, &[u8])> {
         if byte != 0 {
             if let Some(place) = self.buffer.get_mut(self.length) {

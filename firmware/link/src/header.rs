@@ -1,7 +1,7 @@
 //! Header: the first page of a settings file.
 //!
-//! All numbers are little-endian. The last four bytes of the page are the CRC-32 of all before them. Unused bytes are
-//! 0xFF, as in erased flash, and are under the CRC too.
+//! All numbers are little-endian. The last four bytes of the page are the CRC-32 of all bytes before them. Unused bytes
+//! are 0xFF, as in erased flash, and are under the CRC too.
 //!
 //! In flash the header is written after its payload, in one page write. That write is the commit. The CRC does not
 //! match in a page that was written or erased in part.
@@ -126,7 +126,7 @@ mod tests {
         payload_crc: 0x0F10_1112,
     };
 
-    /// If this were wrong, firmware could not read files of another version, or files as in `docs/settings-file.md`.
+    /// If this fails, firmware cannot read files of another version, or files as described in `docs/settings-file.md`.
     #[test]
     fn fields_lie_where_documented() {
         let page = HEADER.page();

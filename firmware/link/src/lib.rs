@@ -1,8 +1,8 @@
 //! Data that a Cophase controller stores, or exchanges with a host.
 //!
-//! **The host link**, without any input or output of its own: [`frame`], [`message`] and [`sample`] are what is sent. [`server`]
-//! is the controller's side, and [`client`] the host's. [`program`] is the file of a program, and [`watch`] makes events
-//! of what changes in the loop. `docs/link.md` describes the protocol.
+//! **The host link**, without any input or output of its own: [`frame`], [`message`] and [`sample`] define the bytes that are sent.
+//! [`server`] is the controller's side, and [`client`] the host's. [`program`] is the file of a program, and [`watch`] makes events of
+//! changes in the loop. `docs/link.md` describes the protocol.
 //!
 //! **The settings file:** settings as bytes.
 //!
@@ -14,7 +14,7 @@
 //! - *Payload*: the settings, in [postcard](https://postcard.jamesmunns.com/)'s wire format ([`codec`]). Its format has
 //!   a version.
 //! - *Slot*: one of two places in flash that hold a settings file each ([`store`], at the offsets of [`layout`]).
-//! - *Origin*: source of a stored settings file: somebody outside, or firmware with certain built-in settings.
+//! - *Origin*: source of a stored settings file: placed from outside, or stored by firmware with certain built-in settings.
 //!
 //! An intact settings file may still hold invalid numbers. They are checked like those of a scene, when the controller
 //! is made ([`Settings::controller`]).

@@ -28,7 +28,7 @@ pub type Name = heapless::String<40>;
 /// Greatest length of a [`Text`], bytes.
 pub const TEXT_BYTES: usize = 160;
 
-/// Text of an error, cut to what a reply holds.
+/// Text of an error, cut to the length that a reply holds.
 pub fn text(error: &impl core::fmt::Display) -> Text {
     struct Cut(Text);
     impl Write for Cut {
@@ -42,7 +42,7 @@ pub fn text(error: &impl core::fmt::Display) -> Text {
         }
     }
     let mut cut = Cut(Text::new());
-    // A text that is too long ends where the room ends.
+    // A text that is too long is cut where the room ends.
     let _ = write!(cut, "{error}");
     cut.0
 }
@@ -106,7 +106,7 @@ pub enum Request<'a> {
     },
     /// Homes the machine and parks it. Needs the arm.
     Home,
-    /// Turns a parked machine at homing speed while it is repeated. The first one needs the arm.
+    /// Turns a parked machine at homing speed while the request is repeated. The first request needs the arm.
     Jog,
     /// Counters of the link and of the loop: [`ReplyBody::Counters`].
     Counters,
@@ -133,8 +133,8 @@ pub enum Request<'a> {
     Inputs,
     /// Allows bring-up for [`UNLOCKED_S`](crate::server::UNLOCKED_S). Needs control, and the drives off.
     Unlock,
-    /// Holds an output for [`OUTPUT_MS`](crate::server::OUTPUT_MS); repeated, for as much longer. Needs the unlock, and the
-    /// drives off.
+    /// Holds an output for [`OUTPUT_MS`](crate::server::OUTPUT_MS). A repeated request holds it for that time again. Needs the unlock, and
+    /// the drives off.
     Output {
         /// Output to hold; another one that is held is released.
         output: Output,
@@ -189,7 +189,7 @@ pub enum File {
 pub enum ControlRequest {
     /// Takes control if no other host has it.
     Take,
-    /// Takes control from whoever has it.
+    /// Takes control from any host that has it.
     TakeOver,
     /// Gives control back.
     Release,
@@ -421,7 +421,7 @@ pub struct EventRecord {
     pub event: Event,
 }
 
-/// Something that happened.
+/// Event of the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Event {
     /// The machine changed to the state of this number.

@@ -1,4 +1,4 @@
-//! Program file: the entries of a program on their way to a running controller.
+//! Program file: the entries of a program, as they are sent to a running controller.
 //!
 //! The bytes are `program` of the settings, in postcard's format: the number of entries, then the entries.
 
@@ -33,7 +33,7 @@ pub fn encode<'a>(settings: &Settings, buffer: &'a mut [u8]) -> Option<&'a [u8]>
 /// 5 KB of stack.
 ///
 /// # Errors
-/// The bytes are no program, or the machine cannot run it. The program is then not to be used.
+/// The bytes are no program, or the machine cannot run it. The program must then not be used.
 #[inline(never)]
 pub fn fill(bytes: &[u8], mut builder: ProgramBuilder<'_>) -> Result<(), ProgramFileError> {
     let unreadable = |_| ProgramFileError::Unreadable;

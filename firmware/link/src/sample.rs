@@ -199,7 +199,7 @@ pub const MAX_PACKED_BYTES: usize = VARINT_BYTES * VALUES;
 
 /// Appends a sample to a packet, after the sample `before` (zeros for the first one).
 ///
-/// Returns false if the packet has no room for it, which then ends where it did.
+/// Returns false if the packet has no room for it. The packet then stays as it was.
 pub fn pack<const N: usize>(
     sample: &Sample,
     before: &Sample,
@@ -229,8 +229,8 @@ pub fn pack<const N: usize>(
     fits
 }
 
-/// Samples of a packet, of which `tick` is the first one's tick and `every` their distance. They end with the packet, or
-/// where its bytes are no sample. Channels that are not in the packet are zero.
+/// Samples of a packet. `tick` is the tick of the first one, and `every` is the distance of two in ticks. They end with
+/// the packet, or where its bytes are no sample. Channels that are not in the packet are zero.
 pub fn unpack(
     tick: u32,
     every: u16,
@@ -243,7 +243,7 @@ pub fn unpack(
         ..Sample::ZERO
     };
     core::iter::from_fn(move || {
-        // Without a channel, a packet has no samples, whatever bytes it has.
+        // A packet without channels has no samples, whatever its bytes are.
         if packet.is_empty() || channels & ALL_CHANNELS == 0 || axes == 0 {
             return None;
         }

@@ -1,5 +1,5 @@
-//! Conformance tests: each test puts every board through one question. `tests/emulator/run cost` shows that a board can
-//! run what it accepts.
+//! Conformance tests: each test checks one property of every board. `tests/emulator/run cost` shows that a board can run the settings that
+//! it accepts.
 
 mod support;
 
@@ -39,7 +39,7 @@ impl Board for Fictitious {
     }
 }
 
-/// The boards of the list, and one that exists here only: a property of the one board alone would not hold for both.
+/// The boards of the list, and one that exists only here. No test can rely on a property that only one of them has.
 fn boards() -> impl Iterator<Item = AnyBoard> {
     let fictitious = AnyBoard::of::<Fictitious>();
     BOARDS.iter().copied().chain([fictitious])
@@ -75,7 +75,7 @@ fn most_hz(board: AnyBoard, axes: usize, steps_per_turn: u32) -> u32 {
     }
 }
 
-/// If it named a lower one, users would lose speed; if a higher one, the board would refuse that, too.
+/// If this fails, the message names a wrong tick rate. With a lower one users lose speed, and the board refuses a higher one too.
 #[test]
 fn the_rate_that_is_named_is_the_highest_that_is_accepted() {
     for board in boards() {
@@ -92,7 +92,7 @@ fn the_rate_that_is_named_is_the_highest_that_is_accepted() {
     }
 }
 
-/// If this were wrong, the usual rate would be refused, or a machine accepted that misses every second deadline.
+/// If this fails, the usual rate is refused, or a machine is accepted that misses every second deadline.
 #[test]
 fn more_axes_and_more_steps_leave_less_room() {
     for board in boards() {
@@ -110,7 +110,7 @@ fn more_axes_and_more_steps_leave_less_room() {
     }
 }
 
-/// If this were wrong, ticks of hardware and timer would drift apart, or the controller refuse what the board accepts.
+/// If this fails, ticks of hardware and timer drift apart, or the controller refuses settings that the board accepts.
 #[test]
 fn a_tick_has_whole_cycles_of_the_clock() {
     for board in boards() {
@@ -125,7 +125,7 @@ fn a_tick_has_whole_cycles_of_the_clock() {
     }
 }
 
-/// If another axis were named, or none, a user would not know what to change.
+/// If this fails, the message names another axis, or none, and a user cannot find the setting to change.
 #[test]
 fn the_first_axis_that_the_board_cannot_run_is_named() {
     for board in boards() {
@@ -153,7 +153,7 @@ fn the_first_axis_that_the_board_cannot_run_is_named() {
     }
 }
 
-/// If they were accepted, the steps of some axes would have no pins.
+/// If this fails, the steps of some axes have no pins.
 #[test]
 fn too_many_axes_are_refused() {
     for board in boards() {

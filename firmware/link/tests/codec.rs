@@ -15,7 +15,7 @@ fn settings_file(settings: &Settings) -> Vec<u8> {
     encode(settings, 7, OUTSIDE, &mut buffer).unwrap().to_vec()
 }
 
-/// Decodes settings, and gives them the clock that all settings have here: no file has one.
+/// Decodes settings, and sets the clock that all settings have here, as no file contains one.
 fn decode(settings_file: &[u8]) -> Result<Settings, SettingsFileError> {
     let settings = cophase_link::decode(settings_file)?;
     assert_eq!(settings.clock_hz, 0);
@@ -38,7 +38,7 @@ fn settings_file_of(payload: &[u8], version: u16) -> Vec<u8> {
     [&header.page()[..], payload].concat()
 }
 
-/// Every bit must survive, or a board would run other numbers than the desk. NaN, infinities and -0.0 have bits too.
+/// If this fails, a board runs other numbers than the desk. NaN, infinities and -0.0 have bits too.
 #[test]
 fn settings_survive_to_the_bit() {
     for (axes, bands, entries) in [(0, 0, 0), (2, 1, 1), (4, 2, 9), (6, 4, 128)] {
@@ -57,7 +57,7 @@ fn settings_survive_to_the_bit() {
     }
 }
 
-/// If this were wrong, a scene that runs on the desk would not fit the board's buffers.
+/// If this fails, a scene that runs on the desk does not fit the board's buffers.
 #[test]
 fn the_longest_settings_are_as_long_as_documented() {
     let longest = longest();
@@ -174,7 +174,7 @@ fn a_settings_file_is_found_at_the_beginning_of_its_slot() {
     assert!(settings_file_in(&[0xFF; 4096]).is_err());
 }
 
-/// If this were wrong, a foreign settings file could drive a machine beyond the limits of any scene.
+/// If this fails, a foreign settings file can drive a machine beyond the limits of any scene.
 #[test]
 fn numbers_out_of_range_are_refused_when_the_controller_is_made() {
     let mut given = settings(3, 1, 4);

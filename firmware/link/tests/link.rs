@@ -1,4 +1,4 @@
-//! The link's server: who may do what, files, events and statuses.
+//! The link's server: access, files, events and statuses.
 #![allow(
     clippy::result_large_err,
     reason = "a refusal holds its text, as there is no heap"
@@ -43,7 +43,7 @@ fn identity_has_the_protocol_version_and_another_version_is_refused() {
     assert_eq!(refused, Refusal::Version { controller });
 }
 
-/// If one of the steps could be left out, a single request could move a machine.
+/// If this fails, a step can be left out, and a single request can move a machine.
 #[test]
 fn motion_needs_control_then_an_arm_then_a_start() {
     let mut hub = hub();
@@ -114,7 +114,7 @@ fn one_host_has_control_and_any_host_can_stop() {
         .unwrap();
     assert_eq!(effects(&mut hub), [Effect::Command(Command::StopNow)]);
 
-    // Whoever takes over has control; the first one's arm is gone with it.
+    // The host that takes over has control. The first host's arm is gone with it.
     hub.device().enters(State::Idle);
     first.request(&mut hub, &Request::Arm).unwrap();
     let take_over = Request::Control(ControlRequest::TakeOver);
@@ -129,7 +129,7 @@ fn one_host_has_control_and_any_host_can_stop() {
     );
 }
 
-/// A new host on a line must not have what the last one had.
+/// If this fails, a new host on a line has the control of the last one.
 #[test]
 fn control_ends_with_the_connection() {
     let mut hub = hub();

@@ -66,7 +66,7 @@ fn outputs_and_single_axes_need_control_and_the_unlock() {
     assert_eq!(host.request(&mut hub, &STEP), Err(Refusal::Locked));
 }
 
-/// A host that leaves must not leave an output behind.
+/// If this fails, an output stays held after its host has left.
 #[test]
 fn a_held_output_is_released_after_its_time_and_with_its_host() {
     let mut hub = hub();
@@ -104,7 +104,8 @@ fn bring_up_ends_where_the_machine_begins() {
     assert_eq!(effects(&mut hub), []);
 }
 
-/// A restart, an erase of the flash or a single axis would let the cranks go; an operator does that with a reset.
+/// If this fails, a restart, an erase of the flash or a single axis releases the cranks. An operator releases them with
+/// a reset.
 #[test]
 fn nothing_that_needs_drives_off_is_possible_while_they_hold_after_a_fault() {
     let mut hub = hub();
@@ -138,7 +139,7 @@ fn nothing_that_needs_drives_off_is_possible_while_they_hold_after_a_fault() {
     assert_eq!(effects(&mut hub), [Effect::Restart(None)]);
 }
 
-/// A held STEP would swallow the first steps.
+/// If this fails, a held STEP suppresses the first steps.
 #[test]
 fn a_held_output_is_released_before_a_motion_is_commanded() {
     let mut hub = hub();
@@ -174,7 +175,7 @@ fn a_machine_whose_host_is_lost_stops_as_its_settings_define() {
     ] {
         let (mut hub, mut host) = started(reaction);
         passes(&mut hub, 499);
-        // Any frame shows that it is there.
+        // Any frame shows that the host is there.
         host.ask(&mut hub, &Request::Counters, |reply| assert!(reply.is_ok()));
         passes(&mut hub, 499);
         assert_eq!(effects(&mut hub), []);
@@ -184,7 +185,7 @@ fn a_machine_whose_host_is_lost_stops_as_its_settings_define() {
     }
 }
 
-/// Frames of a host that only watches do not keep a machine running whose operator is lost.
+/// Frames of a host that only watches do not keep a machine running after its operator is lost.
 #[test]
 fn another_host_does_not_stand_in() {
     let (mut hub, _host) = started(HostLossReaction::Stop);

@@ -45,14 +45,14 @@ fn play(client: &Client, bytes: &[u8]) -> (Vec<Effect>, u32) {
     let mut host = Host::new(0);
     host.read(&mut hub, |_| {});
     host.client = client.clone();
-    // A frame whose end was damaged takes the next one with it; a zero ends it.
+    // A frame whose end was damaged includes the next one. A zero ends it.
     hub.receive(0, &[0]);
     let mut damaged = 0;
     host.ask_counters(&mut hub, |bad, missing| damaged = bad + missing);
     (std::mem::take(&mut hub.device().effects), damaged)
 }
 
-/// A bit that flips on the line must not become another request, and it must show.
+/// If this fails, a bit that flips on the line becomes another request, or is not counted.
 #[test]
 fn every_flipped_bit_of_a_session_is_detected_and_counted() {
     let (client, bytes) = session();
@@ -69,7 +69,7 @@ fn every_flipped_bit_of_a_session_is_detected_and_counted() {
     println!("{} bits", 8 * bytes.len());
 }
 
-/// A frame as any sender could make it, of any length, with the right CRC.
+/// A frame of any length with the right CRC, as any sender can make it.
 fn frame_of(payload: &[u8]) -> Vec<u8> {
     let mut plain = vec![0, 0];
     plain.extend(payload);
@@ -91,7 +91,7 @@ fn frame_of(payload: &[u8]) -> Vec<u8> {
     coded
 }
 
-/// If a long frame made the server panic, any host could reset a running controller.
+/// If this fails, a long frame makes the server panic, and any host can reset a running controller.
 #[test]
 fn frames_of_any_length_are_answered_or_counted() {
     for length in 0..1000 {

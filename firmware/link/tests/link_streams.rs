@@ -57,7 +57,7 @@ fn received(host: &mut Host, hub: &mut TestHub) -> Vec<Sample> {
     all
 }
 
-/// If a bit were lost, a recorded run would differ from what the controller did.
+/// If this fails, a bit is lost, and a recorded run differs from the run of the controller.
 #[test]
 fn a_stream_has_every_sample_bit_for_bit() {
     let mut hub = hub();
@@ -82,7 +82,7 @@ fn a_stream_has_every_sample_bit_for_bit() {
     assert_eq!(all, sent[..all.len()]);
 }
 
-/// A host that reads too slowly must learn how many samples it missed.
+/// If this fails, a host that reads too slowly does not get the number of samples that it missed.
 #[test]
 fn every_sample_is_received_or_counted_as_lost() {
     let mut hub = hub();
@@ -116,11 +116,11 @@ fn every_sample_is_received_or_counted_as_lost() {
         waiting <= 20,
         "{waiting} samples are neither received nor lost"
     );
-    // Frame numbers show the same to a host that does not ask.
+    // Frame numbers show the same to a host that does not request it.
     assert!(host.client.counts().missing > 0);
 }
 
-/// If they had samples without end, a damaged controller would stop its host.
+/// If this fails, such packets have samples without end, and a damaged controller stops its host.
 #[test]
 fn packets_without_channels_have_no_samples() {
     assert_eq!(unpack(0, 1, 0, AXES, &[1, 2, 3]).count(), 0);

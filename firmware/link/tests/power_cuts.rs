@@ -30,7 +30,7 @@ fn one_of<'a>(flash: &Nor, old: &'a [u8], new: &'a [u8], done: bool) -> &'a [u8]
     old
 }
 
-/// If this were wrong, a power cut at the wrong moment would leave a machine without settings, or with half of them.
+/// If this fails, a power cut at the wrong moment leaves a machine without settings, or with half of them.
 #[test]
 fn a_power_cut_at_any_byte_leaves_the_old_or_the_new() {
     // The files are longer than a sector, so that the order in which sectors are erased matters.
@@ -88,7 +88,7 @@ fn a_power_cut_at_any_byte_of_the_first_leaves_none_or_it() {
     }
 }
 
-/// Every first cut, each with nine second ones; together they cover every second cut too.
+/// Every first cut, each with nine second ones. Together they cover every second cut too.
 #[test]
 fn two_power_cuts_in_a_row_leave_the_old_or_the_new() {
     const STRIDE: usize = 521;

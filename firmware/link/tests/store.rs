@@ -26,7 +26,7 @@ fn settings_files_take_turns_and_the_last_is_newest() {
     }
 }
 
-/// Sequence numbers wrap after 2³² files; the newest must remain the newest.
+/// Sequence numbers wrap after 2³² files. The newest file must remain the newest.
 #[test]
 fn the_sequence_wraps() {
     let mut flash = empty();
@@ -47,7 +47,7 @@ fn the_sequence_wraps() {
     }
 }
 
-/// If this were wrong, a machine would run settings that were replaced long ago, and nobody would know.
+/// If this fails, a machine runs settings that were replaced long ago, and nobody notices.
 #[test]
 fn damage_to_the_newest_payload_is_corruption_and_nothing_else_is() {
     let mut whole = empty();
@@ -87,7 +87,7 @@ fn damage_to_the_newest_payload_is_corruption_and_nothing_else_is() {
     ));
 }
 
-/// A settings file of another version is intact; the store does not decide whether it is run.
+/// A settings file of another version is intact. The store does not decide whether it is run.
 #[test]
 fn another_version_is_not_corruption() {
     let mut flash = empty();

@@ -81,7 +81,7 @@ pub const fn nearest(difference: Turns) -> Turns {
 mod tests {
     use super::*;
 
-    /// If wrapping lost bits, a shaft would jump once every 32,768 turns.
+    /// If this fails, wrapping loses bits, and a shaft jumps once every 32,768 turns.
     #[test]
     fn differences_are_exact_across_the_wrap() {
         let step = Turns::from_num(0.4);

@@ -1,7 +1,7 @@
 //! Alarm of the control loop: its interrupt polls the loop directly.
 //!
-//! An executor and its timer queue serve any number of tasks, and cost 700 cycles a tick and a second interrupt. The loop is one
-//! task that waits only for its next deadline. The alarm's interrupt polls it, and a poll that has to wait sets the alarm.
+//! An executor and its timer queue serve any number of tasks, and cost 700 cycles a tick and a second interrupt. The loop is one task that
+//! waits only for its next deadline. The alarm's interrupt polls it, and a poll that has to wait sets the alarm.
 
 use core::cell::UnsafeCell;
 use core::future::Future;
@@ -70,8 +70,8 @@ impl Future for Until {
         pac::TIMER
             .alarm(ALARM)
             .write_value(deadline.as_ticks() as u32);
-        // The alarm fires when the timer reaches its time, and not if that has just passed. If it has fired as
-        // well, the task is polled once more and keeps waiting.
+        // The alarm fires when the timer reaches its time, and not if that time has just passed. If it has fired as well, the task is
+        // polled once more and keeps waiting.
         if has_passed(deadline) {
             Poll::Ready(())
         } else {

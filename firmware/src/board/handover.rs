@@ -25,7 +25,7 @@ unsafe impl Sync for Place {}
 static PLACE: Place = Place(UnsafeCell::new(Program::new()));
 static STATE: AtomicU8 = AtomicU8::new(FREE);
 
-/// Lets the link fill the program, and submits it to the loop. By the link alone.
+/// Lets the link fill the program, and submits it to the loop. Called by the link alone.
 ///
 /// # Errors
 /// Those of `fill`; nothing is submitted then.
@@ -38,12 +38,12 @@ pub fn submit<E>(fill: impl FnOnce(&mut Program) -> Result<(), E>) -> Result<(),
     Ok(())
 }
 
-/// True while the loop has not answered. By the link.
+/// True while the loop has not answered. Called by the link.
 pub fn is_waiting() -> bool {
     STATE.load(Ordering::Acquire) == SUBMITTED
 }
 
-/// Ends the handover; returns true if the loop has loaded the program. By the link.
+/// Ends the handover. Returns true if the loop has loaded the program. Called by the link.
 #[cold]
 pub fn withdraw() -> bool {
     // The core has no atomic exchange, so the loop is kept out.
@@ -54,7 +54,7 @@ pub fn withdraw() -> bool {
     })
 }
 
-/// Program that is submitted, if there is one. By the loop.
+/// Program that is submitted, if there is one. Called by the loop.
 pub fn submitted() -> Option<&'static Program> {
     if STATE.load(Ordering::Acquire) != SUBMITTED {
         return None;
@@ -63,7 +63,7 @@ pub fn submitted() -> Option<&'static Program> {
     Some(unsafe { &*PLACE.0.get() })
 }
 
-/// Answers it. By the loop.
+/// Answers a submission. Called by the loop.
 pub fn answer(is_loaded: bool) {
     let state = if is_loaded { LOADED } else { REFUSED };
     STATE.store(state, Ordering::Release);

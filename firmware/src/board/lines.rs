@@ -32,7 +32,7 @@ pub struct AlarmInputs {
 }
 
 impl AlarmInputs {
-    /// Those of so many axes, from the board's axis `first` on.
+    /// Alarm inputs of the given number of axes, from the board's axis `first` on.
     #[cold]
     pub fn new(first: usize, axes: usize) -> Self {
         let mut of_axes = [0; pins::AXES];
@@ -147,7 +147,7 @@ fn input(pin: u8, wiring: InputWiring, default: InputWiring, pull: Pull) {
     });
 }
 
-/// Drives STEP and DIR of an axis that does not move: the drive must not take noise for steps.
+/// Drives STEP and DIR of an axis that does not move, so that the drive does not count noise as steps.
 #[cold]
 pub fn rest(axis: usize, wiring: &WiringSettings) {
     let is_inverted = wiring.step != DEFAULT.step;
@@ -202,8 +202,8 @@ pub fn safety_inputs(levels: Levels) -> SafetyInputs {
     }
 }
 
-/// Switches all drives on or off for a state; on only if the enable input has not opened meanwhile. Outputs are held in
-/// idle only.
+/// Switches all drives on or off for a state. They are on only if the enable input has not opened meanwhile. Outputs
+/// are held in idle only.
 pub fn drives(on: bool, state: State) {
     if state != State::Idle && IS_HELD.load(Ordering::Relaxed) {
         release();
@@ -211,7 +211,7 @@ pub fn drives(on: bool, state: State) {
     guard::permit(on || IS_ENABLE_HELD.load(Ordering::Relaxed));
 }
 
-/// Switches all drives off at once, whatever is held.
+/// Switches all drives off at once, even if an output is held.
 pub fn cut_drives() {
     guard::permit(false);
 }
@@ -233,7 +233,8 @@ pub fn inputs(axes: usize) -> Inputs {
     }
 }
 
-/// Holds an output active or not for bring-up, and releases the one that was held. The drives are off, and nothing moves.
+/// Holds an output active or not for bring-up, and releases the one that was held. The drives are off, and nothing
+/// moves.
 #[cold]
 pub fn hold(output: Option<(Output, bool)>) {
     release();
@@ -273,7 +274,7 @@ fn release() {
         }
         mask
     };
-    // In this form the compiler knows that every pin exists, and that nothing can panic here.
+    // In this form the compiler can prove that every pin exists, and that nothing can panic here.
     for pin in 0..30 {
         if OUTPUTS & 1 << pin != 0 {
             pac::IO_BANK0.gpio(pin).ctrl().modify(|w| {

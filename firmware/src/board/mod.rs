@@ -1,10 +1,9 @@
 //! The board: an RP2040 with a 12 MHz crystal, its core at 125 MHz.
 //!
 //! This module contains hardware access and makes no decisions. [`pins`] is the one table of all pins, [`steps`] plays
-//! step edges, and [`index`] times index pulses. [`guard`] switches off the drives when the enable input opens. [`lines`]
-//! are the other safety lines and the LED. [`alarm`] runs the loop at its deadlines. [`watchdog`] resets a controller
-//! that hangs. [`sampler`] copies telemetry for the host link, and
-//! [`handover`] passes programs to the loop.
+//! step edges, and [`index`] times index pulses. [`guard`] switches off the drives when the enable input opens.
+//! [`lines`] are the other safety lines and the LED. [`alarm`] runs the loop at its deadlines. [`watchdog`] resets a
+//! controller that hangs. [`sampler`] copies telemetry for the host link, and [`handover`] passes programs to the loop.
 //!
 //! Terms: a *block* is one of the two PIO blocks, a *machine* one of its four state machines. A *cycle* is a clock cycle
 //! of the core and the machines, 8 ns. A microsecond is a tick of the timer for the loop's deadlines. Both come from the
@@ -33,7 +32,7 @@ const GUARD_MACHINE: usize = 3;
 /// Cycles per microsecond.
 pub const CYCLES_PER_US: u32 = Rp2040::CLOCK_HZ / 1_000_000;
 
-/// Returns true if an instant less than half an hour away has come, in a tenth of the time of `Instant::now`.
+/// Returns true if an instant less than half an hour away has passed, in a tenth of the time of `Instant::now`.
 pub fn has_passed(instant: embassy_time::Instant) -> bool {
     now_us().wrapping_sub(instant.as_ticks() as u32) as i32 >= 0
 }

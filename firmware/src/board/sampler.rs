@@ -1,7 +1,7 @@
 //! Sampler: copies the loop's telemetry for the host link, after the tick and not within it.
 //!
-//! A sample takes some 800 cycles to make. So the tick only says that one is due, and requests an interrupt of a lower
-//! priority, which runs as soon as the tick is over.
+//! A sample takes some 800 cycles to make. So the tick only requests an interrupt of a lower priority, which runs as
+//! soon as the tick is over.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
@@ -40,7 +40,7 @@ pub fn set_up(samples: Producer<'static, Sample>) {
     unsafe { interrupt::SWI_IRQ_0.enable() };
 }
 
-/// Notes the number of a tick, by every tick: a copy that it interrupts is then dropped.
+/// Notes the number of a tick. Every tick calls it, so that a copy that it interrupts is dropped.
 pub fn begin(tick: u32) {
     NOW.store(tick, Ordering::Release);
 }
@@ -75,7 +75,7 @@ fn SWI_IRQ_0() {
     // SAFETY: only this handler accesses it, and it does not preempt itself.
     let samples = unsafe { &mut *SAMPLES.0.get() };
     if let (Some(samples), Some(sample)) = (samples, sample()) {
-        // The tick of the next sample shows one that finds no room.
+        // If there is no room, the tick of the next sample shows the gap.
         let _ = samples.enqueue(sample);
     }
 }

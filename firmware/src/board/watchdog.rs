@@ -73,7 +73,7 @@ pub fn only_axis() -> Option<u8> {
 pub fn restart(only_axis: Option<u8>) -> ! {
     critical_section::with(|_| {
         super::lines::cut_drives();
-        // Without the mark, the start takes it for no reset of the watchdog.
+        // Without the mark, the start does not treat this as a reset by the watchdog.
         pac::WATCHDOG.scratch0().write_value(0);
         let selected = only_axis.map_or(0, |axis| ONLY | u32::from(axis));
         pac::WATCHDOG.scratch2().write_value(selected);
@@ -103,7 +103,7 @@ impl Fed {
     pub fn start(watchdog: Peri<'static, WATCHDOG>, tick_us: u32) -> Self {
         pac::WATCHDOG.scratch0().write_value(LEFT | NOT_BEGUN);
         let mut watchdog = Watchdog::new(watchdog);
-        // A core that a debugger has halted is a loop that hangs: for the motors there is no difference.
+        // A core that a debugger has halted counts as a loop that hangs. For the motors there is no difference.
         watchdog.pause_on_debug(false);
         let timeout_us = TICKS * tick_us;
         watchdog.start(Duration::from_micros(timeout_us.into()));

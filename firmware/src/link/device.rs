@@ -32,7 +32,7 @@ const COMMANDS: usize = 8;
 /// Commands that may wait besides stops.
 const COMMANDS_BESIDE_STOPS: usize = 4;
 
-/// Samples that wait for the link, one less than this: 30 ms at 2 kHz. Half of it loses a few where USB is saturated both ways.
+/// Samples that wait for the link, one less than this: 30 ms at 2 kHz. With half of it a few are lost where USB is saturated both ways.
 const SAMPLES: usize = 64;
 
 /// Time that a reply gets to leave before a restart.
@@ -112,7 +112,7 @@ pub fn queues() -> (LoopEnd, LinkEnd) {
 pub struct Running {
     name: heapless::String<NAME_BYTES>,
     axes: usize,
-    /// Axes that have lines, whether or not they are used.
+    /// Axes that have lines, used or not.
     lines: usize,
     only_axis: Option<u8>,
     host_loss: HostLossSettings,
@@ -324,7 +324,7 @@ impl Device for FirmwareDevice {
             return Err(text(&"the machine has begun to move"));
         }
         self.running.program.clear();
-        // It is no longer than the buffer, or it would have more entries than a program.
+        // It is no longer than the buffer. Otherwise it would have more entries than a program.
         let _ = self.running.program.extend_from_slice(bytes);
         Ok(())
     }
@@ -370,7 +370,7 @@ impl Device for FirmwareDevice {
     }
 }
 
-/// Returns the place for what the link knows of the settings. To be called once.
+/// Returns the place for the link's data about the settings. To be called once.
 #[cold]
 pub fn running() -> &'static mut Running {
     static RUNNING: StaticCell<Running> = StaticCell::new();

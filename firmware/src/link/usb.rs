@@ -58,8 +58,8 @@ async fn run(mut device: UsbDevice<'static, Usb>) -> ! {
 
 /// Completes when a bus reset has waited for 3 to 6 ms.
 ///
-/// A reset or an unplug within the data stage of a control request leaves embassy-usb 0.6 waiting for that request for
-/// ever (embassy issue 3868). Beginning anew gets it out.
+/// A reset or an unplug within the data stage of a control request makes embassy-usb 0.6 wait for that request forever
+/// (embassy issue 3868). A restart ends this wait.
 async fn reset_is_pending() {
     let mut was_pending = false;
     loop {
@@ -120,7 +120,7 @@ async fn receive(
 
 async fn send(hub: SharedHub, mut line: Sender<'static, Usb>) -> ! {
     let mut packet = [0; PACKET_BYTES];
-    // A full packet is followed by another one, if only an empty one, or the host would wait for more.
+    // A full packet is followed by another one, even if only an empty one. Otherwise the host would wait for more.
     let mut last_was_full = false;
     loop {
         line.wait_connection().await;

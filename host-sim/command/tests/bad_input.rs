@@ -1,8 +1,8 @@
-//! Bad input is met well: status 2, one line an error that names the file, the line, the key, what is wrong and
-//! what would be right, and nothing is written.
+//! Bad input ends with status 2. Each error is one line that names the file, the line, the key, the problem and the fix. No
+//! file is written.
 //!
-//! Each case breaks one thing in a scene that runs; that it does run is tested too, or every case could
-//! be refused for another reason than its own.
+//! Each case breaks one thing in a scene that runs. A test checks that the unbroken scene runs. Otherwise a case could be
+//! refused for another reason than its own.
 
 #[path = "bad_input/axes.rs"]
 mod axes;
@@ -37,11 +37,11 @@ use std::time::Duration;
 
 use edit::BASE;
 
-/// A broken scene, and what its message must hold.
+/// A broken scene, and the text that its message must contain.
 struct Case {
     name: &'static str,
     text: String,
-    /// The key path; empty if the file as a whole is meant.
+    /// The key path. It is empty if the error concerns the file as a whole.
     key: &'static str,
     wrong: &'static str,
     right: &'static str,
@@ -63,17 +63,17 @@ fn case(
     }
 }
 
-/// Far more than a refusal takes, so that only a hang is one.
+/// Timeout, far longer than a refusal takes. Only a hang exceeds it.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// `cophase` with these arguments, in this directory.
+/// Runs `cophase` with these arguments in this directory.
 fn cophase(dir: &Path, arguments: &[&str]) -> Output {
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cophase"));
     command.current_dir(dir).args(arguments).timeout(PATIENCE);
     command.output().unwrap()
 }
 
-/// Everything below a directory.
+/// Lists everything below a directory.
 fn listing(dir: &Path) -> Vec<String> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(dir).unwrap() {
@@ -87,7 +87,7 @@ fn listing(dir: &Path) -> Vec<String> {
     found
 }
 
-/// Runs what must be refused, and gives its one line of words.
+/// Runs a command that must be refused, and returns its one-line message.
 #[track_caller]
 fn refusal(name: &str, dir: &Path, arguments: &[&str]) -> String {
     let before = listing(dir);
@@ -96,7 +96,7 @@ fn refusal(name: &str, dir: &Path, arguments: &[&str]) -> String {
     refused(name, &output)
 }
 
-/// That an outcome is a refusal; its one line of words.
+/// Asserts that the output is a refusal, and returns its one-line message.
 #[track_caller]
 fn refused(name: &str, output: &Output) -> String {
     let words = String::from_utf8(output.stderr.clone()).unwrap();
@@ -110,7 +110,7 @@ fn refused(name: &str, output: &Output) -> String {
     line.to_owned()
 }
 
-/// Runs a broken scene and looks at every part of its message.
+/// Runs a broken scene and checks every part of its message.
 #[track_caller]
 fn assert_refused(case: &Case) {
     let Case {
@@ -134,7 +134,7 @@ fn assert_refused(case: &Case) {
     let problem = if key.is_empty() {
         place
     } else if let Some(problem) = place.strip_prefix(&format!(" {key}: ")) {
-        // Only what is missing from the file as a whole is on no line.
+        // A message has no line number only if something is missing from the file as a whole.
         assert!(problem.starts_with("missing"), "{name}: no line: {line}");
         problem
     } else {
@@ -144,7 +144,7 @@ fn assert_refused(case: &Case) {
         let at = text.lines().nth(number - 1).unwrap_or_default();
         let own = key.rsplit('.').next().unwrap();
         let own = own.split('[').next().unwrap();
-        // The key's own line (written otherwise if in quotes), or that of the table that lacks it.
+        // This is the key's own line (spelled differently if in quotes), or the line of the table that lacks it.
         assert!(
             at.contains(own) || at.starts_with(['[', '"']) || said.contains(": missing"),
             "{name}: line {number} is `{at}`: {line}"
@@ -153,7 +153,7 @@ fn assert_refused(case: &Case) {
         let entry = place
             .strip_prefix(key)
             .unwrap_or_else(|| panic!("{name}: not at {key}: {line}"));
-        // The entries of lists are in words, too.
+        // The message also describes list entries in words.
         assert_eq!(!entry.is_empty(), key.contains('['), "{name}: {line}");
         problem
     };
@@ -187,7 +187,7 @@ fn lines_of(changes: &[(&str, &str)]) -> Vec<String> {
     words.lines().map(str::to_owned).collect()
 }
 
-/// Were it wrong, whoever corrects a scene would run it once for each error; or errors would be invented by correcting another.
+/// If this fails, the user corrects one error per run, or one error causes messages about others.
 #[test]
 fn all_errors_are_reported_together() {
     let wrong = [
@@ -231,7 +231,7 @@ fn all_errors_are_reported_together() {
     let numbers: Vec<u32> = places.map(|place| place.parse().unwrap()).collect();
     assert!(numbers.is_sorted(), "{numbers:?}");
 
-    // Keys and types as well as values.
+    // Unknown keys and wrong types are reported as well as wrong values.
     let forms = [
         ("load_kg = 10", "load_kg = \"10\"", "machine.load_kg"),
         (
@@ -249,36 +249,37 @@ fn all_errors_are_reported_together() {
     for (line, (_, _, key)) in lines.iter().zip(forms) {
         assert!(line.contains(&format!(": {key}")), "not {key}: {line}");
     }
-    // A key that is missing because it is misspelt is one error.
+    // A key that is missing because it is misspelt counts as one error.
     assert_eq!(lines_of(&[("lambda =", "lamda =")]).len(), 1);
     assert_eq!(lines_of(&[("[limits]", "[limit]")]).len(), 1);
 
-    // Ten are enough.
+    // A run reports at most ten errors.
     let more = [("full_steps_per_turn = 200", "full_steps_per_turn = 1")];
     assert_eq!(lines_of(&[&changes[..], &more].concat()).len(), 10);
-    // A level that is too much for the speed, and what is wrong with the speed, are one error: which level is known after that.
+    // A level that is too high for the speed limit is not reported beside an error in that limit. The limit is unknown until
+    // that error is corrected.
     let program = [changes[2], ("amax_g = 5", "amax_g = 190")];
     assert_eq!(lines_of(&program).len(), 1);
 }
 
-/// An axis has a number, which is not the place of its entry in the list.
+/// A message names the place of an entry in the list and its axis number, which can differ.
 #[test]
 fn entries_are_named_by_their_place_and_their_axis() {
     let changes = [("[[axis]]\nnumber = 2", "[[axis]]\nnumber = 7")];
     let lines = lines_of(&changes);
     let words = ": axis[1].number (2nd [[axis]] entry, axis 7): there is no axis 7";
     assert!(lines[0].contains(words), "{lines:#?}");
-    // A form that is wrong is named so, too.
+    // A value of the wrong type is named in the same way.
     let changes = [("start_deg = 0", "start_deg = \"a\"")];
     let lines = lines_of(&changes);
     let words = ": axis[0].start_deg (1st [[axis]] entry, axis 1): `\"a\"` is text";
     assert!(lines[0].contains(words), "{lines:#?}");
 }
 
-/// The positive control: the scene that all others are made of runs, and writes its files and no other.
+/// The positive control: the base scene of all cases runs, and writes its files and no others.
 #[test]
 fn the_base_scene_runs() {
-    // Some editors put a byte order mark before the text; it changes nothing.
+    // Some editors put a byte order mark before the text. It has no effect.
     for text in [BASE.to_owned(), format!("\u{feff}{BASE}")] {
         let dir = tempfile::tempdir().unwrap();
         std::fs::write(dir.path().join("scene.toml"), text).unwrap();

@@ -1,4 +1,4 @@
-//! The bad places of the `breakdown` chart: at each one the failure, and the guard that stands there.
+//! The failures that the `breakdown` chart shows, and the check that catches each one.
 
 #[path = "breakdown/branch.rs"]
 mod branch;
@@ -25,7 +25,7 @@ use cophase_core::supervisor::State;
 use cophase_lab::chart::breakdown::{band, lambda, root, runs};
 use cophase_lab::chart::{Size, find};
 
-/// `cophase run` of a scene, into `out` of a folder.
+/// Runs `cophase run` on a scene, with its output in `out` below a folder.
 fn cophase(folder: &Path, text: &str) -> Output {
     std::fs::write(folder.join("scene.toml"), text).unwrap();
     Command::cargo_bin("cophase")
@@ -36,7 +36,7 @@ fn cophase(folder: &Path, text: &str) -> Output {
         .expect("it runs")
 }
 
-/// That a scene is refused with status 2 and nothing written; what is said.
+/// Asserts that a scene is refused with status 2 and that no file is written. Returns the message.
 #[track_caller]
 fn refused(text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
@@ -46,43 +46,44 @@ fn refused(text: &str) -> String {
     String::from_utf8(output.stderr).unwrap()
 }
 
-/// That a run ends with status 1 and all its files; its report.
+/// Asserts that a run ends with status 1 and writes all its files. Returns its report.
 #[track_caller]
 fn failed(text: &str) -> serde_json::Value {
     let folder = tempfile::tempdir().unwrap();
     let output = cophase(folder.path(), text);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let read = |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).unwrap();
-    // A header, and a row for each tick up to the end, at least of the way there.
+    // The trace has a header and a row for each tick up to the end of the run. The run goes far enough for 100 rows.
     assert!(read("trace.csv").lines().count() > 100);
     assert!(read("steps.vcd").contains("$enddefinitions"));
     assert!(read("scope.svg").trim_end().ends_with("</svg>"));
     serde_json::from_str(&read("report.json")).unwrap()
 }
 
-/// Were it wrong, a program that starts from rest would be given an acceleration that no machine has, or would be a fault.
+/// If this fails, a program that starts from rest commands an acceleration that no machine has, or causes a fault.
 #[test]
 fn root_at_rest() {
     let facts = root::measure().unwrap();
-    // In its first tick of h the root comes to √(40 g h / R (1 + λ)) / 2π, which is 1261 rev/s² h.
+    // In its first tick of length h, the root rises to √(40 g h / R (1 + λ)) / 2π, which is 1261 rev/s² h.
     let requested = facts.requested_hz_per_s();
     assert!((1250.0..1270.0).contains(&requested), "{requested} rev/s²");
-    // A speed is a whole number of 2⁻⁴⁸ turns a tick, and a difference of two is off by one at most: 1.4e-8 rev/s².
+    // A speed is a whole number of 2⁻⁴⁸ turns a tick. A difference of two speeds is off by at most one such unit: 1.4e-8 rev/s².
     let most = facts.commanded_hz_per_s();
     assert!(most <= root::LIMIT_HZ_PER_S + 1e-6, "{most} rev/s²");
     assert!(most > 0.999 * root::LIMIT_HZ_PER_S, "the limit is used");
-    // Behind for as long as an even rise to √t takes: 28.2 √t = 60 t at 0.22 s. Jerk of 6000 rev/s³ costs 10 ms at either end.
+    // The command lags until a linear rise meets √t: 28.2 √t = 60 t at 0.22 s. Jerk of 6000 rev/s³ adds 10 ms at either end.
     let behind_s = facts.behind_s().expect("it is reported");
     assert!((0.21..0.25).contains(&behind_s), "{behind_s} s");
     assert_eq!(facts.outcome.fault, None);
     assert_eq!(facts.outcome.state, State::Parked);
 }
 
-/// Were it wrong, a frame would not mind how long a shaft stays at its resonance, or a shaft stay longer than it must.
+/// If this fails, the frame's amplitude does not depend on the time at the resonance, or a shaft stays in the band longer than
+/// necessary.
 #[test]
 fn a_band_crossed_slowly() {
     let facts = band::measure(Size::Small).unwrap();
-    // Theory of one mass: m R / (M + m) · 1/2ζ = 5.95 mm; harmonics and the weight of what is off rest add a few per cent.
+    // Theory of one mass: m R / (M + m) · 1/2ζ = 5.95 mm. Harmonics and the weight of the displaced mass add a few per cent.
     let theory_um = 5e-3 / 21.0 / (2.0 * 0.02) * 1e6;
     let off = facts.dwelling_um / theory_um - 1.0;
     assert!(
@@ -94,7 +95,8 @@ fn a_band_crossed_slowly() {
         assert!(pair[0].frame_um > 1.2 * pair[1].frame_um, "{pair:?}");
     }
     assert!(facts.crossings[0].frame_um < facts.dwelling_um);
-    // At 10.2 rev/s a mass without damping goes r²/(1 − r²) = 2.56 times m R / (M + m), in the beginning up to twice that.
+    // At 10.2 rev/s the amplitude of a mass without damping is r²/(1 − r²) = 2.56 times m R / (M + m). The transient is up to
+    // twice that.
     let edge_um = 2.0 * 2.56 * 5e-3 / 21.0 * 1e6;
     assert!(facts.held_um < edge_um, "{} µm", facts.held_um);
     assert!(
@@ -103,7 +105,8 @@ fn a_band_crossed_slowly() {
     );
     let held_s = facts.held_s.expect("it is reported");
     assert!(held_s > 3.9, "{held_s} s");
-    // The width at full acceleration, which is reached long before the band and left long after; and a tick at either end.
+    // The shaft crosses the width at full acceleration, which it reaches long before the band and keeps until long after. Add a
+    // tick at either end.
     for crossing in &facts.crossings {
         let width_hz = band::BAND_HZ.1 - band::BAND_HZ.0;
         let most_s = width_hz / crossing.hz_per_s + 1.1e-3;
@@ -114,12 +117,13 @@ fn a_band_crossed_slowly() {
     }
 }
 
-/// Item 7 of `docs/reproduced.md`. Were it wrong, two terms would pass for the mechanism, or a mechanism be run that is not built.
+/// Item 7 of `docs/reproduced.md`. If this fails, the error of the two-term approximation is wrong, or a λ outside the allowed
+/// range is accepted.
 #[test]
 fn lambda_at_both_ends() {
     for (ratio, published_percent) in [(0.1, 0.046), (0.6, 9.375)] {
         let facts = lambda::measure(ratio).unwrap();
-        // Half of the last digit that is published.
+        // The tolerance is half of the last published digit.
         assert!(
             (facts.error * 100.0 - published_percent).abs() <= 5e-4,
             "{facts:?}"
@@ -170,7 +174,7 @@ fn the_chart_has_all_panels() {
     let parts: Vec<_> = one.pictures.iter().map(|picture| picture.part).collect();
     let expected: Vec<_> = panels.iter().map(|panel| Some(panel.as_str())).collect();
     assert_eq!(parts, expected);
-    // One sentence for each.
+    // The text has one sentence for each panel.
     assert_eq!(one.says.lines().count(), panels.len());
     for says in one.says.lines() {
         let sentence = says.strip_suffix('.').expect("a sentence");

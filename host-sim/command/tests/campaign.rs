@@ -1,4 +1,4 @@
-//! `cophase campaign` as a user gets it: the same rows however it is split, shards that are refused, and a case run alone.
+//! User-level tests of `cophase campaign`: the same rows for every split, shards that are refused, and a case run alone.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -37,12 +37,12 @@ fn refused(output: &Output) -> String {
 }
 
 fn ran(output: &Output) {
-    // What a campaign finds is not what these tests are of.
+    // These tests do not check the verdict of a campaign.
     assert!(matches!(output.status.code(), Some(0 | 1)), "{output:?}");
 }
 
-/// Were a row to depend on the thread that makes it, or on the cases before it, a campaign could not be split over machines, and
-/// none of its runs looked at alone.
+/// If this fails, a row depends on its thread or on earlier cases. A campaign then cannot be split over machines, and no run of it can
+/// be examined alone.
 #[test]
 fn rows_are_the_same_on_any_threads_and_in_any_shards() {
     let (whole, parts, joined) = (folder(), folder(), folder());
@@ -62,7 +62,7 @@ fn rows_are_the_same_on_any_threads_and_in_any_shards() {
         assert_eq!(read(&whole, name), read(&joined, name), "{name}");
     }
     let rows = read(&whole, "campaign.csv");
-    // The line that says of what, the header, and two rows a case.
+    // The file has the line that describes the campaign, the header, and two rows a case.
     assert_eq!(rows.lines().count(), 2 + 24);
 }
 
@@ -89,8 +89,8 @@ fn join(paths: &[&Path]) -> Output {
     output
 }
 
-/// Were an overlap, a gap, another seed's shard or a file cut short taken, figures would count runs twice, or not at all, with
-/// nothing to show it.
+/// If this fails, an overlap, a gap, a shard of another seed or a truncated file is accepted. The figures then count runs twice or
+/// omit them without any message.
 #[test]
 fn shards_that_do_not_fit_are_refused_and_named() {
     let folder = folder();
@@ -149,8 +149,8 @@ fn shards_that_do_not_fit_are_refused_and_named() {
     assert!(said.contains("no campaign-FROM-TO.csv"), "{said}");
 }
 
-/// Were a case another when it is run alone, what a campaign finds could not be looked at. And its scene file must be all of it:
-/// run by itself, it ends the same.
+/// If this fails, a case that is run alone differs from the same case in the campaign, so it cannot be examined. Its scene file must
+/// be complete: a separate run of it ends the same.
 #[test]
 fn a_case_run_alone_is_the_campaigns() {
     let all = folder();
@@ -186,7 +186,7 @@ fn a_case_run_alone_is_the_campaigns() {
         assert_eq!(row["tilt_mrad"].to_string(), cell("tilt_mrad"), "{number}");
         assert!(columns.any(|column| column == "bound_mrad"));
 
-        // What every run keeps, and what a campaign does, are one thing.
+        // The report of every run and the campaign give the same tilt.
         let report = read(&alone, "report.json");
         let tilts: serde_json::Value = serde_json::from_str(&report).unwrap();
         assert_eq!(tilts["tilt_worst_mrad"], row["tilt_mrad"], "{number}");
@@ -203,7 +203,7 @@ fn a_case_run_alone_is_the_campaigns() {
         ]));
         let strip = |report: String| {
             let mut report: serde_json::Value = serde_json::from_str(&report).unwrap();
-            // What a clock has a hand in.
+            // These keys depend on the wall clock.
             for key in ["wall_s", "real_time_ratio", "speed"] {
                 report.as_object_mut().unwrap().remove(key);
             }
@@ -219,7 +219,7 @@ fn a_case_run_alone_is_the_campaigns() {
     }
 }
 
-/// If this fails, a campaign of chosen strata is not a part of the plain one: its cases are others, or depend on how it is split.
+/// If this fails, a campaign of chosen strata is not a part of the plain one: its cases differ, or depend on how it is split.
 #[test]
 fn chosen_strata_have_the_rows_of_a_plain_campaign() {
     const CASES: u64 = 60;
@@ -281,7 +281,7 @@ fn chosen_strata_have_the_rows_of_a_plain_campaign() {
         assert_eq!(read(&chosen, name), read(&joined, name), "{name}");
     }
 
-    // A row that no such campaign has, and a shard of all cases.
+    // Tests a row that no such campaign has, and a shard of all cases.
     let shard = parts.path().join("campaign-0-6.csv");
     let rows = fs::read_to_string(&shard).unwrap();
     let fewer = rows.replace(" others=9", "");
@@ -305,7 +305,7 @@ fn chosen_strata_have_the_rows_of_a_plain_campaign() {
     );
 }
 
-/// Names that select nothing are refused before anything runs, with what would select something.
+/// Names that select nothing are refused before anything runs. The message suggests names that select something.
 #[test]
 fn strata_that_no_case_is_of_are_refused() {
     let folder = folder();
@@ -343,7 +343,8 @@ fn strata_that_no_case_is_of_are_refused() {
     );
 }
 
-/// A scene's own faults would be drawn over, and a range without cases has no rows.
+/// A scene with faults of its own is refused, because a campaign draws the faults. A range without cases is refused, because it has no
+/// rows.
 #[test]
 fn what_cannot_be_a_campaign_is_refused() {
     let folder = folder();
@@ -381,8 +382,8 @@ fn what_cannot_be_a_campaign_is_refused() {
     );
 }
 
-/// Were the monitor blind to a kind, or called it otherwise, or an axis left running, it would be so in a small campaign as well. The
-/// claim itself, with its bounds, is that of a large one: docs/campaign.md.
+/// If this fails, the monitor misses or misnames a kind of fault, or leaves an axis running. A small campaign shows this as well. The
+/// claim itself, with its bounds, is that of a large campaign: docs/campaign.md.
 #[test]
 fn a_small_campaign_finds_what_a_large_one_claims() {
     let out = folder();
@@ -398,8 +399,8 @@ fn a_small_campaign_finds_what_a_large_one_claims() {
     for row in rows.records() {
         let row = row.unwrap();
         assert_eq!(&row[running], "false", "{row:?}");
-        // A response begins after the fault, or in the tick in which it comes, which is at most 1 ms long; and there is one wherever a
-        // crank was beyond its limit.
+        // A detection follows the fault, or happens in the same tick, which is at most 1 ms long. If a crank was beyond its limit,
+        // there is a detection.
         let at_s = |column: usize| row[column].parse::<f64>().ok();
         if let Some((detected_s, fault_s)) = at_s(detected).zip(at_s(at)) {
             assert!(detected_s > fault_s - 1e-3, "{row:?}");
@@ -415,6 +416,6 @@ fn a_small_campaign_finds_what_a_large_one_claims() {
         }
     }
     assert!(reported > 100, "{reported}");
-    // One in a hundred is what is claimed; of so few, three are no surprise.
+    // The claim is one in a hundred. In so few cases, three wrong ones are within chance.
     assert!(wrong <= 3, "{wrong} of {} reported", reported + wrong);
 }

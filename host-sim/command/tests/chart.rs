@@ -1,4 +1,4 @@
-//! Charts as a user gets them: small ones, which have all that full ones have but for points and length.
+//! User-level tests of charts. The charts are small: they have everything that full charts have, with fewer points and shorter runs.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -17,7 +17,7 @@ fn chart(arguments: &[&str]) -> Output {
         .expect("it runs")
 }
 
-/// A chart's data, its pictures one after the other, and the message of the command.
+/// The data of a chart, its concatenated pictures, and the message of the command.
 struct Drawn {
     csv: String,
     svg: String,
@@ -48,7 +48,7 @@ fn draw(name: &str) -> Drawn {
     }
 }
 
-/// The same, made once for all tests that only read it.
+/// Returns the chart, drawn once for all tests that only read it.
 fn drawn(name: &'static str) -> Arc<Drawn> {
     static ALL: Mutex<BTreeMap<&str, Arc<Drawn>>> = Mutex::new(BTreeMap::new());
     let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);
@@ -57,7 +57,7 @@ fn drawn(name: &'static str) -> Arc<Drawn> {
         .clone()
 }
 
-/// Rows by column.
+/// Returns the rows, each as a map from column to value.
 fn rows(csv: &str) -> Vec<HashMap<String, String>> {
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
     reader.deserialize().map(Result::unwrap).collect()
@@ -69,7 +69,7 @@ fn number(row: &HashMap<String, String>, column: &str) -> f64 {
         .unwrap_or_else(|_| panic!("{column} in {row:?}"))
 }
 
-/// Data without the one column that a clock has a hand in.
+/// Returns the data without the one column that depends on a clock.
 fn untimed(csv: &str) -> Vec<HashMap<String, String>> {
     let mut rows = rows(csv);
     for row in &mut rows {
@@ -78,8 +78,8 @@ fn untimed(csv: &str) -> Vec<HashMap<String, String>> {
     rows
 }
 
-/// Were it wrong, a chart in the docs could not be distinguished from another of the same name: a picture or a number would depend on
-/// the machine that made it.
+/// If this fails, a picture or a number depends on the machine that drew the chart. A chart in the docs can then not be distinguished from
+/// another one of the same name.
 fn is_the_same_each_time(name: &'static str) {
     let (one, other) = (drawn(name), draw(name));
     assert_eq!(one.svg, other.svg);
@@ -103,7 +103,7 @@ the_same_each_time! {
     bad_places_are_the_same_each_time: "breakdown",
 }
 
-/// Were it wrong, the picture would say of a method, or of a trim, what its theory denies.
+/// If this fails, the measured stability limit of a method or a trim gain contradicts its theory.
 #[test]
 fn edges_of_stability_are_those_of_theory() {
     let mut compared = HashMap::<String, u32>::new();
@@ -117,7 +117,7 @@ fn edges_of_stability_are_those_of_theory() {
                 );
                 *compared.entry(row["of"].clone()).or_default() += 1;
             }
-            // Either has no number: none has an edge, or theory has no closed form.
+            // A column has no number if there is no edge, or if theory has no closed form.
             _ => {
                 let theory = &row["edge_theory"];
                 assert!(
@@ -138,8 +138,8 @@ fn edges_of_stability_are_those_of_theory() {
     }
 }
 
-/// If this fails, the picture advises a step for a machine with which the method diverges there, or one far too short. The region of RK4 is bounded by
-/// |z| = 2.6 to 3.0 in the left half plane, and the chain's published limit is 81.5 µs at 34,190.8 rad/s.
+/// If this fails, the picture recommends a step with which the method diverges on a machine, or a step that is far too short. The region of
+/// RK4 is bounded by |z| = 2.6 to 3.0 in the left half plane, and the chain's published limit is 81.5 µs at 34,190.8 rad/s.
 #[test]
 fn longest_stable_steps_of_the_machines() {
     let drawn = drawn("stability");
@@ -166,12 +166,12 @@ fn longest_stable_steps_of_the_machines() {
     }
     let chain = edge("RK4 on elastic chain") / (81.5e-6 * 34_190.8);
     assert!((chain - 1.0).abs() < 0.01, "{chain}");
-    // The springs of the box have a damping ratio of 0.07: explicit Euler is stable up to 2 ζ.
+    // The springs of the box have a damping ratio of 0.07. Explicit Euler is stable up to 2 ζ.
     let screen = edge("explicit Euler on screen's box");
     assert!((screen / 0.14 - 1.0).abs() < 0.01, "{screen}");
 }
 
-/// Were it wrong, a method would be drawn below what its reference is known to, or be chosen by looking at too few steps.
+/// If this fails, a method is drawn below the uncertainty of its reference, or is chosen on the basis of too few steps.
 #[test]
 fn methods_are_shown_down_to_ten_times_the_uncertainty_and_at_six_steps() {
     let drawn = drawn("methods");
@@ -203,7 +203,7 @@ fn methods_are_shown_down_to_ten_times_the_uncertainty_and_at_six_steps() {
     assert!(drawn.svg.contains("(default where thick)"));
 }
 
-/// Were it wrong, a machine would gain or lose over hours what the chart says it keeps.
+/// If this fails, a machine gains or loses energy over hours although the chart states that the method keeps it.
 #[test]
 fn energy_is_kept_by_what_is_said_to_keep_it() {
     let drawn = drawn("energy");
@@ -224,7 +224,7 @@ fn energy_is_kept_by_what_is_said_to_keep_it() {
     assert!(keep.contains("implicit midpoint (from ") && lose.contains("explicit Euler"));
 }
 
-/// Were it wrong, the text would praise what the table beside it does not.
+/// If this fails, the text recommends functions that the table beside it does not support.
 #[test]
 fn functions_called_are_beaten_by_what_is_said() {
     let drawn = drawn("functions");
@@ -269,7 +269,7 @@ fn functions_called_are_beaten_by_what_is_said() {
     }
 }
 
-/// Were it wrong, a faster tick would be paid for and buy nothing, or a slower one be taken that ruins a ramp.
+/// If this fails, a faster tick costs processor time without benefit, or a slower tick degrades a ramp.
 #[test]
 fn only_ramps_gain_by_a_faster_tick() {
     let rows = rows(&drawn("tick-rate").csv);
@@ -278,7 +278,7 @@ fn only_ramps_gain_by_a_faster_tick() {
         let (slowest, fastest) = (of_scene[0], of_scene[of_scene.len() - 1]);
         let times = number(fastest, "tick_hz") / number(slowest, "tick_hz");
         assert!(times >= 10.0, "{times}");
-        // A lag of one and a half ticks shrinks with the tick.
+        // A lag of one and a half ticks is shorter with a shorter tick.
         assert!(number(fastest, "ramp_error") < 0.5 * number(slowest, "ramp_error"));
         for row in of_scene {
             assert!(number(row, "hold_error") < 1e-6, "{row:?}");
@@ -287,7 +287,7 @@ fn only_ramps_gain_by_a_faster_tick() {
     }
 }
 
-/// Returns the message of a picture about the processor, with its lines joined.
+/// Returns the text of a picture about the share of the processor, with its lines joined.
 fn processor_share(svg: &str) -> String {
     let texts = svg.split("<text").skip(1).filter_map(|text| {
         let (_, text) = text.split_once('>')?;
@@ -298,7 +298,7 @@ fn processor_share(svg: &str) -> String {
     share.split_once('.').expect("its end").0.to_owned()
 }
 
-/// Were it wrong, the docs would show the cost of a firmware that is no more: their picture is of the ticks that were counted last.
+/// If this fails, the docs show the cost of an outdated firmware. Their picture must be that of the latest tick counts.
 #[test]
 fn the_processor_share_in_the_docs_is_that_of_the_counted_ticks() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/tick-rate.svg");
@@ -309,7 +309,7 @@ fn the_processor_share_in_the_docs_is_that_of_the_counted_ticks() {
     );
 }
 
-/// Were it wrong, a reader of the data would not know what a column is, or look for one that is gone.
+/// If this fails, a column has no description in the docs, or the docs describe a column that no longer exists.
 #[test]
 fn columns_are_those_of_the_docs() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/charts.md");
@@ -331,7 +331,7 @@ fn columns_are_those_of_the_docs() {
     }
 }
 
-/// Were it wrong, the docs would say another thing of methods than their measurement; or an error would stand on too few steps.
+/// If this fails, the docs contradict the measurement of a method, or an error is measured with too few steps.
 #[test]
 fn what_the_docs_say_of_decisions_was_measured() {
     let folder = tempfile::tempdir().unwrap();

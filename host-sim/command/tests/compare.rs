@@ -78,13 +78,14 @@ fn two_runs_of_a_scene_are_equal() {
         out.contains("Edges from 0.5 to 0.6 s:") && out.contains("0 shifted"),
         "{out}"
     );
-    // Two traces without their folders.
+    // Compares two traces without their folders.
     let (status, out, _) = compare(&all.join("trace.csv"), &some.join("trace.csv"), &[]);
     assert_eq!(status, 0, "{out}");
     assert!(out.contains("Edges: not compared"), "{out}");
 }
 
-/// The requested amax leaves that of the other run on the second ramp, x³ (10 − 15 x + 6 x²) of the difference of both levels.
+/// The requested amax differs from that of the other run on the second ramp, by x³ (10 − 15 x + 6 x²) of the difference of
+/// both levels.
 #[test]
 fn runs_part_where_their_programs_do() {
     let scratch = tempfile::tempdir().unwrap();
@@ -114,7 +115,7 @@ fn runs_part_where_their_programs_do() {
     let trace = fs::read_to_string(a.join("trace.csv")).unwrap();
     let first_of_run = trace.lines().find(|line| line.contains(",run,")).unwrap();
     let run_s: f64 = first_of_run.split(',').next().unwrap().parse().unwrap();
-    // Where the difference of the ramps is the tolerance, by bisection.
+    // Finds by bisection the time at which the difference of the ramps equals the tolerance.
     let (mut low, mut high) = (0.0, 1.0);
     while high - low > 1e-9 {
         let x = 0.5 * (low + high);
@@ -129,7 +130,7 @@ fn runs_part_where_their_programs_do() {
     let found_s = column("amax_requested_mps2")["exceeds_at_s"]
         .as_f64()
         .unwrap();
-    // The first row after that, at 2 kHz; a row has the time of the end of its tick.
+    // The first row after that time, at 2 kHz. A row has the time of the end of its tick.
     assert!(
         (found_s - expected_s).abs() <= 0.0010,
         "{found_s} for {expected_s}"

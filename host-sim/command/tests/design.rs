@@ -1,4 +1,4 @@
-//! `cophase design`: its page, its JSON object and what it refuses.
+//! `cophase design`: its page, its JSON object and its refusals.
 
 use std::f64::consts::TAU;
 
@@ -29,7 +29,7 @@ struct CommandLine {
     design: DesignArgs,
 }
 
-/// Parses as the command would, and runs it.
+/// Parses the arguments as the command does, and runs it.
 fn command(arguments: &str) -> Result<String, DesignCommandError> {
     let words = std::iter::once("design").chain(arguments.split_whitespace());
     let parsed = CommandLine::try_parse_from(words).expect("a command line that parses");
@@ -44,13 +44,13 @@ fn command(arguments: &str) -> Result<String, DesignCommandError> {
 
 const FIRST: &str = "--load-kg 50 --amax-g 200 --freq-hz 100 --lambda 0.1 --motors 6 --gravity 10";
 
-/// If this fails, whoever reads the JSON finds a field missing, added, renamed or in another unit.
+/// If this fails, a field of the JSON object is missing, added, renamed or in another unit.
 #[test]
 fn json_has_exactly_the_promised_fields() {
     let text = command(&format!("{FIRST} --json")).expect("a design");
     let json: serde_json::Value = serde_json::from_str(&text).expect("one JSON value");
     let object = json.as_object().expect("an object");
-    // Figures of items 1, 3, 4 and 9; a motor has a sixth of the torque, and safety doubles it.
+    // These are figures of items 1, 3, 4 and 9. A motor has a sixth of the torque, and safety doubles it.
     let numbers = [
         ("crank_radius_mm", 4.6055, 5e-5),
         ("gravity_mps2", 10.0, 0.0),
@@ -77,8 +77,7 @@ fn json_has_exactly_the_promised_fields() {
     assert_eq!(object.len(), numbers.len() + 1, "{text}");
 }
 
-/// If this fails, defaults are not the documented ones, or negative numbers and bad counts are not
-/// reported as what they are.
+/// If this fails, defaults are not the documented ones, or negative numbers and bad counts are reported incorrectly.
 #[test]
 fn command_line_defaults_and_refusals() {
     let text = command("--load-kg 50 --amax-g 200 --freq-hz 100 --lambda 0.1 --motors 6 --json");
@@ -108,7 +107,7 @@ fn command_line_defaults_and_refusals() {
 /// A field of a JSON object, its value and a tolerance.
 type Field = (&'static str, f64, f64);
 
-/// The JSON object of a machine, which has these numbers and so many other fields.
+/// Returns the JSON object of a machine. It must have these numbers and the given count of other fields.
 fn machine(arguments: &str, numbers: &[Field], others: usize) -> serde_json::Value {
     let text = command(&format!("{arguments} --json")).expect("a design");
     let json: serde_json::Value = serde_json::from_str(&text).expect("one JSON value");
@@ -127,8 +126,8 @@ fn machine(arguments: &str, numbers: &[Field], others: usize) -> serde_json::Val
     json
 }
 
-/// If one of these fails, whoever reads the JSON of a machine finds a field missing, added, renamed or in another unit, or the page is
-/// not what the documentation shows.
+/// If one of these fails, a field of a machine's JSON object is missing, added, renamed or in another unit, or the page differs from
+/// the documentation.
 #[test]
 fn a_crank_rocker_has_exactly_the_promised_fields() {
     let arguments =
@@ -166,7 +165,7 @@ fn a_crank_rocker_has_exactly_the_promised_fields() {
     assert!(message.starts_with("--pressure-deg 30: "), "{message}");
 }
 
-/// If this fails, the drawing is not to scale, lacks a dead centre, or is left half-written where it cannot be put.
+/// If this fails, the drawing is not to scale, lacks a dead centre, or is left half-written after a write error.
 #[test]
 fn a_crank_rocker_is_drawn_at_both_dead_centres() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -186,7 +185,7 @@ fn a_crank_rocker_is_drawn_at_both_dead_centres() {
     ] {
         assert!(svg.contains(&format!(">{label}</text>")), "no {label}");
     }
-    // Crank pivot, rocker pivot and the joints: ground and rocker have the ratio of their lengths.
+    // The circles are crank pivot, rocker pivot and the joints. Ground and rocker have the ratio of their lengths.
     let circle = |n: usize| {
         let text = svg.split("<circle cx=\"").nth(n + 1).expect("a joint");
         let mut parts = text.split('"');
@@ -293,7 +292,7 @@ fn a_flywheel_has_exactly_the_promised_fields() {
     assert!(message.starts_with("--rated-rpm 1000: "), "{message}");
 }
 
-/// If this fails, the speeds under rock in the documentation are not those that are printed.
+/// If this fails, the speeds under rock in the documentation differ from the printed ones.
 #[test]
 fn documented_speeds_under_rock_are_what_is_printed() {
     let page = command(
@@ -306,7 +305,7 @@ fn documented_speeds_under_rock_are_what_is_printed() {
     assert!(document.contains(under_rock.trim_end()), "{under_rock}");
 }
 
-/// If this fails, the page is not what the documentation shows, to the letter.
+/// If this fails, the page differs from the documentation in at least one character.
 #[test]
 fn documented_session_is_what_is_printed() {
     let page = command(FIRST).expect("a design");
@@ -317,7 +316,7 @@ fn documented_session_is_what_is_printed() {
     );
 }
 
-/// If this fails, the page runs off the terminal, or a step is missing or out of order.
+/// If this fails, the page is wider than the terminal, or a step is missing or out of order.
 #[test]
 fn page_walks_the_steps_within_ninety_columns() {
     for gravity in ["10", "9.80665"] {

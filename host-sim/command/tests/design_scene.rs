@@ -1,4 +1,4 @@
-//! `cophase design … --scene` and `--svg`: a design is a scene that runs, and that reaches what was designed.
+//! `cophase design … --scene` and `--svg`: a design gives a scene that runs and meets the design's figures.
 
 use std::path::Path;
 use std::process::Output;
@@ -33,7 +33,7 @@ fn flags((load_kg, amax_g, freq_hz, lambda, motors): (f64, f64, f64, f64, u32)) 
     )
 }
 
-/// Runs a scene, which must end without a fault or a warning, and gives its report.
+/// Runs a scene, which must end without a fault or a warning, and returns its report.
 fn run(dir: &Path, scene: &str) -> Value {
     std::fs::write(dir.join("my.toml"), scene).unwrap();
     let output = cophase(dir, "run my.toml --out out");
@@ -74,7 +74,7 @@ fn a_design_runs_and_holds_its_amplitude() {
         );
         assert_eq!(report["scene"]["machine"]["load_kg"], load_kg);
         assert!(dir.join("out/torque.svg").exists());
-        // The design's torque, with safety 2: a motor is loaded to half of it, where the two-term formula is right.
+        // The design's torque has a safety factor of 2. A motor is loaded to half of it where the two-term formula is right.
         let json = printed(&cophase(dir, &format!("{} --json", flags(design))));
         let json: Value = serde_json::from_str(&json).unwrap();
         let torque_nm = number(&json, "motor_torque_with_safety_nm");
@@ -105,7 +105,7 @@ fn a_crank_rocker_and_a_screen_run() {
     ));
     let report = run(dir, &scene);
     assert_within_percent("speed", number(&report, "speed_top_hz"), 6.0);
-    // A stroke of 5 mm: 30 mm times the swing over a turn.
+    // The stroke is 5 mm: 30 mm times the swing over a turn.
     let trace = std::fs::read_to_string(dir.join("out/trace.csv")).unwrap();
     let mut lines = trace.lines();
     let column = lines
@@ -143,7 +143,7 @@ fn assert_refused(output: &Output, what: &str) {
     assert!(words.contains(what), "{words}");
 }
 
-/// If this fails, a design that no scene takes is written as one, or two outputs are mixed on standard output.
+/// If this fails, a scene is written for a design that cannot run, or two outputs are mixed on standard output.
 #[test]
 fn designs_that_cannot_run_and_two_outputs_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -160,7 +160,7 @@ fn designs_that_cannot_run_and_two_outputs_are_refused() {
     assert!(!dir.join("x.svg").exists());
 }
 
-/// If this fails, the picture of a design is another one than that of a run of its scene, or it takes the place of the page.
+/// If this fails, the picture of a design differs from that of a run of its scene, or it replaces the page.
 #[test]
 fn the_picture_is_that_of_the_scene() {
     let folder = tempfile::tempdir().unwrap();

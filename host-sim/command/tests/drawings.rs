@@ -1,9 +1,9 @@
-//! `cophase scenes NAME --svg FILE`: each machine's drawing has its symbols, and is the one in the documentation.
+//! `cophase scenes NAME --svg FILE`: the drawing of each machine has its symbols and matches the documentation.
 
 use std::path::Path;
 use std::process::Output;
 
-/// Scene, the picture from docs/machines/, and labels that it must have.
+/// Scene, the picture from docs/machines/, and labels that the picture must have.
 const DRAWINGS: [(&str, &str, &[&str]); 8] = [
     (
         "default",
@@ -70,7 +70,7 @@ fn scenes(dir: &Path, arguments: &[&str]) -> Output {
 }
 
 /// If this fails, a drawing lacks a symbol that the machine's page explains, or differs from the one on that page. The command on the page
-/// writes it again.
+/// writes the drawing again.
 #[test]
 fn each_machine_is_drawn_with_its_symbols() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/machines");
@@ -91,8 +91,8 @@ fn each_machine_is_drawn_with_its_symbols() {
     }
 }
 
-/// If this fails, a platform with another number of motors is drawn with other axes than it has, in either view, or one below its cranks
-/// has its acceleration drawn the wrong way.
+/// If this fails, a view shows more or fewer axes than the platform has, or a platform below its cranks has its acceleration drawn the
+/// wrong way.
 #[test]
 fn both_views_have_every_axis() {
     for (scene, count) in [
@@ -112,7 +112,7 @@ fn both_views_have_every_axis() {
             assert_eq!(drawn, expected, "{scene}: axis {axis}");
         }
         let is_above = !scene.starts_with("patent");
-        // One letter for one thing: x and y are in the view from above, z is the height.
+        // Each letter has one meaning: x and y are in the view from above, z is the height.
         for label in ["x", "y", if is_above { "z" } else { "−z" }] {
             let drawn = svg.matches(&format!(">{label}</text>")).count();
             assert_eq!(drawn, 1, "{scene}: {label}");
@@ -127,7 +127,7 @@ fn both_views_have_every_axis() {
     }
 }
 
-/// If this fails, a drawing is written without a scene, or to where none can be.
+/// If this fails, a drawing is written without a scene, or to a place where no file can be.
 #[test]
 fn bad_arguments_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -174,7 +174,7 @@ fn folders_of_outputs_are_created_by_every_command() {
     }
 }
 
-/// If this fails, the list leaves out which sensors a scene has, or whether it corrects what they measure.
+/// If this fails, the list omits which sensors a scene has, or whether it corrects the measured phase errors.
 #[test]
 fn the_list_has_sensors_and_correction() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The scenes in `examples/` end as their comments promise.
+//! The scenes in `examples/` end as their comments state.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use serde_json::Value;
 #[derive(Debug, PartialEq)]
 struct End {
     status: i32,
-    /// Kind and axis of the fault, as last named.
+    /// Kind and axis of the fault, with its latest name.
     fault: Option<(String, u64)>,
 }
 
@@ -35,7 +35,7 @@ impl End {
     }
 }
 
-/// If this fails, somebody who copies an example sees something else than its comment says.
+/// If this fails, an example ends differently from its comment.
 #[test]
 fn each_example_ends_as_it_says() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");

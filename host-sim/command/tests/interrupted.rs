@@ -1,4 +1,4 @@
-//! A command that is ended by a signal takes its unfinished files away.
+//! A command that a signal ends removes its unfinished files.
 #![cfg(unix)]
 
 use std::fs;
@@ -6,10 +6,10 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// Far more than a start takes.
+/// Timeout, far longer than a start takes.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// An hour's program, which nothing waits for.
+/// A program of one hour. No test waits for its end.
 const LONG: &str = "name = \"long\"\n[machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 5\n\
      [limits]\nspeed_hz = 20\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
      [axes]\ncount = 6\ndrive = \"stepper\"\nsteps_per_turn = 25600\n\
@@ -22,7 +22,7 @@ fn parts(dir: &Path) -> usize {
         .count()
 }
 
-/// Ends a run in its middle, and gives its exit status.
+/// Ends a run in its middle, and returns its exit status.
 fn ended_by(signal: &str, dir: &Path, out: &str) -> Option<i32> {
     fs::write(dir.join("long.toml"), LONG).unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_cophase"))
@@ -46,7 +46,7 @@ fn ended_by(signal: &str, dir: &Path, out: &str) -> Option<i32> {
     child.wait().unwrap().code()
 }
 
-/// Were it wrong, hidden files of hundreds of megabytes would pile up where nobody sees them.
+/// If this fails, hidden files of hundreds of megabytes accumulate unnoticed.
 #[test]
 fn a_signal_leaves_no_unfinished_files() {
     for (signal, status) in [("-INT", 130), ("-TERM", 143)] {
@@ -54,7 +54,7 @@ fn a_signal_leaves_no_unfinished_files() {
         assert_eq!(ended_by(signal, dir.path(), "a/b"), Some(status));
         assert!(!dir.path().join("a").exists(), "{signal}: folders are left");
 
-        // What was there before stays.
+        // Files from before the run stay.
         fs::create_dir(dir.path().join("out")).unwrap();
         fs::write(dir.path().join("out/report.json"), "an earlier run").unwrap();
         assert_eq!(ended_by(signal, dir.path(), "out"), Some(status));

@@ -33,7 +33,7 @@ fn scene_holding(level_g: f64, load_kg: f64, hold_s: f64) -> String {
     )
 }
 
-/// A simulated controller behind a TCP port, as the bridge of the emulator bench has a board.
+/// A simulated controller behind a TCP port, like a board behind the bridge of the emulator bench.
 struct Served {
     port: u16,
     is_over: Arc<AtomicBool>,
@@ -113,7 +113,7 @@ fn exchange(hub: &mut Hub<SimulatedDevice, 1>, mut stream: TcpStream) {
     }
 }
 
-/// A scene as a file.
+/// Writes a scene to a file.
 fn file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -167,7 +167,7 @@ fn a_run_is_held_scaled_resumed_and_stopped() {
     served.out(&["stop", "--now"]);
 }
 
-/// A request that cannot be met is refused by name, with exit status 2, and nothing moves.
+/// A request that cannot be met is refused by name, with exit status 2. The machine does not move.
 #[test]
 fn refusals_name_the_reason() {
     let served = Served::new(&scene(1.0, 5.0));
@@ -205,7 +205,7 @@ fn a_controller_that_is_not_there_is_named() {
     }
 }
 
-/// Settings that differ are stored, and run after the restart.
+/// Settings that differ are stored, and take effect after the restart.
 #[test]
 fn settings_are_loaded_with_a_restart() {
     let mut command = Command::cargo_bin("cophase").unwrap();
@@ -236,7 +236,8 @@ fn ran_s(log: &str) -> f64 {
     at(" stop") - at(" run")
 }
 
-/// Settings can require the host that started the machine: one that waits for the end is there, one that leaves is lost.
+/// Settings can require the connection to the host that started the machine. A host that waits for the end keeps it. If
+/// the host leaves, the machine stops.
 #[test]
 fn a_machine_whose_host_leaves_stops_if_its_settings_say_so() {
     const HOLD_S: f64 = 12.0;

@@ -1,4 +1,4 @@
-//! `cophase link record` against `cophase run`: the same loop and the same machine leave the same files.
+//! `cophase link record` against `cophase run`: the same loop and the same machine write the same files.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -15,7 +15,8 @@ use cophase_link::server::Hub;
 use host_sim::live::SimulatedDevice;
 use host_sim::scene::{Checked, load};
 
-/// Phase offsets that move, a reversed axis, a gear and a motor of its own: all that edges depend on.
+/// A scene with everything that edges depend on: phase offsets that move, a reversed axis, a gear and a
+/// motor of its own.
 const SCENE: &str = r#"
 name = "recorded"
 fidelity = "kinematic"
@@ -58,7 +59,7 @@ ramp_s = 0.3
 hold_s = 0.1
 "#;
 
-/// Columns that no controller knows.
+/// Columns that a controller cannot measure.
 const UNKNOWN: [&str; 8] = [
     "actual_turns_0",
     "actual_turns_1",
@@ -76,7 +77,7 @@ fn cophase() -> Command {
     command
 }
 
-/// The scene as a file, with a folder around it.
+/// Writes the scene to a file in a new folder.
 fn scene() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
@@ -94,7 +95,7 @@ fn record(scene: &Path, out: &Path, options: &[&str]) -> String {
     String::from_utf8(done.get_output().stdout.clone()).unwrap()
 }
 
-/// Exit status of the comparison from the start on, and what it found.
+/// Returns the exit status and the result of the comparison, from the start command on.
 fn compare(a: &Path, b: &Path) -> (i32, serde_json::Value) {
     let mut command = cophase();
     command.arg("compare").args([a, b]);
@@ -115,7 +116,7 @@ fn report(folder: &Path) -> serde_json::Value {
 fn a_recording_of_a_simulated_controller_is_the_run_of_its_scene() {
     let (folder, scene) = scene();
     let (ran, recorded) = (folder.path().join("ran"), folder.path().join("recorded"));
-    // A recording begins while the machine is idle, so the run must too.
+    // A recording begins while the machine is idle, so the run must begin so too.
     let commanded = folder.path().join("commanded.toml");
     let start = "[[command]]\nat_s = 0.001\ndo = \"start\"\n";
     fs::write(&commanded, format!("{SCENE}{start}")).unwrap();
@@ -143,7 +144,7 @@ fn a_recording_of_a_simulated_controller_is_the_run_of_its_scene() {
             if is_unknown { 0 } else { compared },
             "{column}"
         );
-        // To the last digit, and not only within a tolerance.
+        // Values are equal to the last digit, and not only within a tolerance.
         assert!(
             is_unknown || column["largest"].as_f64().unwrap_or(0.0) == 0.0,
             "{column}"
@@ -173,7 +174,7 @@ fn a_recording_of_a_simulated_controller_is_the_run_of_its_scene() {
     );
 }
 
-/// Without every tick there are no edges, and none of an earlier recording stay.
+/// Without every tick there are no edges, and edges of an earlier recording are removed.
 #[test]
 fn a_recording_without_every_tick_has_no_edges_and_says_why() {
     let (folder, scene) = scene();
@@ -219,7 +220,7 @@ struct LossyLine {
 }
 
 impl LossyLine {
-    /// Bytes that come through.
+    /// Returns the bytes that pass the line.
     fn pass(&mut self, bytes: &[u8]) -> Vec<u8> {
         let mut passed = Vec::new();
         for &byte in bytes {
@@ -229,7 +230,8 @@ impl LossyLine {
             }
             let samples = samples(&self.frame);
             self.packets += u32::from(samples > 0);
-            // The first packet shows where the recording begins, and later ones that these were lost.
+            // The first packet fixes the start of the recording. Later packets reveal that these were
+            // lost.
             if samples > 0 && matches!(self.packets, 5 | 6 | 20 | 41) {
                 self.lost.fetch_add(samples, Ordering::SeqCst);
             } else {
@@ -241,7 +243,7 @@ impl LossyLine {
     }
 }
 
-/// Samples in a frame.
+/// Returns the count of samples in a frame.
 fn samples(frame: &[u8]) -> u64 {
     let mut client = Client::new();
     let mut count = 0;
@@ -253,7 +255,7 @@ fn samples(frame: &[u8]) -> u64 {
     count
 }
 
-/// A simulated controller behind a TCP port whose line loses packets.
+/// Serves a simulated controller behind a TCP port whose line loses packets.
 fn serve(lost: Arc<AtomicU64>, is_over: Arc<AtomicBool>) -> (u16, std::thread::JoinHandle<()>) {
     let checked = Checked::new(load::parse(SCENE).unwrap()).unwrap();
     let mut hub = Hub::<_, 1>::new(SimulatedDevice::new(checked, 1.0).unwrap());
@@ -272,7 +274,8 @@ fn serve(lost: Arc<AtomicU64>, is_over: Arc<AtomicBool>) -> (u16, std::thread::J
         let mut bytes = [0; 1024];
         while !is_over.load(Ordering::SeqCst) {
             let read = stream.read(&mut bytes);
-            // Only the line loses samples, and not the hub's few frames of room, which a request may fill.
+            // Only the line must lose samples. The hub has room for a few frames only, and a request may
+            // fill it.
             let mut may_be_more = true;
             while may_be_more {
                 may_be_more = hub.poll_one();
@@ -324,7 +327,8 @@ fn every_sample_that_the_line_loses_is_counted_and_none_is_made_up() {
         "{text}"
     );
     assert!(!out.join("steps.vcd").exists());
-    // Rows are at ticks that came: as many are missing between the first and the last.
+    // Rows are at the ticks that arrived. The count of missing rows between the first and the last is the
+    // count of lost samples.
     let trace = fs::read_to_string(out.join("trace.csv")).unwrap();
     let ticks: Vec<u64> = trace
         .lines()
@@ -340,7 +344,7 @@ fn every_sample_that_the_line_loses_is_counted_and_none_is_made_up() {
     assert_eq!(report["samples"]["recorded"], ticks.len());
 }
 
-/// Ctrl-C ends a recording, and its files are written.
+/// Ctrl-C ends a recording, and the recorder then writes its files.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_ends_the_recording_and_writes_it() {
@@ -360,7 +364,7 @@ fn an_interrupt_ends_the_recording_and_writes_it() {
         .arg(&out)
         .spawn()
         .unwrap();
-    // The files are begun before the recording is; a second later it is under way.
+    // The files are created before the recording begins. A second later it is under way.
     while !out.exists() {
         std::thread::sleep(Duration::from_millis(20));
     }

@@ -1,11 +1,11 @@
-//! The files that `cophase run` writes are the same on every run of a scene, byte for byte, but for
-//! the report's `speed`; `--every` and `--window` change what is written, never what happened.
+//! The files that `cophase run` writes are the same on every run of a scene, byte for byte, except
+//! for the report's `speed`. `--every` and `--window` change the files but not the run.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Runs a built-in scene into a folder and gives its exit status.
+/// Runs a built-in scene into a folder and returns its exit status.
 fn run(scene: &str, out: &Path, options: &[&str]) -> i32 {
     let status = Command::new(env!("CARGO_BIN_EXE_cophase"))
         .args(["run", scene, "--quiet", "--out"])
@@ -16,7 +16,7 @@ fn run(scene: &str, out: &Path, options: &[&str]) -> i32 {
     status.code().expect("and is not killed")
 }
 
-/// `report.json` as lines, without what is allowed to differ.
+/// Returns `report.json` without the keys that may differ.
 fn report(folder: &Path, without: &[&str]) -> serde_json::Value {
     let text = fs::read(folder.join("report.json")).expect("a report");
     let mut report: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
@@ -33,7 +33,7 @@ fn assert_same_bytes(one: &Path, other: &Path, file: &str) {
     assert!(!one.is_empty() && one == other, "{file} differs");
 }
 
-/// Were it wrong, two people with the same scene would not be looking at the same run.
+/// If this fails, two users with the same scene get different runs.
 #[test]
 fn the_same_scene_writes_the_same_files() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -54,7 +54,7 @@ fn the_same_scene_writes_the_same_files() {
     }
 }
 
-/// Were it wrong, asking for a closer look would change what is looked at.
+/// If this fails, a finer trace changes the run that it records.
 #[test]
 fn every_and_window_change_only_what_is_written() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! `cophase scope` over real sockets: who is let in, and who may command.
+//! `cophase scope` over real sockets: which clients may connect, and which may command.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -56,13 +56,13 @@ impl Served {
         format!("127.0.0.1:{}", self.port)
     }
 
-    /// Answer to a request of these lines.
+    /// Returns the answer to a request of these lines.
     fn answer(&self, lines: &[&str]) -> String {
         let mut stream = TcpStream::connect(self.host()).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         write!(stream, "{}\r\n\r\n", lines.join("\r\n")).unwrap();
         let mut answer = Vec::new();
-        // A socket that is let in stays open: its head is enough.
+        // An accepted socket stays open, so the head of the answer is enough.
         let mut part = [0; 4096];
         while !answer.windows(4).any(|end| end == b"\r\n\r\n") {
             match stream.read(&mut part) {
@@ -73,7 +73,7 @@ impl Served {
         String::from_utf8_lossy(&answer).into_owned()
     }
 
-    /// Status of the answer to `GET` of a path, with more lines.
+    /// Returns the status of the answer to `GET` of a path, with more lines.
     fn get(&self, path: &str, more: &[&str]) -> u16 {
         let first = format!("GET {path} HTTP/1.1");
         let mut lines = vec![first.as_str()];
@@ -108,7 +108,7 @@ struct Browser {
 }
 
 impl Browser {
-    /// Next report that is as required.
+    /// Returns the next report that meets the condition.
     fn wait(&mut self, is_it: impl Fn(&Value) -> bool) -> Value {
         let end = Instant::now() + PATIENCE;
         while Instant::now() < end {
@@ -122,7 +122,7 @@ impl Browser {
         panic!("not within {PATIENCE:?}");
     }
 
-    /// Makes a request; the reason if it is refused.
+    /// Makes a request, and returns the reason if it is refused.
     fn request(&mut self, mut request: Value) -> Result<(), String> {
         let id = self.next;
         self.next += 1;
@@ -229,7 +229,7 @@ fn another_host_or_origin_is_refused() {
         "null".to_owned(),
     ] {
         assert_eq!(with(&[&format!("Origin: {origin}")]), 403, "{origin}");
-        // A page of another origin can read no file either.
+        // A page of another origin cannot read a file either.
         assert_eq!(
             served.get(&path, &[&host, &format!("Origin: {origin}")]),
             403,
@@ -243,7 +243,7 @@ fn another_host_or_origin_is_refused() {
     );
 }
 
-/// Every file has the policy that keeps the page from loading, or connecting to, anything else.
+/// Every file has the policy that prevents the page from loading, or connecting to, anything else.
 #[test]
 fn the_page_may_load_own_files_only() {
     let served = Served::new();
@@ -304,7 +304,7 @@ fn one_browser_commands_and_another_one_may_stop() {
         "has control",
     );
 
-    // Arm, then start: two steps.
+    // A start takes two steps: arm, then start.
     refused(first.command("start"), "not armed");
     first.command("arm").unwrap();
     first.command("start").unwrap();
@@ -317,7 +317,7 @@ fn one_browser_commands_and_another_one_may_stop() {
     let status = second.wait_for_state(&["parked"]);
     assert_eq!(status["control"], "other");
 
-    // Control and arm end with the page.
+    // Control and arming end when the page closes.
     first.command("arm").unwrap();
     drop(first);
     let status = second.wait(|report| report["type"] == "status" && report["control"] == "free");
@@ -381,7 +381,7 @@ fn bad_requests_are_refused_with_the_reason() {
     );
 }
 
-/// Samples come complete, as batches that follow each other tick by tick.
+/// Samples arrive complete, in batches that follow each other tick by tick.
 #[test]
 fn batches_of_samples_follow_each_other() {
     let served = Served::new();

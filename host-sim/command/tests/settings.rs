@@ -1,5 +1,5 @@
-//! `cophase settings`: the settings file holds what the loop is given, the summary what it is not; bad input is refused as
-//! `run` refuses it, and nothing is half written.
+//! `cophase settings`: the settings file holds the loop's settings, and the summary lists the keys that it does not hold.
+//! Bad input is refused as `run` refuses it, and no file is left half-written.
 
 use std::fs;
 use std::path::Path;
@@ -36,7 +36,7 @@ fn said(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// Runs what must be refused, and gives its one line of words.
+/// Runs a command that must be refused, and returns its one-line message.
 #[track_caller]
 fn refusal(dir: &Path, arguments: &[&str]) -> String {
     let before = names(dir);
@@ -53,7 +53,7 @@ fn refusal(dir: &Path, arguments: &[&str]) -> String {
     line.to_owned()
 }
 
-/// Reads a UF2 file as the RP2040's boot ROM does; returns what it writes to the flash.
+/// Reads a UF2 file as the RP2040's boot ROM does. Returns the flash contents that it writes.
 fn flashed(uf2: &[u8]) -> std::collections::BTreeMap<u32, Vec<u8>> {
     let word = |block: &[u8], at: usize| u32::from_le_bytes(block[at..at + 4].try_into().unwrap());
     let blocks = uf2.as_chunks::<512>().0;
@@ -77,7 +77,7 @@ fn flashed(uf2: &[u8]) -> std::collections::BTreeMap<u32, Vec<u8>> {
     pages
 }
 
-/// If it were in one slot alone, an older file in the other could win.
+/// If this fails, the settings are in one slot only, and an older file in the other slot can take precedence.
 #[test]
 fn a_uf2_file_places_the_settings_in_both_slots() {
     let dir = tempfile::tempdir().unwrap();
@@ -98,7 +98,7 @@ fn a_uf2_file_places_the_settings_in_both_slots() {
     }
 }
 
-/// Were it wrong, a board would run another machine than the one that was tried on the desk.
+/// If this fails, the settings on a board differ from those of the simulated machine.
 #[test]
 fn a_scene_becomes_a_settings_file_of_the_same_setup() {
     let dir = tempfile::tempdir().unwrap();
@@ -126,7 +126,7 @@ fn a_scene_becomes_a_settings_file_of_the_same_setup() {
     }
 }
 
-/// Were it wrong, somebody would wait for a board to do what only the simulation does.
+/// If this fails, a user expects a board to do things that only the simulation does.
 #[test]
 fn what_a_board_cannot_be_given_is_named() {
     let dir = tempfile::tempdir().unwrap();
@@ -143,7 +143,7 @@ fn what_a_board_cannot_be_given_is_named() {
         left_out(BASE),
         "machine.tilt_inertia_kgm2, axes.servo, frame, axes.pull_out, [[command]], [[input]], [[late]], [scope]."
     );
-    // Without any of these; then each by itself.
+    // First without any of these keys, then with each one alone.
     let (loop_only, _) = BASE.split_once("[[command]]").unwrap();
     let of_torque = ["pull_out =", "tilt_inertia"];
     let loop_only: String = loop_only
@@ -217,7 +217,7 @@ fn a_folder_is_made_and_an_earlier_file_replaced() {
     );
 }
 
-/// Were it wrong, a board would be given half a settings file, or the settings file of an earlier scene would be lost.
+/// If this fails, a board gets an incomplete settings file, or the settings file of an earlier scene is lost.
 #[test]
 fn a_bad_scene_leaves_an_earlier_file_alone() {
     let dir = tempfile::tempdir().unwrap();
@@ -289,7 +289,7 @@ fn nowhere_to_write() {
                 "give another name",
             ],
         ),
-        // As good as a scene written over: `-o my.toml` is a slip that is easily made.
+        // Protects a file that is not a settings file. A scene is easily overwritten by mistake, as with `-o my.toml`.
         (
             "taken",
             [
@@ -314,7 +314,8 @@ fn nowhere_to_write() {
     assert_eq!(fs::read(dir.path().join("taken")).unwrap(), b"a file");
 }
 
-/// A board that refuses what was flashed costs more than a sentence here.
+/// If this fails, the summary does not mention that the board will refuse the settings. The refusal after flashing costs
+/// more.
 #[test]
 fn what_the_board_will_refuse_is_said() {
     let dir = tempfile::tempdir().unwrap();
@@ -334,7 +335,7 @@ fn what_the_board_will_refuse_is_said() {
     );
 }
 
-/// Were it wrong, gains that a scene leaves to be derived would get onto a board without anybody having seen them.
+/// If this fails, gains that the program derives get onto a board without appearing in the summary.
 #[test]
 fn derived_coupling_gains_are_said() {
     let dir = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Completion scripts and manual pages: shells and readers of manual pages accept them, and no subcommand is left out.
+//! Completion scripts and manual pages. Shells and readers of manual pages accept them, and no subcommand is left out.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -15,7 +15,7 @@ fn printed(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Subcommands that `--help` of a command lists.
+/// Returns the subcommands that `--help` of a command lists.
 fn subcommands(of: &[&str]) -> Vec<String> {
     let help = printed(&[of, &["--help"]].concat());
     let lines = help
@@ -24,13 +24,13 @@ fn subcommands(of: &[&str]) -> Vec<String> {
         .skip(1)
         .take_while(|line| !line.is_empty());
     lines
-        .filter(|line| line.starts_with("  ") && !line.starts_with("   ")) // others continue a line
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   ")) // other lines continue a line
         .map(|line| line.split_whitespace().next().unwrap().to_owned())
         .filter(|name| name != "help")
         .collect()
 }
 
-/// File names of the pages of a command and of all commands below it.
+/// Adds the file names of the pages of a command and of all commands below it.
 fn expected_pages(of: &[&str], pages: &mut BTreeSet<String>) {
     let name: Vec<&str> = [&["cophase"], of].concat();
     pages.insert(format!("{}.1", name.join("-")));
@@ -56,7 +56,7 @@ fn run_on(program: &str, arguments: &[&str], file: &Path) -> Option<Output> {
     }
 }
 
-/// If this fails, a shell gets a script that it cannot read, or that does not know a subcommand.
+/// If this fails, a shell gets a script that it cannot read, or a script that lacks a subcommand.
 #[test]
 fn each_shell_gets_a_script_that_it_accepts_and_that_knows_all_subcommands() {
     let folder = tempfile::tempdir().unwrap();
@@ -80,7 +80,7 @@ fn each_shell_gets_a_script_that_it_accepts_and_that_knows_all_subcommands() {
     }
 }
 
-/// If this fails, bash does not complete what the script says.
+/// If this fails, bash does not complete as the script specifies.
 #[test]
 fn bash_completes_subcommands_and_options() {
     let folder = tempfile::tempdir().unwrap();
@@ -138,7 +138,7 @@ fn each_subcommand_has_a_manual_page_that_renders() {
     }
 }
 
-/// If this fails, a shell or a folder that cannot be served is not refused clearly.
+/// If this fails, an unknown shell or an unusable folder is not refused clearly.
 #[test]
 fn bad_arguments_are_refused() {
     let refused = |arguments: &[&str], what: &str| {

@@ -1,7 +1,7 @@
-//! The files of `cophase run --trace` in readers that people use, and the layouts for viewers.
+//! Reads the files of `cophase run --trace` with common readers, and checks the layouts for viewers.
 //!
 //! GTKWave's `fst2vcd` reads `steps.fst`, the Python package `mcap` reads `trace.mcap`. Where one of these is not installed, its
-//! test says so and passes, unless `COPHASE_REQUIRE_READERS=1` is set: then it fails.
+//! test prints this and passes. If `COPHASE_REQUIRE_READERS=1` is set, it fails.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -9,7 +9,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Runs a built-in scene, and gives the names of the files in its folder.
+/// Runs a built-in scene, and returns the names of the files in its folder.
 fn run(scene: &str, out: &Path, options: &[&str]) -> BTreeSet<String> {
     let status = Command::new(env!("CARGO_BIN_EXE_cophase"))
         .args(["run", scene, "--quiet", "--out"])
@@ -35,11 +35,11 @@ fn missing(reader: &str) {
         !required,
         "{reader} is not installed, and COPHASE_REQUIRE_READERS=1"
     );
-    // Past the test harness, which keeps what a passing test prints to itself.
+    // Writes to standard error directly, because the test harness hides what a passing test prints.
     let _ = writeln!(std::io::stderr(), "NOT TESTED: {reader} is not installed");
 }
 
-/// Were it wrong, someone would look for a file that was not requested, or lose one that was.
+/// If this fails, a run writes a file that was not requested, or omits one that was.
 #[test]
 fn the_requested_files_are_written_and_no_others() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -56,7 +56,7 @@ fn the_requested_files_are_written_and_no_others() {
     }
 }
 
-/// Were it wrong, an option would be ignored, and its user would look for its effect.
+/// If this fails, an option without effect is ignored silently.
 #[test]
 fn options_without_effect_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -87,7 +87,7 @@ fn options_without_effect_are_refused() {
     }
 }
 
-/// Were it wrong, a misspelt format would be left out without a word, or its user would have to guess the right name.
+/// If this fails, a misspelt format is ignored silently, or the message does not list the right names.
 #[test]
 fn a_format_that_does_not_exist_is_refused_with_the_list() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -104,9 +104,10 @@ fn a_format_that_does_not_exist_is_refused_with_the_list() {
     assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 0);
 }
 
-/// Changes by signal, ns and the value as it is written, and the time unit's line, of a value change dump.
+/// Returns the changes of a value change dump by signal: the time in ns and the value as written. Checks the line of the time
+/// unit.
 ///
-/// Signals that do not change at the start of the window have their value there.
+/// Signals that do not change at the start of the window have their initial value there.
 fn changes(vcd: &str) -> BTreeMap<String, Vec<(u64, String)>> {
     let mut words = vcd.split_whitespace().peekable();
     let mut names = BTreeMap::new();
@@ -147,7 +148,7 @@ fn changes(vcd: &str) -> BTreeMap<String, Vec<(u64, String)>> {
     changes
 }
 
-/// `steps.fst` of a run, read by `fst2vcd`; nothing where that is not installed.
+/// Returns `steps.fst` of a run, read by `fst2vcd`, or `None` if that is not installed.
 fn fst_changes(out: &Path) -> Option<BTreeMap<String, Vec<(u64, String)>>> {
     let Ok(output) = Command::new("fst2vcd").arg(out.join("steps.fst")).output() else {
         missing("fst2vcd");
@@ -157,11 +158,11 @@ fn fst_changes(out: &Path) -> Option<BTreeMap<String, Vec<(u64, String)>>> {
     Some(changes(&String::from_utf8(output.stdout).expect("UTF-8")))
 }
 
-/// Were it wrong, GTKWave would show other edges in one format than in the other.
+/// If this fails, GTKWave shows different edges in the two formats.
 #[test]
 fn fst_has_the_edges_of_vcd() {
     let folder = tempfile::tempdir().expect("a folder");
-    // From power-up, from the middle, and more than one block of changes.
+    // The windows are from power-up, from the middle, and longer than one block of changes.
     for (window, many_blocks) in [("0..0.3", false), ("10.5..10.6", false), ("all", true)] {
         let out = folder.path().join(window);
         let options = ["--trace", "vcd,fst", "--window", window];
@@ -173,7 +174,7 @@ fn fst_has_the_edges_of_vcd() {
         let vcd = changes(&fs::read_to_string(out.join("steps.vcd")).expect("a file"));
         assert!(vcd["step_0"].len() > 100, "{window}: something moves");
         for (name, expected) in &vcd {
-            // Before the window a wire is unknown.
+            // Before the window the value of a wire is unknown.
             let known: Vec<_> = fst[name].iter().filter(|(_, value)| value != "x").collect();
             assert_eq!(
                 known,
@@ -184,7 +185,7 @@ fn fst_has_the_edges_of_vcd() {
     }
 }
 
-/// Were it wrong, a curve in GTKWave would show other numbers, or at other times, than a plot of the table.
+/// If this fails, a curve in GTKWave shows other numbers, or other times, than a plot of the table.
 #[test]
 fn fst_has_the_numbers_of_csv() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -234,7 +235,7 @@ fn fst_has_the_numbers_of_csv() {
     }
 }
 
-/// Reads an MCAP file, and prints topic, time and each value by all its bits; then how many messages its index has.
+/// Reads an MCAP file. Prints topic, time and each value with all its bits, then the count of messages in its index.
 const PYTHON: &str = r#"
 import json, struct, sys
 from mcap.reader import make_reader
@@ -254,7 +255,7 @@ with open(sys.argv[1], "rb") as file:
     print("messages", reader.get_summary().statistics.message_count)
 "#;
 
-/// Were it wrong, a plot in Foxglove or PlotJuggler would show other numbers than the table.
+/// If this fails, a plot in Foxglove or PlotJuggler shows other numbers than the table.
 #[test]
 fn python_reads_the_rows_of_csv_from_mcap() {
     let python = root().join("target/readers/bin/python");
@@ -324,7 +325,7 @@ fn python_reads_the_rows_of_csv_from_mcap() {
     );
 }
 
-/// The names in a layout: the values of `name` of curves, or the lines of signals.
+/// Returns the names in a layout: the values of `name` of curves, or the lines of signals.
 fn names_in(layout: &str) -> Vec<String> {
     let curve = |line: &str| {
         let (_, rest) = line.split_once("<curve name=\"")?;
@@ -339,7 +340,7 @@ fn names_in(layout: &str) -> Vec<String> {
     names
 }
 
-/// Were it wrong, a ready layout would open empty.
+/// If this fails, a supplied layout opens empty.
 #[test]
 fn layouts_name_only_signals_of_the_default_scene() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -371,7 +372,7 @@ fn layouts_name_only_signals_of_the_default_scene() {
     }
 }
 
-/// Were it wrong, the axes beyond the fourth would not be shown, or GTKWave would be given axes that are not there.
+/// If this fails, axes beyond the fourth are not shown, or the layout names axes that the run does not have.
 #[test]
 fn the_layout_has_the_axes_of_the_run() {
     for (scene, axes) in [("patent-2", 2), ("patent-1", 6)] {

@@ -1,7 +1,7 @@
 //! Rows that `cophase run --udp` sends, at a receiver's socket.
 //!
-//! The scene is one that is run twice, for its edges; its rows must be sent once. There are few rows, so that the system keeps
-//! them all until the receiver reads them.
+//! The scene is simulated twice, to get its edges, but its rows must be sent once. There are few rows, so that the system
+//! buffers them all until the receiver reads them.
 
 use std::collections::BTreeMap;
 use std::net::UdpSocket;
@@ -27,14 +27,14 @@ fn rows(out: &Path) -> Vec<BTreeMap<String, String>> {
     rows.expect("rows of the header's length")
 }
 
-/// The line of the summary about what was sent.
+/// Returns the line of the summary about the rows sent.
 fn sent(output: &Output) -> &str {
     let text = std::str::from_utf8(&output.stdout).expect("UTF-8");
     let line = text.lines().find(|line| line.starts_with("Sent to "));
     line.unwrap_or_else(|| panic!("nothing about what was sent: {text}"))
 }
 
-/// Were it wrong, a live plot would miss rows, or show other numbers than the table of the same run.
+/// If this fails, a live plot lacks rows, or shows other numbers than the table of the same run.
 #[test]
 fn a_receiver_gets_each_row_of_the_table_once() {
     let receiver = UdpSocket::bind("127.0.0.1:0").expect("a socket");
@@ -72,8 +72,8 @@ fn a_receiver_gets_each_row_of_the_table_once() {
     assert_eq!(sent(&output), expected);
 }
 
-/// Were it wrong, nobody would know why the plot stays empty; or a run would fail because nobody looks on.
-#[cfg(target_os = "linux")] // which reports on loopback at once that nobody listens
+/// If this fails, a user gets no reason for an empty plot, or a run fails because it has no receiver.
+#[cfg(target_os = "linux")] // on Linux, loopback reports at once that there is no receiver
 #[test]
 fn rows_without_a_receiver_are_counted_as_lost() {
     let receiver = UdpSocket::bind("127.0.0.1:0").expect("a socket");
@@ -87,7 +87,7 @@ fn rows_without_a_receiver_are_counted_as_lost() {
     assert_eq!(sent(&output), expected);
 }
 
-/// Were it wrong, a live plot would be over before anyone sees it move.
+/// If this fails, a live plot ends before the user can see it move.
 #[test]
 fn real_time_takes_the_simulated_time() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -104,7 +104,7 @@ fn real_time_takes_the_simulated_time() {
     );
 }
 
-/// Were it wrong, a misspelt receiver would be taken for one that nobody listens at, or a folder be written first.
+/// If this fails, a misspelt receiver is treated as one that is absent, or a folder is written before the refusal.
 #[test]
 fn what_is_no_receiver_or_factor_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

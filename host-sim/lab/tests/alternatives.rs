@@ -1,5 +1,5 @@
-//! The controller states which faults look alike to the sensors of an axis; the judge of a campaign has its own table of accepted names.
-//! Neither is made from the other, so they can contradict each other.
+//! The controller states which faults look alike to the sensors of an axis. The judge of a campaign has its own table of accepted names.
+//! Neither table is derived from the other, so they can contradict each other.
 
 use cophase_core::drift::alternatives;
 use cophase_core::supervisor::{Fault, FaultKind};
@@ -19,7 +19,7 @@ fn cause(fault: &FaultAt) -> Option<FaultKind> {
     FaultKind::ALL.into_iter().find(|kind| kind.name() == name)
 }
 
-/// If this fails, a user is given a name for another cause, and nothing says that the sensors cannot distinguish the two.
+/// If this fails, a user is given a name for another cause, and no message states that the sensors cannot distinguish the two.
 #[test]
 fn a_name_that_is_accepted_for_another_cause_has_it_as_an_alternative() {
     let plan = Plan::new(20, None).expect("a plan of drawn machines");
@@ -28,7 +28,7 @@ fn a_name_that_is_accepted_for_another_cause_has_it_as_an_alternative() {
         let case = plan.case(number);
         let fault = case.fault();
         let (Some(cause), Some(axis)) = (cause(fault), fault.axis) else {
-            continue; // a load is no kind of fault
+            continue; // a load is not a kind of fault
         };
         let checked = Checked::new(case.scene_of(false)).expect("a case that can be run");
         let axis_settings = &checked.settings.axes[axis];
@@ -51,7 +51,7 @@ fn a_name_that_is_accepted_for_another_cause_has_it_as_an_alternative() {
             );
             for name in names.into_iter().filter(|&name| name != cause) {
                 compared += 1;
-                // Ahead or behind.
+                // The phase error may be ahead or behind.
                 let has_cause = [-1, 1].into_iter().any(|sign| {
                     let named = Fault::new(name).with_size(Turns::from_bits(sign));
                     alternatives(&named, axis_settings).any(|other| other == cause)

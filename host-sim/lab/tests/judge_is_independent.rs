@@ -1,4 +1,4 @@
-//! The judge of a campaign takes nothing from the monitor that it judges.
+//! The judge of a campaign uses no code of the monitor that it judges.
 
 use std::fs;
 use std::path::Path;
@@ -11,9 +11,9 @@ const OF_THE_MONITOR: [&str; 4] = [
     "Reaction",
 ];
 
-/// Lines of a source that name something of the monitor.
+/// Returns the lines of a source that name something of the monitor.
 fn imports(text: &str) -> Vec<&str> {
-    // A braced list may be broken over lines, and may name a module inside it.
+    // A list in braces may span several lines, and may contain a module name.
     let squeezed: String = text.split_whitespace().collect();
     let listed = |path: &str| {
         let (parent, module) = path.rsplit_once("::").unwrap_or(("", path));
@@ -46,7 +46,7 @@ fn check(folder: &Path, read: &mut usize) {
     }
 }
 
-/// If this fails, judge and monitor share a definition, and a mistake in it passes unseen.
+/// If this fails, judge and monitor share a definition, and a mistake in it is not detected.
 #[test]
 fn no_source_of_the_judge_imports_the_monitor() {
     let mut read = 0;

@@ -1,13 +1,13 @@
 //! Checks of the solutions against which charts measure errors. Two methods of a library, which are not under test, solve each
 //! problem again.
 //!
-//! `cargo test -p cophase-lab --test references -- --nocapture` prints how far they are from each other.
+//! `cargo test -p cophase-lab --test references -- --nocapture` prints how far they differ from each other.
 
 use cophase_lab::chart::methods::problems::{self, Problem};
 use cophase_methods::Equations;
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 
-/// Equations of this project, as `differential-equations` takes them.
+/// Adapter of this project's equations to `differential-equations`.
 struct Adapter<'a>(&'a dyn Equations);
 
 impl<const N: usize> ODE<f64, [f64; N]> for Adapter<'_> {
@@ -19,7 +19,7 @@ impl<const N: usize> ODE<f64, [f64; N]> for Adapter<'_> {
 const TOLERANCE: f64 = 1e-14;
 const STEPS: usize = 1_000_000;
 
-/// The end of a problem of `N` components by DOP853, and by Verner's pair of orders 9 and 8.
+/// Returns the end state of a problem of `N` components by DOP853, and by Verner's pair of orders 9 and 8.
 fn solve<const N: usize>(problem: &Problem) -> [Vec<f64>; 2] {
     let adapter = Adapter(problem.equations.as_ref());
     let start: [f64; N] = problem.start.clone().try_into().unwrap();
@@ -41,14 +41,14 @@ fn solve<const N: usize>(problem: &Problem) -> [Vec<f64>; 2] {
     ]
 }
 
-/// Largest difference in the components that are compared.
+/// Returns the largest difference in the compared components.
 fn differ(a: &[f64], b: &[f64]) -> f64 {
     let each = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     each.fold(0.0, f64::max)
 }
 
-/// Were an answer wrong, or less well known than it is said to be, a chart would show its own reference's error as a
-/// method's.
+/// If this fails, a reference solution is wrong or less accurate than stated. A chart then shows the error of its own
+/// reference as the error of a method.
 #[test]
 fn answers_are_known_as_well_as_they_are_said_to_be() {
     let mut wrong = Vec::new();
@@ -73,7 +73,8 @@ fn answers_are_known_as_well_as_they_are_said_to_be() {
             &dop853[..compared]
         );
         let most = between.max(one).max(other);
-        // Not known worse, nor so much better that the chart hides what could be seen.
+        // The stated uncertainty is at least the measured one. It is at most 20 times larger, because otherwise the chart
+        // hides visible errors.
         if most > problem.uncertainty || most < 0.05 * problem.uncertainty {
             wrong.push(format!(
                 "{}: {most:e}, not {:e}",

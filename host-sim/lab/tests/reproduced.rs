@@ -1,4 +1,4 @@
-//! The list of published figures: each is within its tolerance, and the test that it names exists.
+//! The list of published figures. Each is within its tolerance, and the test that it names exists.
 
 use std::path::Path;
 
@@ -40,7 +40,8 @@ fn named_tests_exist() {
     }
 }
 
-/// If this fails, the committed page is not what the command writes: run `cophase reproduced --out docs/reproduced.md`.
+/// If this fails, the committed page differs from the command's output: run `cophase reproduced --out
+/// docs/reproduced.md`.
 #[test]
 fn the_page_is_up_to_date() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reproduced.md");

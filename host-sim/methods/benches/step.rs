@@ -1,7 +1,8 @@
 //! Cost of a step: each method on the elastic chain of three masses, six components and one cam law.
 //!
-//! `cargo bench -p cophase-methods`. Each sample is 1000 steps of 10 us, through the cam's whole turn again and
-//! again: a printed microsecond is a nanosecond a step. Steps allocate nothing (`tests/allocation.rs`).
+//! `cargo bench -p cophase-methods`. Each sample is 1000 steps of 10 us. The samples together pass through the
+//! cam's whole turn many times. A printed microsecond is a nanosecond per step. Steps allocate nothing
+//! (`tests/allocation.rs`).
 
 use cophase_methods::Scheme;
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};

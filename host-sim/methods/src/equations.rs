@@ -89,7 +89,7 @@ impl Differences {
         for (component, mut column) in jacobian.column_iter_mut().enumerate() {
             let size = y[component].abs().max(1e-3);
             self.moved[component] += (f64::EPSILON.sqrt() * size).copysign(y[component]);
-            let by = self.moved[component] - y[component]; // what rounding left of it
+            let by = self.moved[component] - y[component]; // the change that remains after rounding
             equations.rates(t_s, &self.moved, &mut self.there);
             for (quotient, (there, here)) in
                 column.iter_mut().zip(self.there.iter().zip(&self.here))

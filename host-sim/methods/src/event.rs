@@ -13,7 +13,8 @@ use crate::{Equations, Scheme};
 /// Number of halvings of the step: down to 2⁻⁵² of it, the resolution of `f64`.
 const HALVINGS: u32 = 52;
 
-/// Makes one step of `step_s`, or a shorter one up to the moment at which `quantity(y)` falls below 0. It is not negative at the start.
+/// Makes one step of `step_s`, or a shorter one up to the moment at which `quantity(y)` falls below 0. The quantity is not negative at
+/// the start.
 ///
 /// Returns the length of the step if it was shortened, `None` if the whole step was made. It ends at the last moment at which the
 /// quantity is not negative, to within 2⁻⁵² of the step.

@@ -14,7 +14,7 @@ pub struct Facts {
     pub order: u32,
     /// Structure that the equations must have.
     pub needs: Needs,
-    /// True if the energy of an undamped machine ripples, but neither grows nor falls in the long run.
+    /// True if the energy of an undamped machine ripples, but does not grow or fall in the long run.
     pub keeps_energy: bool,
     /// Number of evaluations of the rates per step; for an implicit method, that of its iterations on a linear machine.
     pub evaluations: u32,
@@ -32,7 +32,7 @@ pub enum Needs {
 }
 
 impl Needs {
-    /// Returns true if the equations have it.
+    /// Returns true if the equations have this structure.
     pub fn met_by(self, equations: &dyn Equations) -> bool {
         match self {
             Self::Rates => true,

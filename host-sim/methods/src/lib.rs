@@ -1,15 +1,15 @@
 //! Fixed-step methods: they advance a machine by one step, in lockstep with a control loop.
 //!
 //! A control loop in virtual time reads the machine in every tick. So the step is that of the loop, and a solver cannot
-//! shorten it where the machine is fast. What remains to choose is the **method**, and to check that the step is
-//! short enough for it.
+//! shorten it where the machine is fast. The user only chooses the **method**, and checks that the
+//! step is short enough for it.
 //!
 //! # Choice of a method
 //!
 //! | the machine | method |
 //! | --- | --- |
-//! | is linear with a constant matrix | [`Scheme::Exact`]: no stability limit, exact but for the curvature of its input |
-//! | its fastest mode turns less than some 1 rad a step | [`Scheme::Rk4`] |
+//! | is linear with a constant matrix | [`Scheme::Exact`]: no stability limit, exact except for the curvature of its input |
+//! | its fastest mode turns less than some 1 rad per step | [`Scheme::Rk4`] |
 //! | the same, with little damping and forces that depend on positions alone, and must neither gain nor lose energy over hours | [`Scheme::VelocityVerlet`] |
 //! | has modes that the step cannot resolve, and they must decay | [`Scheme::Sdirk4`] |
 //! | has modes that the step cannot resolve, or forces that depend on speed (an inertia that changes with the angle), and must conserve energy | [`Scheme::ImplicitMidpoint`] |

@@ -1,7 +1,7 @@
 //! Interface of every method: its properties, and a step.
 //!
-//! A file of [`methods`](crate::methods) has a `Rule`, which computes the next state, and the memory for that. `Fixed` has what all
-//! methods share.
+//! A file of [`methods`](crate::methods) has a `Rule`, which computes the next state, and the memory for that. `Fixed` has the
+//! parts that all methods share.
 
 use core::fmt;
 

@@ -1,19 +1,19 @@
 //! The implicit equation of a stage, z = hγ f(t, base + z), solved by Newton's method.
 //!
-//! Each iteration solves (I − hγJ) Δ = hγ f(t, base + z) − z and moves z by Δ. The Jacobian J is taken once at the start of
-//! the step, and I − hγJ factored once, for all stages and iterations: on smooth equations that converges in a few. If it
-//! has not after [`CHORD_LIMIT`] iterations, it starts over with a Jacobian of its own at each, up to
+//! Each iteration solves (I − hγJ) Δ = hγ f(t, base + z) − z and moves z by Δ. The Jacobian J is taken once at the start of the
+//! step, and I − hγJ is factored once, for all stages and iterations. On smooth equations, a few iterations converge. If
+//! [`CHORD_LIMIT`] iterations do not converge, the solution starts again with a new Jacobian at each iteration, up to
 //! [`NEWTON_LIMIT`].
 //!
 //! **Damping.** Where a rate saturates, as dry friction does near standstill, full corrections can jump between the two saturated
-//! sides forever. So these later iterations halve a correction, up to [`HALVINGS`] times, until the next one
-//! by the same Jacobian would be shorter: the natural monotonicity test of P. Deuflhard, *Newton Methods for Nonlinear
-//! Problems*, 2004, section 3.3.
+//! sides forever. So these later iterations halve a correction, up to [`HALVINGS`] times, until the next one by the same Jacobian
+//! is shorter. This is the natural monotonicity test of P. Deuflhard, *Newton Methods for Nonlinear Problems*, 2004, section 3.3.
 //!
-//! **Tolerance.** The iteration ends when no component is moved by more than [`TOLERANCE`] of its own size (|y| + |z|)
-//! plus what rounding alone can move it: [`ROUNDINGS`] ε of hγ Σ |J_ij| |y_j|, the sum that its rate is computed from. (A component
-//! below 2e-308, where `f64` loses its digits, may move by that.) This last correction is still made, so the remaining error is
-//! smaller by the factor at which the iteration converges. It is an error if the iteration limit is reached instead.
+//! **Tolerance.** The iteration ends when it moves no component by more than its tolerance. The tolerance is [`TOLERANCE`] of the
+//! component's own size (|y| + |z|), plus the change by rounding alone: [`ROUNDINGS`] ε of hγ Σ |J_ij| |y_j|, the sum from which
+//! its rate is computed. (A component below 2e-308, where `f64` loses its digits, may move by that.) This last correction is still
+//! made, so the remaining error is smaller by the factor at which the iteration converges. If the iteration limit is reached
+//! instead, the step returns an error.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,7 +1,7 @@
 //! Longest stable step of a method, and a check before the first step.
 //!
 //! Terms:
-//! - **hω**: step × frequency, dimensionless: 2π over the steps a period;
+//! - **hω**: step × frequency, dimensionless: 2π over the number of steps per period;
 //! - **damping ratio** ζ of the oscillator q″ + 2ζω q′ + ω² q = 0;
 //! - **amplification**: the matrix by which a method multiplies (ω q, v) in one step. The method is stable if no
 //!   eigenvalue has a magnitude above 1.
@@ -39,7 +39,7 @@ pub const SMALLEST_H_OMEGA: f64 = 1e-6;
 /// many powers of ten.
 const MACHINE_GROWTH: f64 = 1e-9;
 
-/// Number of limits that a thread keeps: more than a machine with six different rotors on a frame needs.
+/// Number of limits that a thread stores: more than a machine with six different rotors on a frame needs.
 const LIMITS_KEPT: usize = 16;
 
 /// Ratio between successive step lengths of the search. An unstable range between two stable ones is not found.
@@ -264,7 +264,7 @@ pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     magnitudes.iter().copied().fold(0.0, f64::max)
 }
 
-/// Returns the first value between `low` and `high` at which `stable` is false; `None` if it is true at all.
+/// Returns the first value between `low` and `high` at which `stable` is false; `None` if it is true everywhere.
 fn first_edge(low: f64, high: f64, stable: impl Fn(f64) -> bool) -> Option<f64> {
     if !stable(low) {
         return Some(0.0);

@@ -1,4 +1,4 @@
-//! A step allocates nothing, whatever the method.
+//! A step allocates nothing, with any method.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -6,14 +6,14 @@ use std::cell::Cell;
 use cophase_methods::problems::{Andrews, Cam, Chain, Law, Pendulum, Shaft};
 use cophase_methods::{Equations, Scheme, advance};
 
-/// The system's allocator, counted on each thread by itself: the test harness has threads of its own.
+/// System allocator with a count for each thread, because the test harness has threads of its own.
 struct Counted;
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-// SAFETY: every call is handed on as it came.
+// SAFETY: every call passes its arguments unchanged to the system's allocator.
 unsafe impl GlobalAlloc for Counted {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
@@ -28,7 +28,8 @@ unsafe impl GlobalAlloc for Counted {
 #[global_allocator]
 static COUNTED: Counted = Counted;
 
-/// Were a workspace made in a step, a loop of a million steps would spend its time in the allocator.
+/// If this fails, a step allocates a workspace, and a loop of a million steps spends its time in the
+/// allocator.
 #[test]
 fn a_step_allocates_nothing() {
     let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToCam);

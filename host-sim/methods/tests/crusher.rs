@@ -1,4 +1,4 @@
-//! Jaw crusher, against the figures of its source and those computed independently.
+//! Jaw crusher, compared with the figures of its source and with those computed independently.
 //!
 //! `cargo test -p cophase-methods --test crusher -- --nocapture` prints both.
 
@@ -30,8 +30,8 @@ fn fitted(shape: Shape) -> (Crusher, Speeds) {
     (crusher, speeds)
 }
 
-/// Item 5. If this fails, the calibrated jaw is not the one that gives the published range of Je, or it changes the speeds by more than
-/// a fiftieth of a rad/s.
+/// Item 5. If this fails, the calibrated jaw does not give the published range of Je, or it changes the speeds by more than a fiftieth of a
+/// rad/s.
 #[test]
 fn equivalent_inertia_swings_as_published() {
     let crusher = Crusher::SOURCE;
@@ -59,7 +59,7 @@ fn equivalent_inertia_swings_as_published() {
     }
 }
 
-/// If this fails, dJe/dφ is not the slope of Je, and energy is made or lost in every turn.
+/// If this fails, dJe/dφ is not the slope of Je, and every turn gains or loses energy.
 #[test]
 fn slope_of_the_inertia_is_its_difference() {
     for i in 0..72 {
@@ -71,7 +71,7 @@ fn slope_of_the_inertia_is_its_difference() {
     }
 }
 
-/// Item 6. The printed extremes are not those of a periodic regime: without any rock a turn does not bring the shaft from the slowest to
+/// Item 6. The printed extremes are not those of a periodic regime: without any rock, a turn does not bring the shaft from the slowest to
 /// the fastest speed.
 #[test]
 fn a_turn_without_rock_does_not_restore_the_speed() {
@@ -103,8 +103,8 @@ fn one_turn(shape: Shape, start_rad: f64) -> (Crusher, Speeds) {
     turn(low)
 }
 
-/// Item 6. The source does not print the angle at which its turn begins. It is calibrated here against the printed mean; the fastest
-/// speed, the speed at the end, and that the rock then acts in the second half of the turn are predictions.
+/// Item 6. The source does not print the angle at which its turn begins. The test calibrates it against the printed mean. Three results are
+/// predictions: the fastest speed, the speed at the end, and that the rock acts in the second half of the turn.
 #[test]
 fn one_turn_from_the_published_start() {
     let (mut low, mut high) = (TAU * 180.0 / 360.0, TAU * 240.0 / 360.0);
@@ -146,8 +146,8 @@ fn periodic_regime_as_computed_independently() {
     }
 }
 
-/// If this fails, the regime is not periodic, or torque and energy do not go together: over a turn of the regime the motor's work is the
-/// rock's.
+/// If this fails, the regime is not periodic, or torque and energy are inconsistent. Over a turn of the regime, the work of the motor
+/// equals that of the rock.
 #[test]
 fn work_of_the_motor_is_that_of_the_rock() {
     for shape in Shape::ALL {
@@ -164,10 +164,10 @@ fn work_of_the_motor_is_that_of_the_rock() {
     }
 }
 
-/// Item 8. The source's 18 nodes against the converged regime: the slowest speed comes out 0.073 rad/s too low, as computed independently,
-/// for rock that rises linearly and nodes at odd multiples of 10°: a case that was selected for this figure, among errors from −0.080 to
-/// −0.068 for rock over the whole stroke. The fastest is 0.040 rad/s too high where 0.031 was computed: that
-/// depends on where the nodes lie and on the load, which are not known; over them it is −0.017 to 0.056.
+/// Item 8. Error of the source's 18 nodes against the converged regime. The slowest speed is 0.073 rad/s too low, as computed
+/// independently, for rock that rises linearly and nodes at odd multiples of 10°. This case was selected for this figure, among errors from
+/// −0.080 to −0.068 for rock over the whole stroke. The fastest speed is 0.040 rad/s too high where 0.031 was computed. This error depends
+/// on the positions of the nodes and on the load, which are not known. Over these it is −0.017 to 0.056.
 #[test]
 fn the_scheme_of_the_source_is_off_by_as_much() {
     let (crusher, converged) = fitted(Shape::LinearRise);
@@ -188,9 +188,9 @@ fn the_scheme_of_the_source_is_off_by_as_much() {
     assert!((0.05..0.2).contains(&(fine / slowest).abs()), "{fine}");
 }
 
-/// Item 9. The source takes Md = Mr as the condition of an extreme speed. It is Md − Mr = ω²/2 dJe/dφ. Computed independently, that is up to
-/// 42 N·m from Md = Mr; here 44.7 over the turn, and 24 to 27 at the two extremes. The difference is that of the assumed mechanisms:
-/// a second harmonic alone with this range of Je gives 0.056 kg m² ω² = 42 N·m.
+/// Item 9. The source takes Md = Mr as the condition of an extreme speed. The correct condition is Md − Mr = ω²/2 dJe/dφ. The independent
+/// computation gives up to 42 N·m of distance from Md = Mr. Here it is 44.7 over the turn, and 24 to 27 at the two extremes. The difference
+/// comes from the assumed mechanisms: a second harmonic alone with this range of Je gives 0.056 kg m² ω² = 42 N·m.
 #[test]
 fn extremes_are_not_where_the_torques_are_equal() {
     let (crusher, speeds) = fitted(Shape::LinearRise);
@@ -209,7 +209,7 @@ fn extremes_are_not_where_the_torques_are_equal() {
             here[1],
             excess_nm(&here)
         );
-        // The extreme lies within a step of the node, over which the balance changes by this much.
+        // The extreme lies within a step of the node. The balance changes by this much over that step.
         let change_nm = [before, after].map(|node| {
             (excess_nm(&node) - crusher.inertia_torque_nm(node[0], node[1]) - off_nm).abs()
         });
@@ -224,7 +224,8 @@ fn extremes_are_not_where_the_torques_are_equal() {
     assert_near("largest distance from Md = Mr", largest_nm, 42.0, 3.0);
 }
 
-/// If this fails, a crusher with more rock than motor and flywheel can break goes on turning, or the message does not say what to change.
+/// If this fails, a crusher with more rock than motor and flywheel can break continues to turn, or the message does not state what to
+/// change.
 #[test]
 fn too_much_rock_stops_the_shaft() {
     let stalled = Crusher::SOURCE

@@ -1,8 +1,8 @@
-//! Which methods keep the energy of an undamped machine over 10,000 periods.
+//! Conservation of the energy of an undamped machine over 10,000 periods, for each method.
 //!
-//! The energy a method keeps is not quite the true one: it ripples around it within each period, by up to hω/2 for symplectic
-//! Euler. What must not happen is that it wanders off. So the energy is averaged over 100 periods at the start and at
-//! the end ([`Ends`]).
+//! A method conserves an energy that differs a little from the true one. So the true energy ripples within each period, by up
+//! to hω/2 for symplectic Euler. It must not drift over the run. So the energy is averaged over 100 periods at the start and
+//! at the end ([`Ends`]).
 
 mod support;
 
@@ -15,7 +15,8 @@ use cophase_methods::{Equations, Needs, Scheme};
 const PERIODS: u32 = 10_000;
 const WINDOW_PERIODS: u32 = 100;
 
-/// Not whole numbers a period of either machine, so that the ripple is met at all its phases.
+/// Steps per radian. A period of either machine is not a whole number of steps, so the samples cover all phases of the
+/// ripple.
 const STEPS_PER_RADIAN: f64 = 10.3;
 
 /// Largest relative drift that counts as conserved.
@@ -53,8 +54,8 @@ fn judge(scheme: Scheme, drift: f64) {
     }
 }
 
-/// Were a method wrongly said to keep energy, a machine would run down or up over hours; were one wrongly said not to, the
-/// cheaper would be passed over.
+/// If this fails, a method is wrongly listed as conserving energy, and a machine runs down or up over hours. Or it is wrongly
+/// listed as not conserving energy, and a user rejects the cheaper method.
 #[test]
 fn of_an_oscillator() {
     let machine = Oscillator::free(1.0, 0.0);
@@ -63,7 +64,7 @@ fn of_an_oscillator() {
     }
 }
 
-/// The same where the energy is not quadratic, so that it is no invariant of the midpoint method. The period of a swing
+/// The same for an energy that is not quadratic, and therefore not an invariant of the midpoint method. The period of a swing
 /// of 1 rad is 4 K(sin ½) = 6.6998.
 #[test]
 fn of_a_pendulum() {

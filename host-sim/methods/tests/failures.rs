@@ -1,4 +1,4 @@
-//! Failures are typed errors, and leave the state unchanged.
+//! Failures are typed errors and leave the state unchanged.
 
 use cophase_methods::problems::{Andrews, Hires, Oscillator};
 use cophase_methods::{Equations, Needs, Refused, Scheme, StepError};
@@ -16,7 +16,7 @@ impl Equations for Edge {
     }
 }
 
-/// y′ = 1 + y²: w = y + c (1 + w²), which a stage with hγ = c has to solve, has no real solution for c above 1/2.
+/// y′ = 1 + y². A stage with hγ = c has to solve w = y + c (1 + w²), which has no real solution for c above 1/2.
 struct Runaway;
 
 impl Equations for Runaway {
@@ -52,7 +52,7 @@ impl Equations for Growth {
     }
 }
 
-/// A rotor with dry friction that turns round over 0.06 rad/s: ω′ = push − rate · tanh(ω/0.06), in rad/s².
+/// A rotor with dry friction that reverses over 0.06 rad/s: ω′ = push − rate · tanh(ω/0.06), in rad/s².
 struct Friction {
     push: f64,
     rate: f64,
@@ -68,8 +68,8 @@ impl Equations for Friction {
     }
 }
 
-/// Were corrections not damped, they would jump from one side of standstill to the other, and a machine with strong friction
-/// could not come to rest.
+/// If this fails, corrections are not damped. They jump from one side of standstill to the other, and a machine with strong
+/// friction cannot come to rest.
 #[test]
 fn friction_brings_a_rotor_to_rest() {
     for scheme in [Scheme::ImplicitMidpoint, Scheme::Sdirk4] {
@@ -82,7 +82,7 @@ fn friction_brings_a_rotor_to_rest() {
                 for speed in [-40.0_f64, -0.7, 0.01, 3.0, 20.0] {
                     let mut method = scheme.prepare(&friction, 5e-4).unwrap();
                     let mut y = [speed];
-                    // Twice the time that what is left of friction takes.
+                    // Twice the stopping time with a tenth of the friction: that much remains at the largest push.
                     let steps = 2.0 * speed.abs() / (rate * 0.1 * 5e-4) + 100.0;
                     for step in 0..(steps as u32).min(5_000) {
                         let stepped = method.step(&friction, f64::from(step) * 5e-4, &mut y);
@@ -106,7 +106,7 @@ fn friction_brings_a_rotor_to_rest() {
     }
 }
 
-/// Were NaN passed on, or half a step kept, the machine would be somewhere it never was.
+/// If this fails, NaN is passed on or half a step is kept, and the machine has a state that it never reached.
 #[test]
 fn a_value_that_is_none_is_reported_and_the_state_kept() {
     for scheme in Scheme::ALL {
@@ -131,7 +131,8 @@ fn a_value_that_is_none_is_reported_and_the_state_kept() {
     }
 }
 
-/// Were the iteration limit not kept, it would go on for ever; were it not reported, the state would be off by anything.
+/// If this fails, the iteration does not stop at its limit, or the limit is not reported and the state has an error of any
+/// size.
 #[test]
 fn an_equation_without_solution_is_reported() {
     for scheme in [Scheme::ImplicitMidpoint, Scheme::Sdirk4] {
@@ -150,7 +151,7 @@ fn an_equation_without_solution_is_reported() {
     }
 }
 
-/// Were a zero pivot divided by, the stage would be infinite.
+/// If this fails, the solver divides by a zero pivot, and the stage is infinite.
 #[test]
 fn a_singular_matrix_is_reported() {
     let mut midpoint = Scheme::ImplicitMidpoint.prepare(&Growth, 2.0).unwrap();
@@ -162,7 +163,8 @@ fn a_singular_matrix_is_reported() {
     assert_eq!(y, [1.0]);
 }
 
-/// Were a method made for equations that lack what it needs, it would compute something, and nobody would know.
+/// If this fails, a method is prepared for equations without the structure that it requires, and gives a wrong result
+/// without an error.
 #[test]
 fn structure_and_step_are_checked_before() {
     for step_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {

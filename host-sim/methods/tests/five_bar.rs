@@ -32,7 +32,7 @@ fn poses(arm: &FiveBarArm, q: [f64; 2]) -> [Pose; 5] {
     ]
 }
 
-/// Torques that a motion takes, by virtual work: for each joint Σ m (a + g) · ∂r/∂q + I θ″ ∂θ/∂q. Derivatives are differences of fourth
+/// Torques that a motion requires, by virtual work: for each joint Σ m (a + g) · ∂r/∂q + I θ″ ∂θ/∂q. Derivatives are differences of fourth
 /// order of the poses.
 fn torques_by_virtual_work(arm: &FiveBarArm, q: [f64; 2], v: [f64; 2], a: [f64; 2]) -> [f64; 2] {
     const H: f64 = 2e-3;
@@ -70,7 +70,7 @@ fn torques_by_virtual_work(arm: &FiveBarArm, q: [f64; 2], v: [f64; 2], a: [f64; 
     })
 }
 
-/// If this fails, the inertia matrix, the centrifugal torques or gravity are wrong, and every run of the arm with them.
+/// If this fails, the inertia matrix, the centrifugal torques or gravity are wrong, and so is every run of the arm.
 #[test]
 fn torques_agree_with_virtual_work_of_the_bodies() {
     let mut worst = 0.0_f64;
@@ -97,7 +97,8 @@ fn torques_agree_with_virtual_work_of_the_bodies() {
     assert!(worst < 1e-6, "{worst:e} N m");
 }
 
-/// If this fails, the arm gains or loses energy of its own, and friction or motors are misjudged by that. Published bound: 1e-9.
+/// If this fails, the arm gains or loses energy without a cause, and results for friction and motors are wrong by that energy. Published
+/// bound: 1e-9.
 #[test]
 fn a_free_arm_keeps_its_energy() {
     for (load, surface) in [
@@ -150,7 +151,8 @@ fn weight_step_and_side_pull() {
     near(across_n, 0.0, 1e-12);
 }
 
-/// Item 5. If this fails, a line takes another time than its length, speed and blends give, or its speed is not the slope of its distance.
+/// Item 5. If this fails, the duration of a line does not follow from its length, speed and blends, or its speed is not the slope of its
+/// distance.
 #[test]
 fn lines_with_blends_take_their_time() {
     let (from, to) = ([0.0, 0.3], [0.2, 0.3]);
@@ -168,7 +170,7 @@ fn lines_with_blends_take_their_time() {
             let t_s = f64::from(k) * step_s;
             let ([before, v, _], [after, w, _]) = (line.at(t_s), line.at(t_s + step_s));
             travelled_m += 0.5 * (v + w) * step_s;
-            // Trapezia of a speed with two corners.
+            // The trapezoidal rule is exact except at the two corners of the speed.
             assert!((after - travelled_m).abs() < 1e-7, "{t_s}");
             assert!(after >= before);
         }
@@ -176,13 +178,13 @@ fn lines_with_blends_take_their_time() {
     }
 }
 
-/// Item 7. The source feeds lifts of 5.2 to 16.5 N. If the arm weighs 10.85 N at the hand by both joints, motors with a reserve of 5.65 N there
-/// hold just these, on the whole path.
+/// Item 7. The source feeds lifts of 5.2 to 16.5 N. If the arm weighs 10.85 N at the hand by both joints, motors with a reserve of 5.65 N
+/// at the hand hold exactly these lifts on the whole path.
 #[test]
 fn the_window_of_lifts_is_weight_and_reserve() {
     let (weight_n, reserve_n) = (0.5 * (5.2 + 16.5), 0.5 * (16.5 - 5.2));
     let mut arm = FiveBarArm::assumed(GRAVITY_MPS2);
-    // Masses of links 1 and 2 that balance the others to this weight; 3 and 4 keep the ratio that they were assumed with.
+    // Masses of links 1 and 2 that balance the others to this weight. Links 3 and 4 keep their assumed ratio.
     arm.rods[2].mass_kg = 0.12;
     arm.rods[3].mass_kg = 0.5;
     let moment = weight_n * 0.25 / GRAVITY_MPS2;
@@ -191,7 +193,7 @@ fn the_window_of_lifts_is_weight_and_reserve() {
     for weight in arm.effective_weight_n() {
         assert!((weight - weight_n).abs() < 1e-9, "{weight} N");
     }
-    // Torque that a lift leaves to each joint: J^T of the missing lift.
+    // Torque that each joint has to hold at a lift: J^T of the missing lift.
     let greatest_nm = |lift_n: f64| {
         (0..=100_u32)
             .map(|k| {
@@ -216,7 +218,7 @@ fn the_window_of_lifts_is_weight_and_reserve() {
 /// A hand that grinds along a line.
 struct Grinding {
     line: Line,
-    /// Into the surface.
+    /// Unit vector into the surface.
     normal: [f64; 2],
     gravity_mps2: f64,
     hand_kg: f64,
@@ -224,7 +226,7 @@ struct Grinding {
     friction_nm: f64,
 }
 
-/// Errors after the first blend, one a step: of the hand along the line, m, positive where it is ahead, and of the force, N.
+/// Errors after the first blend, one per step: of the hand along the line, m, positive where it is ahead, and of the force, N.
 fn errors(grinding: &Grinding) -> Vec<(f64, f64)> {
     const STEP_S: f64 = 1e-4;
     const PERIOD_STEPS: u32 = 10;
@@ -249,7 +251,7 @@ fn errors(grinding: &Grinding) -> Vec<(f64, f64)> {
         sensor: ForceSensor::SOURCE,
         integral_ns: 0.0,
     };
-    // Pressed in by 5 N at the start of the line.
+    // The hand begins at the start of the line, pressed in by 5 N.
     let start = [0, 1].map(|i| line.from_m[i] + normal[i] * 5.0 / 2e4);
     let (reach, angle) = (start[0].hypot(start[1]), start[1].atan2(start[0]));
     let spread = (reach / 0.5_f64).acos();
@@ -296,8 +298,9 @@ fn grind(hand_kg: f64, load: Load, friction_nm: f64) -> (f64, f64) {
     })
 }
 
-/// Item 6, vertical. The arm hangs on a balancer of 9.81 N, and its hand grinds 100 mm upwards with 5 N. If this fails, the hand does not lag by a small steady
-/// offset, which friction leaves to a law without an integral of the position, or its force does not lag a little. The source has neither figure.
+/// Item 6, vertical. The arm hangs on a balancer of 9.81 N, and its hand grinds 100 mm upwards with 5 N. The hand lags by a small steady
+/// offset, because friction leaves one to a law without an integral of the position. The force lags a little, too. The source has neither
+/// figure.
 #[test]
 fn the_vertical_arm_lags_by_a_small_steady_offset() {
     let errors = errors(&Grinding {
@@ -308,7 +311,7 @@ fn the_vertical_arm_lags_by_a_small_steady_offset() {
         load: Load::Balancer(9.81),
         friction_nm: 0.02,
     });
-    // Without the first second, in which the joints break away, and without the last blend.
+    // This leaves out the first second, in which the joints break away, and the last blend.
     let steady = &errors[5_000..errors.len() - 5_000];
     let mean =
         |of: fn(&(f64, f64)) -> f64| steady.iter().map(of).sum::<f64>() / steady.len() as f64;
@@ -332,9 +335,9 @@ fn the_vertical_arm_lags_by_a_small_steady_offset() {
     assert!(force_n.abs() < 0.02 && force_spread_n < 0.1, "{force_n} N");
 }
 
-/// Item 6. A tool that hangs on a balancer loads the joints' bearings less: friction of 0.02 instead of 0.30 N m (assumed). If this fails, the suspension
-/// does not pay. The source's gains are lost, so that only the order of the errors is its own; with others than those of [`grind`] the
-/// errors were computed as 0.69 against 2.14 mm, and 0.038 against 0.122 N.
+/// Item 6. A tool that hangs on a balancer loads the joints' bearings less: friction of 0.02 instead of 0.30 N m (assumed). If this fails,
+/// a suspended tool does not have smaller errors. The source's gains are lost, so only the order of the errors comes from the source. With
+/// gains other than those of [`grind`], the errors were computed as 0.69 against 2.14 mm, and 0.038 against 0.122 N.
 #[test]
 fn a_suspended_tool_has_smaller_errors() {
     let rope = Load::Rope {

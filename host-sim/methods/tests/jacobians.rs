@@ -1,11 +1,12 @@
-//! The Jacobians and linear forms that problems state are those of their rates.
+//! Jacobians and linear forms of the problems agree with their rates.
 
 use cophase_methods::problems::{Cam, Chain, Hires, Law, Oscillator, Pendulum, Shaft, VanDerPol};
 use cophase_methods::{Differences, Equations};
 use nalgebra::{DMatrix, DVector};
 
-/// Were an entry wrong, implicit methods would still come to the right answer, only more slowly, and no other test would see it.
-/// Forward differences are off by some 1e-8 of the largest entry of their row, and by curvature times as much.
+/// If this fails, an entry of a Jacobian is wrong. Implicit methods then still give the right answer, only more slowly, and no
+/// other test detects the error. Forward differences are off by some 1e-8 of the largest entry of their row, and by curvature
+/// times as much.
 #[test]
 fn jacobians_are_the_slopes_of_the_rates() {
     let oscillator = Oscillator::free(3.0, 0.1);
@@ -33,7 +34,7 @@ fn jacobians_are_the_slopes_of_the_rates() {
     }
 }
 
-/// Were a linear form not that of the rates, the exact discretisation would solve another problem.
+/// If this fails, a linear form differs from the rates, and the exact discretisation solves another problem.
 #[test]
 fn linear_forms_are_the_rates() {
     let oscillator = Oscillator {

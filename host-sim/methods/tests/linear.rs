@@ -1,4 +1,4 @@
-//! Exact discretisation is exact: against nalgebra's exponential, and against a fine RK4.
+//! Exact discretisation agrees with nalgebra's exponential, and with RK4 at a fine step.
 
 use cophase_methods::{Equations, Linear, Refused, Scheme, advance};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -43,8 +43,9 @@ fn vector() -> impl Strategy<Value = Vector3<f64>> {
 }
 
 proptest! {
-    /// Were Φ not the exponential, or taken over another step, a free system would not go where the exponential puts it.
-    /// Both are exponentials of entries up to 2 over up to 2 s; the norm of A is at most 6, e¹² times rounding.
+    /// If this fails, Φ is not the exponential or is taken over another step, and a free system ends at another state.
+    /// The entries are up to 2 and the step is up to 2 s. So the norm of A is at most 6, and rounding grows by at most
+    /// e¹².
     #[test]
     fn without_input_it_is_the_exponential(
         entries in prop::array::uniform9(-2.0..2.0_f64),
@@ -62,8 +63,8 @@ proptest! {
         prop_assert!(off <= 1e-14 * size, "{off:e} of {size:e}");
     }
 
-    /// Were P or Q wrong, or swapped, an input on a ramp would not be followed exactly. RK4 in 2000 steps is off by
-    /// (|A| h)⁴/120 ≤ 1.1e-11 of what grows as e^(|A| t), times |A| t ≤ 12.
+    /// If this fails, P or Q is wrong, or they are swapped, and the method does not follow an input on a ramp exactly.
+    /// The error of RK4 in 2000 steps is (|A| h)⁴/120 ≤ 1.1e-11 of a size that grows as e^(|A| t), times |A| t ≤ 12.
     #[test]
     fn a_ramp_is_followed_exactly_in_one_step(
         entries in prop::array::uniform9(-2.0..2.0_f64),
@@ -85,7 +86,7 @@ proptest! {
     }
 }
 
-/// Were growth beyond `f64` passed on, the matrices would hold infinities, and every step NaN.
+/// If this fails, growth beyond `f64` is not refused: the matrices hold infinities, and every step gives NaN.
 #[test]
 fn growth_beyond_f64_is_refused() {
     let machine = Ramped {

@@ -40,11 +40,11 @@ fn near(what: &str, ours: f64, published: f64, part: f64) {
     );
 }
 
-/// Item 7. If this fails, a run-up passes the resonance at another speed or amplitude: the peak comes well above the natural speed of
-/// 195 rpm, as the shaft is faster than the box can follow.
+/// Item 7. If this fails, a run-up passes the resonance at another speed or amplitude. The peak comes well above the natural speed of 195
+/// rpm, because the shaft is faster than the box can follow.
 ///
-/// The peak depends on the inertia, which the source does not give: 19.6 mm at 300 rpm with 6.5 kg m², 17.6 mm at 333 rpm with 4.26. No inertia gives
-/// 18.8 mm at 285 rpm as radial displacement, and only 5.9 to 7.1 kg m² give the capture below.
+/// The peak depends on the inertia, which the source does not give: 19.6 mm at 300 rpm with 6.5 kg m², 17.6 mm at 333 rpm with 4.26. No
+/// inertia gives 18.8 mm at 285 rpm as radial displacement. Only 5.9 to 7.1 kg m² give the capture below.
 #[test]
 fn a_run_up_peaks_beyond_the_natural_speed() {
     let [most_mm, at_rpm, end_mm, end_rpm] = run_up(Screen::UNLIMITED);
@@ -54,7 +54,7 @@ fn a_run_up_peaks_beyond_the_natural_speed() {
     near("final speed, rpm", end_rpm, 837.0, 0.02);
 }
 
-/// Item 8. If this fails, a weak motor gets through a resonance that catches it, or the other way round.
+/// Item 8. If this fails, a weak motor passes a resonance that should capture it, or a stronger motor is captured.
 #[test]
 fn a_weak_motor_is_captured() {
     let [_, _, mm, rpm] = run_up(1.05);

@@ -1,8 +1,8 @@
-//! Methods are stable where theory says, and the guard says so beforehand.
+//! Methods are stable within the limits of theory, and the check reports a longer step before the run.
 //!
-//! Three ways to each limit that have nothing in common: theory's formula (from trace and determinant, derived in the methods'
-//! own files, or the stability polynomial), [`Scheme::stability_limit`], which bisects eigenvalues of the measured
-//! matrix, and long runs a hundredth inside and outside.
+//! Three independent ways give each limit: theory's formula (from trace and determinant, derived in the methods' own files, or the
+//! stability polynomial), [`Scheme::stability_limit`], which bisects eigenvalues of the measured matrix, and long runs a hundredth inside
+//! and outside.
 
 mod support;
 
@@ -23,7 +23,7 @@ fn theory(scheme: Scheme, zeta: f64) -> Option<f64> {
     }
 }
 
-/// Where |1 + z + z²/2 + z³/6 + z⁴/24| = 1 for z = x (−ζ + i √(1 − ζ²)): between 2 and 4, by bisection.
+/// The limit of RK4, where |1 + z + z²/2 + z³/6 + z⁴/24| = 1 for z = x (−ζ + i √(1 − ζ²)): between 2 and 4, by bisection.
 fn rk4_limit(zeta: f64) -> f64 {
     let (mut inside, mut outside) = (2.0, 4.0);
     for _ in 0..60 {
@@ -39,8 +39,8 @@ fn rk4_limit(zeta: f64) -> f64 {
     inside
 }
 
-/// Were a limit off, so would be the advice that rests on it. Bisection is good to 1e-9 of it and the growth
-/// allowance moves it by less than 1e-7 (most where growth sets in flattest, at RK4's edge).
+/// If this fails, a limit is wrong, and so is the advice that depends on it. The bisection error is 1e-9 of the limit. The growth
+/// allowance moves the limit by less than 1e-7 (most at RK4's limit, where growth begins most gradually).
 #[test]
 fn limits_are_those_of_theory() {
     assert!((rk4_limit(0.0) - 8.0_f64.sqrt()).abs() < 1e-12);
@@ -63,7 +63,7 @@ fn limits_are_those_of_theory() {
     }
 }
 
-/// Above ζ = 1/2 other conditions bind: real eigenvalues, and for Verlet the other side of the unit circle.
+/// Above ζ = 1/2 other conditions set the limit: real eigenvalues, and for Verlet the other side of the unit circle.
 #[test]
 fn limits_of_strong_damping() {
     for zeta in [0.6, 1.0, 2.0, 5.0_f64] {
@@ -92,10 +92,10 @@ fn limits_of_strong_damping() {
     }
 }
 
-/// Were the matrix not what steps do, runs would blow up inside the limit, or not outside it.
+/// If this fails, the measured matrix does not describe the steps: runs diverge inside the limit, or do not diverge outside it.
 #[test]
 fn runs_blow_up_just_outside_and_not_just_inside() {
-    // At 1.01 times its limit explicit Euler grows by √(1 + 0.01 (2ζ)²) a step, at ζ = 0.1 in all by e²⁰.
+    // At 1.01 times its limit, explicit Euler grows by √(1 + 0.01 (2ζ)²) per step. At ζ = 0.1 this is e²⁰ in all.
     const STEPS: u32 = 100_000;
     let largest = |scheme: Scheme, h_omega: f64, zeta: f64| {
         let machine = Oscillator::free(1.0, zeta);
@@ -107,13 +107,13 @@ fn runs_blow_up_just_outside_and_not_just_inside() {
             STEPS,
         ) {
             Ok(y) => y[0].abs().max(y[1].abs()),
-            Err(_) => f64::INFINITY, // it grew beyond f64
+            Err(_) => f64::INFINITY, // the state grew beyond f64
         }
     };
     for zeta in [0.0, 0.1] {
         for scheme in Scheme::ALL {
             match theory(scheme, zeta) {
-                // Grows by 1 + x²/2 a step at any x.
+                // The state grows by 1 + x²/2 per step at any x.
                 Some(0.0) => assert!(largest(scheme, 0.05, zeta) > 1e6, "{scheme}"),
                 Some(limit) => {
                     // Just inside 2, the undamped ellipse is 1/√(1 − x²/4) = 7 times as long as wide.
@@ -133,8 +133,8 @@ fn runs_blow_up_just_outside_and_not_just_inside() {
     }
 }
 
-/// Were SDIRK4 not L-stable, or midpoint not without damping, what is said of modes beyond the step would be wrong. The
-/// stability function of SDIRK4 falls as 1/z, with a factor below 10.
+/// If this fails, SDIRK4 is not L-stable, or the midpoint method damps. The documentation of modes that the step does not resolve is then
+/// wrong. The stability function of SDIRK4 falls as 1/z, with a factor below 10.
 #[test]
 fn far_beyond_the_step_sdirk_damps_and_midpoint_rings() {
     let zeta = 0.1;
@@ -146,7 +146,7 @@ fn far_beyond_the_step_sdirk_damps_and_midpoint_rings() {
         (ringing - (1.0 - 4.0 * zeta / 1e4)).abs() < 1e-8,
         "{ringing}"
     );
-    // The machine itself: e^(−ζx).
+    // Growth of the machine itself: e^(−ζx).
     for h_omega in [0.1, 1.0, 10.0] {
         let exact = Scheme::Exact.growth(h_omega, zeta);
         assert!((exact - (-zeta * h_omega).exp()).abs() < GROWTH * (1.0 + h_omega));
@@ -154,7 +154,8 @@ fn far_beyond_the_step_sdirk_damps_and_midpoint_rings() {
     assert!(Scheme::Exact.growth(LARGEST_H_OMEGA, 0.0) < 1.0 + 1e-8);
 }
 
-/// Were the guard or its sentence wrong, a user would meet the blow-up instead, or not know what to do.
+/// If this fails, the check or its message is wrong. A user then gets a run that diverges, or does not learn which step or method to
+/// take.
 #[test]
 fn the_guard_names_the_limit_the_step_and_the_remedy() {
     let (omega, zeta) = (34_190.8, 0.0);
@@ -192,8 +193,8 @@ fn the_guard_names_the_limit_the_step_and_the_remedy() {
     }
 }
 
-/// If a limit that is kept were taken for that of another method or damping ratio, a machine would be refused, or would blow up. More are
-/// computed here than are kept.
+/// If this fails, a stored limit is used for another method or damping ratio, and a machine is refused or diverges. The test computes
+/// more limits than are stored.
 #[test]
 fn limits_are_the_same_the_second_time() {
     let all = || {

@@ -1,5 +1,5 @@
-//! Machines as people build them, by seed: motors with a part to some times the torque that the load requires, on tolerances from
-//! far too tight to far too wide.
+//! Realistic machines, by seed. Their motors have from a part to several times the torque that the load requires. Their
+//! tolerances are from far too tight to far too wide.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -10,7 +10,7 @@ use host_sim::scene::library;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-/// Draws of one scene.
+/// Random generator of one scene.
 struct Draw(ChaCha8Rng);
 
 impl Draw {
@@ -18,7 +18,7 @@ impl Draw {
         self.0.random_range(low..high)
     }
 
-    /// Evenly on a logarithmic scale.
+    /// Draws evenly on a logarithmic scale.
     fn scale(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
@@ -28,10 +28,10 @@ impl Draw {
     }
 }
 
-/// Keys of a mechanism whose platform moves by about so many millimetres either way.
+/// Returns the keys of a mechanism whose platform moves by about the given number of millimetres either way.
 type Mechanism = fn(&mut Draw, f64) -> String;
 
-/// Scene of a seed with slider-cranks, as TOML.
+/// Scene with slider-cranks for a seed, as TOML.
 pub fn slider_crank(seed: u64) -> String {
     scene(seed, |draw, radius_mm| {
         let lambda = draw.between(0.1, 0.45);
@@ -39,7 +39,7 @@ pub fn slider_crank(seed: u64) -> String {
     })
 }
 
-/// Scene of a seed with crank-rockers, as TOML: linkages that the design command finds and the controller accepts.
+/// Scene with crank-rockers for a seed, as TOML: linkages that the design command finds and the controller accepts.
 pub fn crank_rocker(seed: u64) -> String {
     scene(seed, |draw, radius_mm| {
         loop {
@@ -73,7 +73,7 @@ pub fn crank_rocker(seed: u64) -> String {
     })
 }
 
-/// Built-in scene with numbers of these keys varied by up to a quarter, after changes that shorten it.
+/// Built-in scene with the numbers of these keys varied by up to a quarter. The changes, which shorten it, apply first.
 fn varied(name: &str, seed: u64, changes: &[(&str, &str)], keys: &[&str]) -> String {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
     let mut text = library::find(name)
@@ -110,7 +110,7 @@ pub fn screen(seed: u64) -> String {
         "velocity_gain_nms",
         "amax_g",
     ];
-    // What has no limit cannot saturate, and what is slower than the loop allows is not refused.
+    // Without a torque limit nothing saturates. A higher speed limit keeps variations from being refused.
     let changes = [
         (", limit_nm = 700, following_error_deg = 30", ""),
         ("speed_hz = 15", "speed_hz = 25"),
@@ -128,7 +128,7 @@ pub fn crusher(seed: u64) -> String {
         "rated_slip_hz",
         "position_gain_per_s",
     ];
-    // Rock from turn 14 on, and a shorter run.
+    // The rock acts from turn 14 on, and the run is shorter.
     let changes = [
         ("[24, 54]", "[14, 22]"),
         ("hold_s = 10", "hold_s = 2"),
@@ -297,7 +297,7 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw, mechanism: Mechanism) ->
             writeln!(text, "offset_deg = {:.1}", draw.between(-90.0, 90.0))?;
         }
     }
-    // Implicit methods take fewer steps, as each costs as much as dozens of RK4.
+    // Implicit methods take fewer steps, because each step costs as much as dozens of RK4 steps.
     if draw.chance(0.1) {
         writeln!(
             text,

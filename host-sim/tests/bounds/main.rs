@@ -1,7 +1,7 @@
-//! Answers of `auto` on random machines, against converged solutions: no bound is violated, no tolerance missed, and no bound is
-//! printed where none is known; and it takes at most one model level too many.
+//! Answers of `auto` on random machines, against converged solutions. No bound is violated, no tolerance is missed, and no bound is printed
+//! where none is known. `auto` takes at most one model level too many.
 //!
-//! 60 machines a run. More, and others, by command:
+//! A run tests 60 machines. This command tests more, and others:
 //!
 //!     COPHASE_MACHINES=10000 COPHASE_SEED=1000000 cargo test --release -p host-sim --test bounds -- --nocapture
 
@@ -17,30 +17,30 @@ use host_sim::scene::file::{Fidelity, MethodName, Questions};
 use host_sim::scene::{Checked, load};
 use host_sim::sim::simulate;
 
-/// A solution has converged where half its step changes it by no more than this part of each tolerance.
+/// A solution has converged if half its step changes it by at most this part of each tolerance.
 const CONVERGED: f64 = 0.02;
 
-/// Error of a solution that has converged, as a part of the tolerance: extremes between steps converge by the square.
+/// Error of a converged solution, as a part of the tolerance. Extremes between steps converge quadratically.
 const LEFT: f64 = CONVERGED;
 
-/// The part of a tolerance that a model level may use up by what it leaves out; its step has the rest.
+/// The part of a tolerance that a model level may use for the effects that it omits. Its step has the rest.
 const WELL_WITHIN: f64 = 0.9;
 
-/// Findings, counted.
+/// Counts of findings.
 #[derive(Default)]
 struct Tally {
-    /// Answers that were compared with a converged solution, and those of them that have a bound.
+    /// Answers that were compared with a converged solution, and the count of those that have a bound.
     answers: u32,
     bounded: u32,
-    /// Machines whose motors slipped, whose solution did not converge, and that were refused.
+    /// Machines whose motors slipped, machines whose solution did not converge, and machines that were refused.
     slipped: u32,
     not_converged: u32,
     refused: u32,
-    /// Machines by how many model levels too high `auto` went.
+    /// Machines by the number of model levels that `auto` was too high.
     too_high: [u32; 5],
-    /// Bounds of model levels that were not taken which do not hold.
+    /// Violated bounds of model levels that `auto` did not take.
     not_taken: u32,
-    /// Claims that do not hold.
+    /// Claims that are wrong.
     wrong: Vec<String>,
 }
 
@@ -51,7 +51,7 @@ fn number(name: &str, otherwise: u64) -> u64 {
     })
 }
 
-/// Known machines whose bounds were wrong once: each output is judged as those of random ones are.
+/// Known machines whose bounds were wrong once. Each output is judged like those of random machines.
 #[test]
 fn known_machines() {
     let known = [
@@ -78,15 +78,15 @@ fn answers_are_as_good_as_claimed() {
     hold_to_claims(machines, number("COPHASE_SEED", 1), machines::slider_crank);
 }
 
-/// Crank-rockers, whose motion is not symmetric about the dead centres, as many as `COPHASE_VARIATIONS` says.
+/// Crank-rockers, whose motion is not symmetric about the dead centres. `COPHASE_VARIATIONS` sets their count.
 #[test]
 fn answers_on_crank_rockers_are_as_good_as_claimed() {
     let machines = number("COPHASE_VARIATIONS", 10);
     hold_to_claims(machines, number("COPHASE_SEED", 1), machines::crank_rocker);
 }
 
-/// Variations of the built-in scenes of machines that are no platform on cranks, as many as `COPHASE_VARIATIONS` says of each (docs quote 20). Only followers have bounds; of the others the
-/// answers of the level that `auto` takes are held to the tolerances.
+/// Variations of the built-in scenes of machines that are no platform on cranks. `COPHASE_VARIATIONS` sets the count for each scene (docs
+/// quote 20). Only followers have bounds. For the others, the answers of the level that `auto` takes must be within the tolerances.
 #[test]
 fn answers_on_other_machines_are_as_good_as_claimed() {
     let variations = number("COPHASE_VARIATIONS", 3);
@@ -120,7 +120,7 @@ fn hold_to_claims(machines: u64, first: u64, scene: fn(u64) -> String) {
         "{} wrong:\n{wrong}",
         tally.wrong.len()
     );
-    // A sample denies these before they are claimed.
+    // A sample rejects these bounds before they are claimed.
     assert!(
         50 * tally.not_taken <= tally.answers,
         "{} of bounds of levels not taken do not hold",
@@ -156,7 +156,7 @@ fn judge_all(machines: u64, first: u64, scene: fn(u64) -> String) -> Tally {
     tally.into_inner().unwrap()
 }
 
-/// A scene's run, and what was requested of it.
+/// Runs a scene. Returns its answers, and whether the run diverged.
 fn run(checked: &Checked) -> (Answers, bool) {
     let mut answers = Answers::default();
     let outcome = simulate(checked, &mut answers, |_, _| {}).unwrap();
@@ -231,7 +231,7 @@ fn judge(seed: u64, text: &str, tally: &Mutex<Tally>) {
     }
 }
 
-/// Holds answers against right ones. A step of the scene's own may miss a tolerance, and its bound says so.
+/// Checks answers against right ones. A step that the scene sets may miss a tolerance, and its bound states this.
 fn compare(
     choice: &Choice,
     is_open: bool,
@@ -271,7 +271,7 @@ fn compare(
     }
 }
 
-/// The top model level's answers by plain RK4, whose step is halved until that changes nothing; none where it always does.
+/// Returns the top model level's answers by plain RK4. The step is halved until that has no effect. Returns `None` if it always has one.
 fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<Answers> {
     let mut scene = checked.scene.clone();
     scene.fidelity = top;
@@ -281,7 +281,7 @@ fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<
         .ok()?
         .method();
     let tick_s = 1.0 / f64::from(scene.control.tick_hz);
-    // What dry friction needs: RK4 is stable up to 2.78 of its rate.
+    // The step count that dry friction needs: RK4 is stable up to 2.78 of its rate.
     let rotor = scene.axes.rotor_inertia_kgm2;
     let frictions = scene.axis.iter().filter_map(|axis| axis.friction_nm);
     let friction = frictions.fold(scene.axes.friction_nm, f64::max);
@@ -316,8 +316,8 @@ fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<
     }
 }
 
-/// The lowest model level whose answers are within the tolerances of what is right. Bounds of all levels are
-/// held against it as well, as far as a sample has not yet denied them.
+/// Returns the lowest model level whose answers are within the tolerances of the right ones. Also checks the bounds of all levels against
+/// the right answers. The bounds include those that no sample has rejected yet.
 fn lowest(
     checked: &Checked,
     model_levels: &[Fidelity],

@@ -1,6 +1,6 @@
-//! Synthesis of the crank-rocker, against the figures of its source and those computed independently.
+//! Synthesis of the crank-rocker, against the figures of its source and independently computed figures.
 //!
-//! Tolerances are half a unit of the last place given, unless one stands beside the figure.
+//! Tolerances are half a unit of the last place given, unless another tolerance is given with the figure.
 
 use std::f64::consts::TAU;
 
@@ -113,8 +113,8 @@ fn rocker_speed_acceleration_and_stroke() {
     assert_near("stroke", found.stroke_mm().unwrap(), 12.0 / 6.0, 1e-9);
 }
 
-/// If this fails, speed and acceleration are not those of the angle. A central difference of step h is off by h²/6 of the third
-/// derivative, here below 5.
+/// If this fails, speed and acceleration do not match the angle. A central difference of step h is off by h²/6 of the third derivative,
+/// here below 5.
 #[test]
 fn slope_and_curvature_are_derivatives_of_the_angle() {
     let step = 1e-4;
@@ -149,7 +149,7 @@ fn slope_and_curvature_are_derivatives_of_the_angle() {
     }
 }
 
-/// Item 7, and numbers out of range: each is refused by the name of the parameter.
+/// Item 7, and numbers out of range. Each is refused by the name of the parameter.
 #[test]
 fn what_has_no_linkage_is_refused_by_name() {
     let refused = |change: fn(&mut Requirement)| {
@@ -201,7 +201,7 @@ fn what_has_no_linkage_is_refused_by_name() {
     assert_eq!(all.len(), 4, "{error}");
 }
 
-/// Whatever is accepted swings as far as requested, in the requested time, and its crank turns all round.
+/// Every accepted linkage swings as far as requested, in the requested time, and its crank turns all round.
 #[test]
 fn every_linkage_that_is_accepted_does_what_was_requested() {
     let (mut accepted, mut refused) = (0, 0);
@@ -221,7 +221,7 @@ fn every_linkage_that_is_accepted_does_what_was_requested() {
                 accepted += 1;
                 let linkage = found.linkage;
                 assert!(linkage.is_crank_rocker());
-                // The extremes of the angle over a turn are a search of its own.
+                // A separate search finds the extremes of the angle over a turn.
                 let angles =
                     || (0..7200).map(|i| linkage.at(TAU * f64::from(i) / 7200.0).angle_rad);
                 let (low, high) = (

@@ -1,4 +1,4 @@
-//! Kinematics of the five-bar arm, against the figures computed from its source.
+//! Kinematics of the five-bar arm, against figures computed from its source.
 
 use host_sim::design::five_bar::{DesignError, Requirement, design};
 use host_sim::mechanism::five_bar::{FiveBar, Joints};
@@ -8,7 +8,7 @@ const ARM: FiveBar = FiveBar {
     l4_m: 0.25,
 };
 
-/// Item 4: the place where the source's horizontal path begins.
+/// Item 4: the point at which the source's horizontal path begins.
 #[test]
 fn joints_at_the_beginning_of_the_path() {
     let found = design(&Requirement {
@@ -29,14 +29,15 @@ fn joints_at_the_beginning_of_the_path() {
             assert!((found - published).abs() < 5e-4, "{found}, {published}");
         }
     }
-    // The published 0.06 m² has no sign; the two modes have both.
+    // The published 0.06 m² has no sign. The two modes have one sign each.
     for (joints, sign) in found.solutions.iter().zip([-1.0, 1.0]) {
         let det = ARM.determinant_m2(*joints);
         assert!((det - sign * 0.06).abs() < 1e-12, "{det}");
     }
 }
 
-/// Item 3. The Jacobian is held against differences of the hand's place, whose error is h²/6 of the third derivative.
+/// Item 3. The Jacobian is compared with differences of the hand's position, whose error is h²/6 of the third
+/// derivative.
 #[test]
 fn there_and_back_again() {
     let step = 1e-5;
@@ -95,7 +96,7 @@ fn edges_of_the_reach() {
     assert!(edge.margin() < 1e-9);
     let error = at(0.0, f64::NAN, 30.0, 0.0).expect_err("three are out of range");
     assert_eq!(error.to_string().lines().count(), 3, "{error}");
-    // Every place of the source's paths needs links of more than 0.3945 m together.
+    // Every point of the source's paths needs links of more than 0.3945 m together.
     let places = [
         (0.0, 0.3),
         (0.2, 0.3),

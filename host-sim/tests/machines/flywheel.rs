@@ -1,10 +1,10 @@
-//! Drive and flywheel of the jaw crusher, against the figures of its source and those computed independently.
+//! Drive and flywheel of the jaw crusher, against the figures of its source and independently computed figures.
 
 use host_sim::design::flywheel::{DesignError, Requirement, Rock, Shape, design, periodic};
 
 use super::assert_near;
 
-/// The source's crusher, between the fastest and the slowest speed that it prints.
+/// The source's crusher, between the fastest and the slowest printed speed.
 const SOURCE: Requirement = Requirement {
     power_kw: 15.0,
     rated_rpm: 970.0,
@@ -16,7 +16,7 @@ const SOURCE: Requirement = Requirement {
     speeds_rad_s: Some([28.303, 26.118]),
 };
 
-/// Items 1 and 2. The print has 28.3021 rad/s where 1000 rpm give 28.3026.
+/// Items 1 and 2. The print has 28.3021 rad/s. 1000 rpm give 28.3026 rad/s.
 #[test]
 fn speeds_and_inertia() {
     let found = design(&SOURCE).expect("in range");
@@ -75,7 +75,7 @@ fn what_does_not_go_together_is_refused_by_name() {
     assert_eq!(error.to_string().lines().count(), 3, "{error}");
 }
 
-/// Rock of the source's crusher, with so many nodes a turn.
+/// Rock of the source's crusher, with the given number of nodes a turn.
 fn rock(nodes: u32, irregularity: Option<f64>) -> Rock {
     Rock {
         shape: Shape::LinearRise,
@@ -85,7 +85,7 @@ fn rock(nodes: u32, irregularity: Option<f64>) -> Rock {
     }
 }
 
-/// If this fails, the scheme of the source does not approach the converged solution with more nodes, or one of them solves another equation.
+/// If this fails, the source's scheme does not approach the converged solution with more nodes, or one of them solves another equation.
 #[test]
 fn more_nodes_approach_the_converged_speeds() {
     let found = design(&SOURCE).expect("in range");
@@ -96,14 +96,14 @@ fn more_nodes_approach_the_converged_speeds() {
     };
     let (few, many) = (slowest(18), slowest(1800));
     println!("18 nodes are off by {few:.4} rad/s, 1800 by {many:.6}");
-    // It is of first order: a hundredth.
+    // The scheme is of first order: the error falls to a hundredth.
     assert!(
         few > 0.02 && (0.005..0.02).contains(&(many / few)),
         "{few}, {many}"
     );
 }
 
-/// If this fails, the flywheel that is found does not keep the irregularity, or a lighter one would.
+/// If this fails, the flywheel that is found does not keep the irregularity, or a lighter one does.
 #[test]
 fn the_required_flywheel_keeps_the_irregularity() {
     let found = design(&SOURCE).expect("in range");
@@ -126,7 +126,7 @@ fn the_required_flywheel_keeps_the_irregularity() {
     }
 }
 
-/// If this fails, rock that the motor cannot break has a flywheel, or the message does not name the flag.
+/// If this fails, rock that the motor cannot break gets a flywheel, or the message does not name the flag.
 #[test]
 fn too_much_rock_is_refused() {
     let found = design(&SOURCE).expect("in range");

@@ -1,11 +1,11 @@
-//! Design of the other machines, against the figures of their sources and those computed independently.
+//! Design of the other machines, against the figures of their sources and independently computed figures.
 
 mod crank_rocker;
 mod five_bar;
 mod flywheel;
 mod screen;
 
-/// Compares a figure with a published one; `cargo test -p host-sim --test machines -- --nocapture` prints both.
+/// Compares a figure with a published one. `cargo test -p host-sim --test machines -- --nocapture` prints both.
 #[track_caller]
 fn assert_near(what: &str, ours: f64, theirs: f64, tolerance: f64) {
     println!("{what}: {ours}, published {theirs}");

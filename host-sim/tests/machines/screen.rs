@@ -1,4 +1,4 @@
-//! Design of the self-centring screen, against the figures of its source and those computed independently.
+//! Design of the self-centring screen, against the figures of its source and independently computed figures.
 
 use host_sim::design::screen::drive::{
     bearing_life_h, belt_mm, belt_mps, greatest_moment, stress_kgf_per_cm2,
@@ -23,7 +23,7 @@ fn screen(change: impl Fn(&mut Requirement)) -> Design {
     design(&requirement).expect("in range")
 }
 
-/// Item 1. The design of 4 mm has 2997 kg and G R = 11.988 kg m; that of 5 mm has 2897 kg by its shaft loads.
+/// Item 1. The design of 4 mm has 2997 kg and G R = 11.988 kg m. That of 5 mm has 2897 kg by its shaft loads.
 #[test]
 fn speed_and_throw_index() {
     assert_near("speed", screen(|_| {}).speed_rad_s(), 87.9646, 5e-5);
@@ -36,7 +36,7 @@ fn speed_and_throw_index() {
     assert_near("throw index, 5 mm", five.throw_index(), 3.944, 5e-4);
 }
 
-/// Items 2, 3 and 9. The source rounds ω to 88 rad/s and K to 1310 kgf/cm; natural speeds are held to the tolerance given, 0.1 %.
+/// Items 2, 3 and 9. The source rounds ω to 88 rad/s and K to 1310 kgf/cm. Natural speeds must meet the tolerance given, 0.1 %.
 #[test]
 fn springs() {
     let rounded = screen(|it| it.speed_rpm = 88.0 * 60.0 / std::f64::consts::TAU);
@@ -62,7 +62,8 @@ fn amplitude_and_wobble_at_other_loads() {
     }
 }
 
-/// The source's speeds for a throw of 4 mm on a deck of 24° are 678 to 814 rpm: where the throw index is at the ends of its range.
+/// The source's speeds for a throw of 4 mm on a deck of 24° are 678 to 814 rpm. At these speeds the throw index is at the ends of its
+/// range.
 #[test]
 fn recommended_speeds() {
     for (rpm, end) in [(678.0, 0), (814.0, 1)] {
@@ -76,7 +77,7 @@ fn recommended_speeds() {
     }
 }
 
-/// Item 5. Wire of 17 mm, coil of 100 mm, K_w = 1.26; the source takes 5 active turns of 5.09.
+/// Item 5. Wire of 17 mm, coil of 100 mm, K_w = 1.26. The source takes 5 active turns of 5.09.
 #[test]
 fn coil_springs() {
     let spring = Spring {
@@ -104,7 +105,7 @@ fn belts() {
     assert_near("speed", belt_mps(314.0, 1500.0), 24.66, 5e-3);
 }
 
-/// Item 10. The source prints some 3751 hours, and 5000 as its target.
+/// Item 10. The source prints about 3751 hours, and 5000 as its target.
 #[test]
 fn bearing_life() {
     assert_near(
@@ -115,8 +116,8 @@ fn bearing_life() {
     );
 }
 
-/// Item 11. The even load is q = 7499 kgf over 510 mm; the moment where it begins and the reaction FA = 5696 kgf, less the outer 1964, are the
-/// source's. It prints 1.118106e6 kgf mm and 658 kgf/cm², which do not follow from them. W = 170 cm³ is printed to three digits.
+/// Item 11. The even load is q = 7499 kgf over 510 mm. The moment where it begins and the reaction FA = 5696 kgf, less the outer 1964, are
+/// the source's. It prints 1.118106e6 kgf mm and 658 kgf/cm², which do not follow from them. W = 170 cm³ is printed to three digits.
 #[test]
 fn shaft_moment() {
     let (moment, at_mm) = greatest_moment(531_520.0, 5696.0 - 1964.0, 7499.0 / 510.0);

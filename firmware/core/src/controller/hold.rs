@@ -144,8 +144,8 @@ mod tests {
         assert!(!watch.has_moved_away(MAX_AXES, degrees(90), degrees(5)));
     }
 
-    /// If this fails because pulses of all axes count, drives that make up for a common lag are cut. If those pulses excuse one axis, it
-    /// can run away.
+    /// If this fails because pulses of all axes count, drives that recover from a common lag are disabled. If those pulses excuse one
+    /// axis, it can run away.
     #[test]
     fn pulses_count_beyond_those_that_all_axes_made() {
         let mut watch = HoldWatch::new();

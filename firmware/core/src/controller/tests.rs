@@ -132,7 +132,7 @@ fn a_seek_goes_on_from_there() {
     );
 }
 
-/// If this fails, the machine trusts index readings from before the drives were off, although the cranks may have been turned since.
+/// If this fails, the machine uses index readings from before the drives were off, although the cranks may have been turned since.
 #[test]
 fn every_start_from_idle_homes_again() {
     let mut controller = controller(&settings(), 100.0);
@@ -201,7 +201,7 @@ fn a_start_is_refused_before_anything_moves_where_a_crank_is_known_to_be_far_off
     assert_eq!(tick(Some(Command::Start)).telemetry.state, State::Homing);
 }
 
-/// If this fails, a machine that coasted is refused, as pulses of cranks that no drive holds are compared with each other.
+/// If this fails, pulses of cranks that no drive holds are compared with each other, and a machine that coasted is refused.
 #[test]
 fn where_cranks_by_index_are_is_not_known_once_they_turn_without_drives() {
     let mut controller = lost(&settings());

@@ -1,4 +1,4 @@
-//! The monitor against cranks whose errors are known.
+//! Tests of the monitor with cranks whose errors are known.
 
 use super::*;
 use crate::settings::Settings;
@@ -26,7 +26,7 @@ fn monitor(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Drif
     configured(&settings(count, tilt_mrad, warp_deg, common_deg))
 }
 
-/// How far one crank may truly be off, turns, under the limits of `monitor(3.0, 5.0, 15.0)`.
+/// Largest true error of one crank alone, turns, under the limits of `monitor(3.0, 5.0, 15.0)`.
 fn true_alone(count: usize, axis: usize) -> f64 {
     let mut settings = settings(count, 3.0, 5.0, 15.0);
     settings.drift.reading_error_deg = 0.0;
@@ -85,7 +85,7 @@ fn process_all(monitor: &mut DriftMonitor, at: &PerAxis<TickPhase>) -> Vec<Findi
         .collect()
 }
 
-/// Cranks that turn with the master at an even speed, but for what each is off; a clock goes with them.
+/// Cranks that turn with the master at an even speed, apart from the phase error of each. A clock runs with them.
 struct Cranks {
     monitor: DriftMonitor,
     tick: u32,
@@ -106,12 +106,12 @@ impl Cranks {
         }
     }
 
-    /// Turns for `ticks`, crank i being off by `off(i, turns)`; what was found, each with its tick.
+    /// Turns for `ticks`, with the phase error `off(i, turns)` of crank i. Returns the findings, each with its tick.
     fn turn(&mut self, ticks: u32, off: impl Fn(usize, f64) -> f64) -> Vec<(u32, Finding)> {
         self.turn_with(ticks, off, |_, _, pulse| pulse)
     }
 
-    /// The same with sensors that make something else of what passes them: of axis, turns and passage.
+    /// The same with sensors that change the pulses: of axis, turns and pulse.
     fn turn_with(
         &mut self,
         ticks: u32,
@@ -121,7 +121,7 @@ impl Cranks {
         self.turn_motors(ticks, off, sensor, true)
     }
 
-    /// Turns for `ticks`, with motors as commanded, and crank i off by `off(i, turns)` on its shaft.
+    /// Turns for `ticks`, with motors as commanded, and the phase error `off(i, turns)` of crank i on its shaft.
     fn turn_shafts(&mut self, ticks: u32, off: impl Fn(usize, f64) -> f64) -> Vec<(u32, Finding)> {
         self.turn_motors(ticks, off, |_, _, pulse| pulse, false)
     }
@@ -135,7 +135,7 @@ impl Cranks {
     ) -> Vec<(u32, Finding)> {
         let mut found = Vec::new();
         for _ in 0..ticks {
-            // The end is the next tick's start to the last bit, or a passage could fall between the two.
+            // The end equals the next tick's start to the last bit. Otherwise a passage could fall between the two.
             let (start, end) = (
                 f64::from(self.tick) * self.speed,
                 f64::from(self.tick + 1) * self.speed,
@@ -180,7 +180,7 @@ impl Cranks {
         found
     }
 
-    /// Turns until every index has been detected, and takes that for where the cranks are.
+    /// Turns until every index has been detected, and settles at these positions.
     fn homed(mut self) -> Self {
         let ticks = (1.2 / self.speed) as u32 + MAX_AXES as u32; // for the queue
         assert_eq!(self.turn(ticks, |_, _| 0.0), []);
@@ -190,7 +190,7 @@ impl Cranks {
     }
 }
 
-/// The first thing found, where cranks that are off by `errors` from the start are homed.
+/// The first finding, where cranks with the phase errors `errors` from the start are homed.
 fn found_in_homing(
     monitor: DriftMonitor,
     errors: PerAxis<f64>,
@@ -203,7 +203,7 @@ fn found_in_homing(
     first.map(|(tick, finding)| (*tick, finding.fault.kind, finding.fault.axis))
 }
 
-/// Were the interpolation inside the tick wrong, drift would follow the speed, a tick's worth of it.
+/// If this fails, the interpolation inside the tick is wrong, and the phase error changes with the speed by up to a tick's turns.
 #[test]
 fn drift_is_measured_to_a_cycle_at_any_speed() {
     for speed in [0.0005, 0.013, 0.1, 0.4] {
@@ -225,7 +225,7 @@ fn drift_is_measured_to_a_cycle_at_any_speed() {
 /// A tilt limit in mrad is met at the amplitude that geometry gives, neither before nor after.
 #[test]
 fn tilt_trips_at_its_limit() {
-    // mode 1 of one axis in three that is off by e is 2/3 e; max s(α) at λ = 0.3 by fine search.
+    // Mode 1 of one axis in three with the error e is 2/3 e. The maximum of s(α) at λ = 0.3 is found by fine search.
     let largest_travel = (0..100_000)
         .map(|i| {
             let alpha = f64::from(i) * core::f64::consts::PI / 100_000.0;
@@ -250,13 +250,13 @@ fn tilt_trips_at_its_limit() {
     }
 }
 
-/// Cranks go where no name is for: all slowly, and one against the other.
+/// Cranks whose phase errors have no fault kind of their own: all drift slowly, or one against the other.
 #[test]
 fn warp_tilt_and_common_lag_have_limits_of_their_own() {
     let trips = |limits: [f64; 3], off: fn(usize) -> f64| {
         let mut monitor = monitor(4, limits[0], limits[1], limits[2]);
         for watch in &mut monitor.axes {
-            watch.never_walks(); // what has a name is not left to the limits
+            watch.never_walks(); // a named slip is not left to the limits
         }
         let mut cranks = Cranks::new(monitor, 0.01).homed();
         let from = f64::from(cranks.tick) * 0.01;
@@ -287,8 +287,8 @@ fn warp_tilt_and_common_lag_have_limits_of_their_own() {
     );
 }
 
-/// All lag alike, and pulses of one turn fall into two ticks: comparing new with old would show a tilt
-/// that never was, and a crank that jumps with all others is not the one that moved.
+/// All axes lag alike, and the pulses of one turn fall into two ticks. If this fails, new and old readings are compared and show a tilt
+/// that does not exist, or a crank that jumps with all others is named.
 #[test]
 fn a_lag_in_common_is_no_ones_own() {
     let mut cranks = Cranks::new(monitor(4, 0.05, 0.05, 180.0), 0.01).homed();
@@ -296,7 +296,7 @@ fn a_lag_in_common_is_no_ones_own() {
     let small = |i: usize| [0.0, -1e-6, 1e-6, 0.0][i];
     let found = cranks.turn(10_000, move |i, t| -0.0037 * (t - from) + small(i));
     assert_eq!(found, []);
-    // Now at once, further than a pulse's place reaches.
+    // Now the same at once, further than the tolerance of a pulse's place.
     let (from, was) = (f64::from(cranks.tick) * 0.01, -0.0037 * 100.0);
     let jump = move |t: f64| if t > from + 0.5 { -0.02 } else { 0.0 };
     assert_eq!(cranks.turn(500, move |i, t| was + small(i) + jump(t)), []);
@@ -320,12 +320,12 @@ fn a_lag_is_of_all_axes_only_if_each_shows_it() {
     // All stand: each pulse is overdue.
     let stand = |_: usize, t: f64| -t;
     assert_eq!(first(tight, &stand, None), (FaultKind::IndexTimeout, true));
-    // All but one stand, whatever the number of the one.
+    // All but one stand, for each axis as the one that turns.
     for goes_on in 0..4 {
         let off = move |i: usize, t: f64| if i == goes_on { 0.0 } else { -t };
         assert!(!first(tight, &off, None).1, "axis {goes_on} goes on");
     }
-    // One stands, or its sensor is dead; the others are behind by what is no lag of theirs, 1 degree.
+    // One stands, or its sensor is dead. The others are behind by 1 degree, which is no lag.
     for alone in 0..4 {
         let one = move |i: usize, t: f64| {
             if i == alone {
@@ -341,7 +341,7 @@ fn a_lag_is_of_all_axes_only_if_each_shows_it() {
             (FaultKind::IndexTimeout, false)
         );
     }
-    // Pulses show a lag that grows by 3.6 degrees a turn; a lead is none.
+    // Pulses show a lag that grows by 3.6 degrees a turn. A lead is no lag.
     let slow = |_: usize, t: f64| -0.01 * t;
     assert_eq!(
         first([3.0, 5.0, 5.0], &slow, None),
@@ -365,7 +365,7 @@ fn an_index_timeout_is_reported_within_its_turn() {
         (FaultKind::IndexTimeout, Some(3))
     );
     assert!(!finding.within_limits);
-    // Aligned at 1.2 turns: due 80 ticks later, and then the way that would tilt the platform too far.
+    // Homing ends at 1.2 turns. The pulse is due 80 ticks later. The travel that would tilt the platform too far is added.
     assert!(
         tick - began <= 80 + 8,
         "found after {} ticks of 0.01 turn",
@@ -373,7 +373,8 @@ fn an_index_timeout_is_reported_within_its_turn() {
     );
 }
 
-/// An index that stayed away and comes back in its place was the sensor's fault, not the crank's.
+/// If this fails, an index pulse that is missing once and then comes in its place is reported as a fault of the crank, and not of the
+/// sensor.
 #[test]
 fn one_pulse_that_stays_away_gets_its_name_when_the_next_comes() {
     let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).homed();
@@ -392,8 +393,8 @@ fn one_pulse_that_stays_away_gets_its_name_when_the_next_comes() {
     );
 }
 
-/// A pulse where no flag is: reported once the true one has come, and nothing is thought to have moved. Where a crank at twice its speed would
-/// have made both, nobody can be sure.
+/// An extra pulse where no flag is: it is reported once the true one has arrived, and no phase error changes. Where a crank at twice its
+/// speed can make both pulses, the cause is uncertain.
 #[test]
 fn an_extra_pulse_is_reported_and_changes_nothing() {
     for (at, is_sure) in [
@@ -421,7 +422,7 @@ fn an_extra_pulse_is_reported_and_changes_nothing() {
     }
 }
 
-/// Steps lost, few and many, at any place of the turn, behind and ahead.
+/// Lost steps, few and many, at any place of the turn, behind and ahead.
 #[test]
 fn lost_steps_are_detected_within_a_turn_and_counted() {
     for cycles in [-4.0, -2.0, -1.0, 1.0, 2.0, 3.0] {

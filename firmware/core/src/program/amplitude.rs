@@ -78,7 +78,7 @@ const fn scale(level: Amax, factor: u32) -> Amax {
 mod tests {
     use super::*;
 
-    /// If a factor of 1 changed a level, runs with and without a link would differ.
+    /// If this fails, a factor of 1 changes a level, and runs with and without a link differ.
     #[test]
     fn a_factor_of_one_changes_nothing() {
         for bits in [1, 0x1234_5678_9ABC, u64::from(u32::MAX), 10_000 << 48] {

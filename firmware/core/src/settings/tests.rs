@@ -11,7 +11,7 @@ fn refused(settings: &Settings) -> std::string::String {
     settings.controller().unwrap_err().to_string()
 }
 
-/// If this were wrong, firmware would run another program than the given one.
+/// If this fails, firmware runs another program than the given one.
 #[test]
 fn the_program_is_the_given_one() {
     let controller = settings(3).controller().unwrap();
@@ -26,7 +26,7 @@ fn a_number_of_axes_out_of_range_is_refused() {
     assert_eq!(refused(&none), "axes.count: 0 is outside 1 to 6");
 }
 
-/// If this were wrong, bring-up would turn another crank, or none.
+/// If this fails, bring-up turns another crank, or none.
 #[test]
 fn one_axis_is_kept_with_its_own_numbers() {
     for number in 0..MAX_AXES {
@@ -124,7 +124,7 @@ fn on_a_cam(net_turns: i32, points_turns: &[f64]) -> Settings {
     settings
 }
 
-/// If one were accepted, an axis would follow no table, or one that no motor can follow.
+/// If this fails, an axis follows no table, or one that no motor can follow.
 #[test]
 fn cam_tables_are_refused_by_name() {
     let lift = [0.0, 1.0, 2.0, 1.0];
@@ -158,7 +158,7 @@ fn cam_tables_are_refused_by_name() {
     fast.controller().unwrap();
 }
 
-/// If an index were accepted where the axis turns back over its flag, its pulses would stop a sound machine.
+/// If this fails, an index is accepted where the axis turns back over its flag, and its pulses stop a sound machine.
 #[test]
 fn an_index_is_for_tables_that_rise_by_one_turn() {
     for (net_turns, points, accepted) in [
@@ -186,7 +186,7 @@ fn an_index_is_for_tables_that_rise_by_one_turn() {
     }
 }
 
-/// If it were accepted, a machine whose clock nobody set would step at a wrong rate.
+/// If this fails, a machine whose clock was not set makes steps at a wrong rate.
 #[test]
 fn a_clock_without_whole_ticks_is_refused() {
     let mut clocked = settings(2);

@@ -58,7 +58,7 @@ fn in_state(state: State) -> Supervisor {
 
 const STATES: [State; 6] = State::ALL;
 
-/// If this fails, a state that is kept over a reset as its number is decoded as another.
+/// If this fails, a state whose number is kept over a reset is decoded as another.
 #[test]
 fn every_state_is_at_its_number() {
     for (number, state) in State::ALL.into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Boards: what the core does not know of the hardware that runs it.
+//! Boards: the properties of the hardware that the core does not contain.
 //!
 //! A [`Board`] states its step clock, its capabilities, and the cost of a tick. Its pins and registers are in the crate
 //! of its firmware. [`check()`] compares settings with a board.
@@ -6,8 +6,8 @@
 //! Settings of a simulated machine may exceed a board. This is reported when the settings file is made. The firmware
 //! refuses such settings too, before a deadline is missed.
 //!
-//! To add a board, write its file here and add one line to [`BOARDS`]; `docs/recipes/add-a-board.md` has all steps. The
-//! tests in `tests/board.rs` then cover it, too.
+//! To add a board, write its file here and add one line to [`BOARDS`]. `docs/recipes/add-a-board.md` has all steps. The tests in
+//! `tests/board.rs` then cover it, too.
 
 mod rp2040;
 
@@ -16,7 +16,7 @@ pub use rp2040::Rp2040;
 use cophase_core::settings::{AxisSettings, Settings};
 use cophase_core::units::MAX_AXES;
 
-/// Interface of a board to whoever makes, checks or runs settings.
+/// Interface of a board for the code that makes, checks or runs settings.
 pub trait Board {
     /// Name of the board, for messages.
     const NAME: &'static str;
@@ -30,7 +30,7 @@ pub trait Board {
     /// Time by which the loop must submit its output before it is due, µs.
     const LEAST_LEAD_US: u32;
 
-    /// Checks that the board has what an axis needs. `number` is the axis's place in the settings, counted from 0.
+    /// Checks that the board has the hardware for an axis. `number` is the axis's place in the settings, counted from 0.
     ///
     /// # Errors
     /// Capability that the board lacks, with that number.
@@ -81,7 +81,7 @@ pub enum Unfit {
     },
 }
 
-/// Checks that a board can run settings. Their numbers must be valid otherwise; their clock is not read.
+/// Checks that a board can run settings. Their numbers must be valid otherwise. Their clock is not read.
 ///
 /// # Errors
 /// The first reason why the board cannot run them.

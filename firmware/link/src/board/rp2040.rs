@@ -7,12 +7,12 @@ use super::{Board, Unfit};
 /// Greatest cycles of a tick without its axes, measured by `tests/emulator/run cost` (scene `alike`), with a margin for other
 /// interrupts. In the longest tick the index pulses of all axes are confirmed at once while the shaft changes its acceleration.
 const TICK_CYCLES: u32 = 10_700;
-/// Cycles that each axis adds then.
+/// Cycles that each axis adds in that tick.
 const AXIS_CYCLES: u32 = 450;
-/// Cycles that an axis adds which does not make the master's own turns: 614 were measured for a cam table
-/// (`tests/emulator/run --profile`), and less for a gear.
+/// Additional cycles of an axis whose turns differ from the master's. 614 were measured for a cam table (`tests/emulator/run --profile`),
+/// and fewer for a gear.
 const FOLLOWER_CYCLES: u32 = 650;
-/// Cycles that each chunk of an axis's step pulses adds; the planner processes a chunk at once.
+/// Cycles that each chunk of an axis's step pulses adds. The planner processes a chunk at once.
 const CHUNK_CYCLES: u32 = 80;
 const CHUNK_EDGES: f64 = 64.0;
 

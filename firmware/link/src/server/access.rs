@@ -45,7 +45,7 @@ impl Access {
         }
     }
 
-    /// Ends what the session with control was allowed.
+    /// Ends the permissions of the session that has control.
     const fn revoke(&mut self) {
         self.disarm();
         self.unlocked_until_ms = None;
@@ -121,7 +121,7 @@ impl Access {
         }
     }
 
-    /// A permission ends with its time. That to move ends when an input forbids motion, too.
+    /// A permission ends with its time. The permission to move also ends when an input forbids motion.
     pub(super) fn expire(&mut self, now_ms: u32, sample: &Sample) {
         let is_over = |until: u32| has_come(until, now_ms);
         if self.armed_until_ms.is_some_and(is_over) || check_inputs(sample).is_err() {

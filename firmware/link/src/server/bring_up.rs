@@ -30,7 +30,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         Ok(())
     }
 
-    /// Releases an output whose time is over, and before anything else uses it.
+    /// Releases an output when its time is over, when bring-up is locked, or when the machine leaves idle.
     pub(super) fn release_output(&mut self, now_ms: u32) {
         let Some(until_ms) = self.held.until_ms else {
             return;
@@ -43,7 +43,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     /// Releases an output that is held.
     pub(super) fn release_held(&mut self) {
         if self.held.until_ms.take().is_some() {
-            // To release an output is always possible.
+            // An output can always be released.
             let _ = self.device.hold_output(None);
         }
     }

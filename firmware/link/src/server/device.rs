@@ -26,7 +26,7 @@ pub trait Device {
     /// Bytes of a file as it runs now.
     fn file(&self, file: File) -> &[u8];
 
-    /// Gives the loop a command for its next ticks; returns false if it has not taken the last ones yet. Other commands leave
+    /// Gives the loop a command for its next ticks. Returns false if the loop has not taken the earlier commands yet. Other commands leave
     /// room for a stop.
     fn command(&mut self, command: Command) -> bool;
 

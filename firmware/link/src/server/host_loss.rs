@@ -6,7 +6,7 @@ use cophase_core::supervisor::{Command, State};
 use super::access::has_come;
 use super::{Device, Hub};
 
-/// Time of the last frame of the host that has control, while a motion lasts that a host started.
+/// Time of the last frame from the host that has control, during a motion that a host started.
 #[derive(Debug)]
 pub(super) struct HostWatch {
     last_ms: Option<u32>,
@@ -52,7 +52,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             HostLossReaction::Stop => Command::Stop,
             HostLossReaction::StopNow => Command::StopNow,
         };
-        // A full queue is tried again in the next round.
+        // If the queue is full, the next round tries again.
         if self.device.command(command) {
             self.host.last_ms = None;
         }

@@ -62,7 +62,7 @@ pub struct Hub<D, const SESSIONS: usize> {
 
 impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     /// Server of a device, with all lines open and no host.
-    #[inline(always)] // A server takes kilobytes, which are written in place if the compiler sees where.
+    #[inline(always)] // A server has kilobytes. Inlining lets the compiler write them in place.
     pub fn new(mut device: D) -> Self {
         device.set_sampling(status_ticks(device.tick_hz()));
         Self {
@@ -127,7 +127,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         self.choose_sampling();
     }
 
-    /// A session's line was closed: bytes that wait are dropped. The machine goes on as it is.
+    /// A session's line was closed: bytes that wait are dropped. The machine continues unchanged.
     pub fn disconnect(&mut self, session: usize) {
         self.connect(session);
         if let Some(line) = self.sessions.get_mut(session) {
@@ -195,7 +195,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         }
     }
 
-    /// Sets the loop's rate of samples to what all sessions need.
+    /// Sets the loop's rate of samples to the rate that all sessions need.
     fn choose_sampling(&mut self) {
         let lines = self.sessions.iter().filter_map(Session::stream_every);
         let every = lines.fold(status_ticks(self.device.tick_hz()), greatest_common_divisor);

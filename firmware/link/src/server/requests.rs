@@ -1,4 +1,4 @@
-//! Requests: what each one needs, does and answers.
+//! Requests: the conditions, the effect and the reply of each.
 
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::Turns;
@@ -23,7 +23,7 @@ const AT_REST: [State; 2] = [State::Idle, State::Parked];
 impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     /// Answers the request of a frame.
     pub(super) fn answer(&mut self, session: usize, number: u16, payload: &[u8]) {
-        // A request is judged by the latest state of the machine.
+        // A request is checked against the latest state of the machine.
         self.poll();
         let body = match postcard::take_from_bytes::<Request<'_>>(payload) {
             Ok((request, [])) => self.act(session, &request),
@@ -31,7 +31,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         };
         let line = &mut self.sessions[session];
         line.refused = line.refused.wrapping_add(body.is_err().into());
-        // Files lie in the device, whose bytes the reply would borrow: they are sent from there.
+        // The bytes of a file are in the device, and the reply borrows them. So they are sent from there.
         let body = body.map(|answer| match answer {
             Answer::Body(body) => body,
             Answer::Chunk { file, offset } => {
@@ -53,7 +53,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
                         controller: VERSION,
                     });
                 }
-                // A line without a signal for it shows only so that there is a new host.
+                // On a line without a signal for a new host, only this request shows that there is one.
                 self.connect(session);
                 self.sessions[session].is_known = true;
                 return body(ReplyBody::Identity(self.device.identity()));
@@ -146,7 +146,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         }
     }
 
-    /// Starts a motion in one of some states.
+    /// Starts a motion if the machine is in one of the given states.
     fn start(&mut self, session: usize, states: &[State], command: Command) -> Result<(), Refusal> {
         self.check_state(states)?;
         self.access.check_armed(session, &self.latest)?;

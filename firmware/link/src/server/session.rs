@@ -1,4 +1,4 @@
-//! One line: what arrived on it, what is to be sent, and the streams of its host.
+//! One line: received bytes, bytes to be sent, and the streams of its host.
 
 use heapless::Deque;
 
@@ -18,7 +18,7 @@ const SAMPLES_HEADER_BYTES: usize = 20;
 
 const PACKET_BYTES: usize = MAX_PAYLOAD_BYTES - SAMPLES_HEADER_BYTES;
 
-/// Packets a second, at least, while samples come.
+/// Packets a second, at least, while samples arrive.
 const PACKETS_HZ: u32 = 50;
 
 #[derive(Debug)]
@@ -66,7 +66,7 @@ impl Session {
         }
     }
 
-    /// Forgets the host, whose bytes and streams mean nothing to the next one.
+    /// Discards the state of the host, as its bytes and streams have no meaning for the next one.
     pub(super) fn restart(&mut self) {
         self.receiver = Receiver::new();
         self.is_known = false;
@@ -94,7 +94,7 @@ impl Session {
         OUT_BYTES - self.out.len() >= MAX_FRAME_BYTES
     }
 
-    /// Sends a reply. One that finds no room, as the host has not fetched earlier ones, is counted.
+    /// Sends a reply. A reply that has no room is counted. The host has then not fetched earlier replies.
     pub(super) fn send(&mut self, message: &Message<'_>) {
         self.push(message, 0);
     }
@@ -210,7 +210,7 @@ impl Session {
         fits
     }
 
-    /// Sends the samples that wait. What does not fit on the line is lost, and counted.
+    /// Sends the samples that wait. Samples that do not fit on the line are lost, and counted.
     fn flush(&mut self) {
         let Some(mut stream) = self.stream.take() else {
             return;

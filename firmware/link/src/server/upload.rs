@@ -55,7 +55,7 @@ impl Upload {
     ) -> Result<(), Refusal> {
         let Expected { length, .. } = self.expected(session)?;
         let expected = self.bytes.len() as u32;
-        // A part that is repeated, as its reply was lost, is accepted.
+        // A part that is repeated because its reply was lost is accepted.
         if offset.checked_add(bytes.len() as u32) == Some(expected) {
             return Ok(());
         }
@@ -73,7 +73,7 @@ impl Upload {
         Ok(())
     }
 
-    /// The file, once it is complete and intact. It ends the writing whatever comes of it.
+    /// Returns the file if it is complete and intact. A complete file ends the upload, intact or not.
     pub(super) fn finish(&mut self, session: usize) -> Result<(File, &[u8]), Refusal> {
         let Expected {
             file, length, crc, ..

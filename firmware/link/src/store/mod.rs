@@ -2,8 +2,8 @@
 //!
 //! - *Committed*: a slot with an intact header. A slot without one, because it is empty or power was cut, is ignored.
 //! - *Newest*: of the committed slots the one with the later sequence number; of equals, slot A.
-//! - *Corrupt*: committed, but with a damaged payload. A power cut cannot do that to the newest slot, so the cause is
-//!   another one. The older file is not run instead, as nobody would notice.
+//! - *Corrupt*: committed, but with a damaged payload. A power cut cannot damage the newest slot in this way, so there
+//!   is another cause. The firmware does not run the older file instead, as nobody would notice.
 //!
 //! Memory-mapped flash is read as slices ([`inspect`]). It is written through the traits of `embedded-storage`
 //! ([`Store`]).

@@ -1,4 +1,4 @@
-//! A controller that records what the server of the link does with it.
+//! A controller that records the calls of the link's server.
 
 use std::collections::VecDeque;
 

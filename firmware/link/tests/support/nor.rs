@@ -63,7 +63,7 @@ impl Nor {
         (self.random >> 32) as u8
     }
 
-    /// Takes the power for `bytes` from the rest; returns whether it was enough, and for how many bytes it was.
+    /// Takes the power for `bytes` from the rest. Returns whether it was enough, and for how many bytes.
     fn spend(&mut self, bytes: usize) -> (bool, usize) {
         let written = self.power.map_or(bytes, |left| left.min(bytes));
         self.power = self.power.map(|left| left - written);

@@ -123,7 +123,7 @@ mod tests {
             prop_assert_eq!(u64::from(rest), number % u64::from(divisor));
         }
 
-        /// The same of the quotient alone, within its range.
+        /// The same for the quotient alone, within its range.
         #[test]
         fn short_quotients_are_exact(number in any_length(), divisor in any_length()) {
             let number = number >> 14;

@@ -92,7 +92,7 @@ mod tests {
         assert!(worst < 2.6e-9, "max {worst:e}");
     }
 
-    /// The sum of all parts at their worst, over the whole range: nothing jumps at an entry or at the range's ends.
+    /// The sum of all parts at their worst, over the whole range. There is no jump at an entry or at the range's ends.
     #[test]
     fn error_is_bounded_over_the_whole_range() {
         for x in (0..ONE_Q30 / 2).step_by(997).chain([1, ONE_Q30 / 2 - 1]) {

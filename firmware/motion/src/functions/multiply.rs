@@ -1,8 +1,8 @@
 //! Products wider than those of a Cortex-M0+, which multiplies 32 by 32 bits into 32 in one cycle.
 //!
-//! Through `u64` every product costs a call of some 50 cycles, whatever is known about its factors. These functions
-//! build the product from 16-bit parts inline, in 20 to 30 cycles, and give the same bits. A processor with 64-bit
-//! registers multiplies at once.
+//! Through `u64` every product costs a call of some 50 cycles, even where the range of its factors is known. These
+//! functions build the product from 16-bit parts inline, in 20 to 30 cycles, and give the same bits. A processor with
+//! 64-bit registers multiplies at once.
 
 /// Full 64-bit product a b. Exact.
 #[inline(always)]

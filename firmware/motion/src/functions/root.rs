@@ -1,4 +1,4 @@
-//! Normalised square root: 32 significant bits whatever the size of the argument.
+//! Normalised square root: 32 significant bits for every size of the argument.
 //!
 //! The profile's ω = sqrt(amax / …) is followed down to a thousandth of its greatest value, so the relative error
 //! counts. The argument is shifted up until its top bits are used, and an exact integer root is taken. The caller
@@ -229,8 +229,8 @@ mod tests {
         }
     }
 
-    /// A reciprocal above the exact value would overflow the products and overshoot the floors. One far below would
-    /// cost time.
+    /// If this fails and the reciprocal is above the exact value, the products overflow and the floors are too high. If
+    /// it is far below, the root takes more time.
     #[test]
     fn reciprocal_root_is_a_close_lower_bound() {
         let mut most_short = 0.0_f64;

@@ -42,8 +42,8 @@ pub struct Planner {
     place: Place,
 }
 
-/// Position of an axis within a step, and the levels of its lines. The edges of a tick also depend on its turns, and on the lines'
-/// timing, which is the same for all axes of a machine.
+/// Position of an axis within a step, and the levels of its lines. The edges of a tick also depend on its turns, and on the lines' timing,
+/// which is the same for all axes of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     half_steps_per_turn: u32,

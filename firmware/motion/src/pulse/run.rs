@@ -140,7 +140,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The layout, bit for bit; the program of the hardware relies on it.
+    /// The layout, bit for bit. The program of the hardware relies on it.
     #[test]
     fn the_word_is_as_the_hardware_reads_it() {
         assert_eq!(Run::new(1, 8, false).bits(), 1);
@@ -150,7 +150,7 @@ mod tests {
     }
 
     proptest! {
-        /// Fields that overlap, or are too narrow, would not return the values that were put in.
+        /// If this fails, fields overlap or are too narrow, and do not return the values that were put in.
         #[test]
         fn what_is_put_in_comes_out(
             edges in 1..=Run::MOST_EDGES,

@@ -156,7 +156,7 @@ impl fmt::Debug for Runs {
 mod tests {
     use super::*;
 
-    /// If a block were left out, the hardware would miss its runs.
+    /// If this fails, a block is left out, and the hardware misses its runs.
     #[test]
     fn blocks_hold_all_runs_and_no_more_blocks_than_that() {
         let mut runs = Runs::new();

@@ -174,7 +174,7 @@ mod tests {
     use super::*;
     use crate::settings::{BandSettings, LimitSettings};
 
-    /// The gap is a short way to what bands make of speeds; both must agree at every edge.
+    /// The gap is a shortcut for the bands' effect on speeds. Both must agree at every edge.
     #[test]
     fn in_a_gap_nothing_but_its_edges_bounds_a_speed() {
         let settings = LimitSettings {

@@ -4,9 +4,9 @@
 //! brake goes D further than the earlier. With λ = rest/D the shaft goes exactly `rest` further.
 //!
 //! The share is λ rounded up at 2⁻⁶³. That lengthens the distance by less than a unit as long as D is below 2⁶³, and
-//! fractions of a unit are dropped. So the phase is rounded by less than a unit, hence the speed by less than one,
-//! the acceleration by less than two and the jerk by less than four. The shaft never turns back, as rounding down keeps
-//! the order of phases.
+//! fractions of a unit are dropped. So the phase is rounded by less than a unit, the speed by less than one, the
+//! acceleration by less than two and the jerk by less than four. The shaft never turns back, as rounding down keeps the
+//! order of phases.
 
 use super::brake::{Inverse, times};
 use super::gain::Step;

@@ -120,8 +120,9 @@ impl ShaftLimits {
         }
     }
 
-    /// Returns true if a speed, turns a tick, lies in a forbidden band or above it by no more than the shaft gains within a turn of full
-    /// acceleration, v² = to² + 2 a · 1 turn: an index shows once a turn what its crank did in the band.
+    /// Returns true if a speed, turns a tick, lies in a forbidden band or just above it. The margin above is the speed that the shaft gains
+    /// within a turn of full acceleration, v² = to² + 2 a · 1 turn. The reason for the margin is that an index shows the motion of its
+    /// crank in the band only once a turn.
     pub fn is_at_band(&self, speed: crate::units::Turns) -> bool {
         // Bits of a speed that are left out, so that a square has 64.
         const CUT: u32 = 20;

@@ -93,14 +93,14 @@ impl Motion {
     };
 }
 
-/// The master shaft: phase, speed and acceleration, and what it is doing.
+/// The master shaft: phase, speed, acceleration, and mode.
 #[derive(Clone, Debug)]
-#[repr(C)] // What every tick needs comes first: the board's instructions reach 128 bytes.
+#[repr(C)] // The fields that every tick needs come first: the board's instructions reach 128 bytes.
 pub struct Shaft {
     phase: Phase,
     speed: i64,
     acceleration: i64,
-    /// Speeds around the last that lie in no band: as long as the speed and what is required of it stay there, bands need not be looked at.
+    /// Speeds around the last that lie in no band. As long as the speed and the requested speed stay there, bands need not be checked.
     gap: Corridor,
     passage: Passage,
     /// Steps of the gain near the acceleration, for the limits of the present mode.

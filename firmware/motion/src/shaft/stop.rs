@@ -46,7 +46,7 @@ impl StopPlan {
     }
 
     /// Speed of the coming tick, from the phase and state of the shaft.
-    #[inline(never)] // The shaft's tick has no registers for it.
+    #[inline(never)] // The shaft's tick has no free registers for it.
     pub fn advance(&mut self, phase: Phase, state: State, limits: &ShaftLimits) -> i64 {
         if let Some(brake) = &mut self.brake {
             return brake.advance(&limits.parking);

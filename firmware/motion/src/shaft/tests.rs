@@ -168,13 +168,13 @@ fn any_limits() -> impl Strategy<Value = ShaftLimits> {
         )
 }
 
-/// Settings over all that their own check accepts, up to its bounds.
+/// Settings over the whole range that their own check accepts, up to its bounds.
 fn any_limit_settings() -> impl Strategy<Value = (u32, LimitSettings)> {
     (
         prop::sample::select(std::vec![500_u32, 1000, 2000, 5000, 10_000]),
         1.0..200.0_f64,
         (0.0..1.0_f64, 0.0..1.0_f64),
-        // How much harder a fault stop may be; in every third case it is as the usual one.
+        // Part by which a fault stop may be harder. In every third case it equals the usual stop.
         prop_oneof![1 => Just((0.0, 0.0)), 2 => (0.0..1.0_f64, 0.0..1.0_f64)],
     )
         .prop_filter_map(
@@ -229,8 +229,8 @@ fn targets(limits: &ShaftLimits, speeds: &[(f64, u32, u32)]) -> Vec<Target> {
     targets
 }
 
-/// If this fails, a lag in a band counts as one elsewhere, or one far from any band as one within. From 4 rev/s a shaft reaches √(4² + 2 · 10) = 6 rev/s
-/// within a turn at 10 rev/s².
+/// If this fails, a lag in a band counts as one elsewhere, or one far from any band as one within. From 4 rev/s a shaft reaches
+/// √(4² + 2 · 10) = 6 rev/s within a turn at 10 rev/s².
 #[test]
 fn a_speed_is_at_a_band_up_to_what_a_turn_gains() {
     let settings = LimitSettings {
@@ -259,7 +259,7 @@ fn a_speed_is_at_a_band_up_to_what_a_turn_gains() {
 }
 
 proptest! {
-    /// Limits hold for every request, and however often the shaft is stopped and started in between.
+    /// Limits hold for every request, however often the shaft is stopped and started in between.
     #[test]
     fn limits_hold_for_any_program_and_any_stop(
         limits in any_limits(),
@@ -373,7 +373,7 @@ fn a_ramp_is_followed_exactly_and_not_overshot() {
     }
 }
 
-/// A stop while stopping, and a stop at rest, change nothing; the shaft can follow again from there.
+/// A stop while stopping, and a stop at rest, change nothing. The shaft can follow again from there.
 #[test]
 fn stops_within_stops() {
     let limits = limits(2000, 60.0, 100.0, 2000.0, &[(20.0, 25.0)]);

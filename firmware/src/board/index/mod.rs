@@ -52,7 +52,8 @@ pub struct Index {
     /// of polls wraps with that in the words.
     polls: u32,
     rest: u32,
-    /// Levels of the lines after the last change that was read; there was none yet, and all levels are unknown.
+    /// Levels of the lines after the last change that was read. `is_first` is true if there was none yet, and all levels
+    /// are unknown.
     levels: u32,
     is_first: bool,
     /// Lines that changed and whose filters are not quiet since.
@@ -152,7 +153,7 @@ impl Index {
         filters: &mut [IndexFilter],
         pulses: &mut PerAxis<Option<IndexPulse>>,
     ) {
-        // In most ticks no line did anything, and all filters can be passed over: half of what reading costs.
+        // In most ticks no line changed, and all filters can be skipped. That saves half the cost of reading.
         if self.pending != 0 {
             self.end_pending(filters, pulses);
         }

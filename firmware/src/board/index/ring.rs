@@ -62,8 +62,8 @@ impl Ring {
         }
     }
 
-    /// Returns true if words are to be read, up to the last that came so far. If more came than the ring holds, all of them
-    /// are skipped: some are overwritten, and the order of the rest is unknown.
+    /// Returns true if words are to be read, up to the last that arrived so far. If more arrived than the ring holds, all of them are
+    /// skipped: some are overwritten, and the order of the rest is unknown.
     #[inline(always)]
     pub fn has_unread(&mut self) -> bool {
         let channel = pac::DMA.ch(CHANNEL);

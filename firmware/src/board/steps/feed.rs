@@ -1,9 +1,9 @@
-//! Keeps the machines' FIFOs full: one DMA channel an axis, and behind each a place for the next tick.
+//! Keeps the machines' FIFOs full: one DMA channel an axis, and a queue of one tick for each channel.
 //!
-//! A channel moves a tick's words into its machine's FIFO as fast as that takes them. The words of the tick
-//! after are *queued* long before: when the channel is done, with the last 8 words still to be played, an
-//! interrupt sets it on those. Among the last 8 words of a tick of many edges are whole chunks of 64: at 1 M steps/s
-//! over 30 µs, which is what the interrupt may be late by. A tick of fewer words is in the FIFO at once.
+//! A channel moves a tick's words into its machine's FIFO as fast as the FIFO accepts them. The words of the next tick are *queued* long
+//! before. When the channel is done, the last 8 words are still to be played, and an interrupt starts the channel on the queued words. In a
+//! tick of many edges the last 8 words contain whole chunks of 64. At 1 M steps/s these last over 30 µs, which is the greatest delay that
+//! the interrupt may have. A tick of fewer words is in the FIFO at once.
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU8, Ordering};
@@ -19,7 +19,7 @@ use super::words::Span;
 use super::{BLOCKS, block_of, machine_of};
 use crate::board::pins::AXES;
 
-/// Axes, a bit each, whose words came too late: their machine had underrun, or those before them were never begun.
+/// Axes, a bit each, whose words were too late: their machine had underrun, or the words before them were never started.
 static LATE: AtomicU8 = AtomicU8::new(0);
 
 static QUEUED: Mutex<[Cell<Option<Span>>; AXES]> = Mutex::new([const { Cell::new(None) }; AXES]);
@@ -35,25 +35,25 @@ pub fn set_up(axis: usize) {
     ctrl.set_data_size(DataSize::SIZE_WORD);
     ctrl.set_incr_read(true);
     ctrl.set_treq_sel(TreqSel::from_bits((block_of(axis) * 8 + machine) as u8));
-    ctrl.set_chain_to(axis as u8); // to itself: to none
+    ctrl.set_chain_to(axis as u8); // A channel that is chained to itself is chained to none.
     ctrl.set_high_priority(true);
     ctrl.set_en(true);
     channel.al1_ctrl().write_value(ctrl.0);
     pac::DMA.inte(1).modify(|enabled| *enabled |= 1 << axis);
 }
 
-/// Lets the interrupt through, above all else: it is short, and what it does must not wait.
+/// Enables the interrupt at the highest priority: it is short, and its work must not wait.
 #[cold]
 pub fn listen() {
     interrupt::DMA_IRQ_1.set_priority(Priority::P0);
-    // SAFETY: the handler below is all that this interrupt calls, and what it shares is behind a mutex.
+    // SAFETY: this interrupt calls only the handler below, and the data that it shares is behind a mutex.
     unsafe { interrupt::DMA_IRQ_1.enable() };
 }
 
-/// Moves `words` into an axis's FIFO: now, or when those before them are done.
+/// Moves `words` into an axis's FIFO: now, or when the words before them are done.
 ///
-/// The words must be [published](publish), and stay as they are until then. [`super::Steps`] owns them, and writes to a buffer again only
-/// when the one after it has been begun.
+/// The words must be [published](publish), and must not change until then. [`super::Steps`] owns them, and writes to a buffer again only
+/// when the channel has started the one after it.
 #[inline(always)]
 pub fn feed(cs: CriticalSection<'_>, axis: usize, words: Span) {
     if is_busy(axis) {
@@ -82,12 +82,12 @@ pub fn is_waiting(cs: CriticalSection<'_>, axis: usize) -> bool {
     })
 }
 
-/// Notes that an axis is behind. To be called with interrupts shut off.
+/// Notes that an axis is behind. To be called with interrupts disabled.
 pub fn flag_underrun(axis: usize) {
     LATE.store(LATE.load(Ordering::Relaxed) | 1 << axis, Ordering::Relaxed);
 }
 
-/// An axis that is behind, returned once. To be called with interrupts shut off.
+/// Returns an axis that is behind, once. To be called with interrupts disabled.
 pub fn take_late() -> Option<usize> {
     let late = LATE.load(Ordering::Relaxed);
     if late == 0 {
@@ -97,7 +97,7 @@ pub fn take_late() -> Option<usize> {
     (0..AXES).find(|&axis| late & 1 << axis != 0)
 }
 
-/// Completes all writes to memory: the channels read it behind the compiler's back.
+/// Completes all writes to memory, as the compiler does not see the reads of the channels.
 #[inline(always)]
 pub fn publish() {
     cortex_m::asm::dmb();

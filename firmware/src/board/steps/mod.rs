@@ -1,20 +1,19 @@
 //! Step output: every edge of STEP and DIR, without the CPU.
 //!
-//! One state machine an axis plays the words that the pulse planner made ([`program`]), and a DMA channel
-//! feeds it ([`feed`]). Axes 0 to 2 are on the first PIO block, 3 to 5 on the second. What a tick asks for
-//! fills exactly a tick, on every axis, so machines that began together stay together.
+//! One state machine an axis plays the words that the pulse planner made ([`program`]), and a DMA channel feeds it ([`feed`]). Axes 0 to 2
+//! are on the first PIO block, 3 to 5 on the second. The words of a tick fill exactly a tick on every axis, so machines that start together
+//! stay together.
 //!
-//! **Beginning.** All machines are held until each has words in its FIFO, the first being a pause up to the
-//! deadline at which the tick is to begin. Then they are let go ([`release`]): those of a block in one cycle,
-//! those of the other block by the CPU's very next store, which their first pause is shorter by.
+//! **Start.** All machines are held until each has words in its FIFO. The first word is a pause up to the deadline at which the tick is to
+//! begin. Then all machines are started ([`release`]): those of one block in one cycle, and those of the other block by the CPU's next
+//! store. The first pause of the second block is shorter by that delay.
 //!
-//! **Running dry.** The loop hands a tick's words over while the tick before is played. If it is late, all
-//! machines play to the end of what they have, the same tick on every axis, and stop there together, between
-//! two edges; they are held and begun again, together, at a later deadline. To be late for some axes and in
-//! time for others is impossible: [`Steps::submit`] hands over all axes at once or none, and none in the last
-//! [`LEAST_LEAD_US`] before the deadline: more than twice what all axes take. If a machine nevertheless underran inside a tick that
-//! it had been given whole (a channel that stood still, interrupts that were shut off), its axis is behind the others:
-//! the hardware's own flag shows it, and it is reported as a fault.
+//! **Underrun.** The loop submits a tick's words while the tick before is played. If the loop is late, all machines play the words that
+//! they have, which are the same tick on every axis. They stop there together, between two edges. They are held and started again,
+//! together, at a later deadline. No submission can be late for some axes and in time for others. [`Steps::submit`] submits the words of
+//! all axes or of none. It submits none in the last [`LEAST_LEAD_US`] before the deadline, which is more than twice the time that all axes
+//! take. A machine may still underrun inside a tick whose words were complete (a channel that stopped, interrupts that were disabled). Its
+//! axis is then behind the others. The hardware's own flag shows this, and it is reported as a fault.
 
 mod feed;
 mod program;
@@ -43,17 +42,16 @@ const BLOCKS: [Pio; 2] = [pac::PIO0, pac::PIO1];
 /// Machines of a block that make steps.
 const MACHINES: usize = 3;
 
-/// From the moment in which the machines are held to that in which they are let go, µs: time to fill their
-/// FIFOs, by code that may have to come from flash first.
+/// Time from holding the machines to starting them, µs. Code that may have to come from flash fills their FIFOs in this time.
 const HOLD_US: u32 = 50;
 
-/// Machines that stand are not begun later than this before a tick is due, µs.
+/// Latest time before a tick is due at which stopped machines are started, µs.
 const LEAST_BEGIN_US: u32 = HOLD_US + 20;
 
 /// Time by which words must be submitted before they are due, µs.
 const LEAST_LEAD_US: u32 = Rp2040::LEAST_LEAD_US;
 
-/// The block of an axis. Looked up: the board has no instruction that divides.
+/// The block of an axis, from a table: the board has no instruction that divides.
 const fn block_of(axis: usize) -> usize {
     static BLOCK: [u8; AXES] = [0, 0, 0, 1, 1, 1];
     BLOCK[axis] as usize
@@ -65,7 +63,7 @@ const fn machine_of(axis: usize) -> usize {
     MACHINE[axis] as usize
 }
 
-/// Those machines of a block, a bit each, that make steps on a machine of `axes` axes.
+/// Machines of a block, a bit each, that make steps on a machine of `axes` axes.
 const fn machines(block: usize, axes: usize) -> u8 {
     let used = axes.saturating_sub(block * MACHINES);
     let used = if used > MACHINES { MACHINES } else { used };
@@ -78,12 +76,11 @@ pub const PROGRAM_LENGTH: usize = 15;
 /// Result of a submission of words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Submission {
-    /// The words will be played when they are due, directly after those before them.
+    /// The words will be played when they are due, directly after the words before them.
     Taken,
-    /// The words will be played when they are due. The machines stood, and were started this many cycles before
-    /// that.
+    /// The words will be played when they are due. The machines had stopped, and were started this many cycles before that.
     Begun(u32),
-    /// The submission was too late: the machines stand, or will stand.
+    /// The submission was too late: the machines have stopped, or will stop.
     TooLate,
     /// An axis underran inside a tick: it is behind the others. Nothing was taken.
     Underrun(usize),
@@ -93,7 +90,7 @@ pub enum Submission {
 pub struct Steps {
     /// Buffers for the next tick's words.
     free: &'static mut [Words; AXES],
-    /// Buffers that the channels were given last.
+    /// Buffers that the channels got last.
     given: &'static mut [Words; AXES],
     axes: usize,
     /// Machines of each block that make steps, a bit each.
@@ -101,13 +98,13 @@ pub struct Steps {
     /// Which axes share a plan, and the axis whose words the channel of each reads.
     sharing: Option<Sharing>,
     reads: [u8; AXES],
-    /// Axes whose words are read, and where these words are.
+    /// Axes whose words are read, and the locations of these words.
     read: heapless::Vec<u8, AXES>,
     spans: [Span; AXES],
     /// Mask that inverts a word's DIR, or 0, of each axis.
     reversed: [u32; AXES],
     tick: Duration,
-    /// The deadline up to which the machines have words; none if they stand.
+    /// The deadline up to which the machines have words. None if they have stopped.
     until: Option<Instant>,
 }
 
@@ -162,12 +159,12 @@ impl Steps {
         self.tick
     }
 
-    /// Hands over a tick's runs, to be played from `start` on: those of all axes, or of none.
+    /// Submits a tick's runs, to be played from `start` on: those of all axes, or of none.
     pub fn submit(&mut self, output: &Output, start: Instant) -> Submission {
         if self.sharing != Some(output.sharing()) {
             self.assign_words(output.sharing());
         }
-        // Machines that stand are to begin with a pause, which is not the same in both blocks: they share no words.
+        // Stopped machines are to start with a pause, which differs between the blocks: they share no words.
         let is_first = self.until != Some(start);
         if is_first {
             self.copy_all(output);
@@ -185,7 +182,7 @@ impl Steps {
             }
         }
         let submission = cortex_m::interrupt::free(|_| {
-            // SAFETY: only this core runs, and its interrupts are shut off.
+            // SAFETY: only this core runs, and its interrupts are disabled.
             self.hand_over(unsafe { CriticalSection::new() }, start)
         });
         if matches!(submission, Submission::Taken | Submission::Begun(_)) {
@@ -218,7 +215,7 @@ impl Steps {
         }
     }
 
-    /// Takes over the runs of every axis: those that share a plan too.
+    /// Copies the runs of every axis, including those that share a plan.
     #[inline(never)] // once a start
     fn copy_all(&mut self, output: &Output) {
         let axes = self.free.iter_mut().zip(&self.reversed);
@@ -255,7 +252,7 @@ impl Steps {
         }
     }
 
-    /// Lets all machines go, so that `start` finds them at the end of a pause: of so many cycles.
+    /// Starts all machines so that their first pause ends at `start`. Returns the length of the pause in cycles.
     fn begin(&mut self, cs: CriticalSection<'_>, start: Instant) -> u32 {
         let enabled = |pio: Pio| pio.ctrl().read().sm_enable();
         let [first, second] = self.machines;
@@ -277,7 +274,7 @@ impl Steps {
             feed::feed(cs, axis, words.with_pause());
         }
         for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
-            // Until the channels have moved a first word into every FIFO.
+            // Waits until the channels have moved a first word into every FIFO.
             while pio.fstat().read().txempty() & machines != 0 {}
         }
         let in_time = release::release(
@@ -286,20 +283,19 @@ impl Steps {
             second | 1 << GUARD_MACHINE,
         );
         if !in_time {
-            // Whatever held it up, the machines' ticks are not the timer's now, or one block's not the other's: the
-            // next submission shows.
+            // The machines' ticks no longer match the timer, or those of the two blocks differ. The next submission reports it.
             feed::flag_underrun(0);
         }
         for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
-            // That they waited is over now. The pause is not: none can have underrun again.
+            // Clears the flags of the wait, which is over. The pause is not over, so no machine can have underrun again.
             pio.fdebug().write(|w| w.set_txstall(machines));
         }
         pause
     }
 
-    /// An axis whose machine has waited for words since it was let go.
+    /// Returns an axis whose machine has waited for words since it was started.
     fn underrun_axis(&self) -> Option<usize> {
-        // Most often none has, which two registers show.
+        // In most cases none has, which two registers show.
         let stalled = |machines: u8, pio: Pio| pio.fdebug().read().txstall() & machines != 0;
         let [first, second] = self.machines;
         if !stalled(first, pac::PIO0) && !stalled(second, pac::PIO1) {
@@ -355,7 +351,7 @@ fn set_up_machine(axis: usize, place: usize, active: ActiveLevel, wrap: Wrap) {
         w.set_out_shiftdir(true); // right: the lowest bits come first
     });
     for pin in [step, dir] {
-        // SET is for this only: the machine drives the pin from here on.
+        // SET is used only here: the machine drives the pin from here on.
         const SET_PINDIRS_1: u16 = 0xE081;
         sm.pinctrl().write(|w| {
             w.set_set_base(pin);
@@ -370,7 +366,7 @@ fn set_up_machine(axis: usize, place: usize, active: ActiveLevel, wrap: Wrap) {
         w.set_out_count(1);
         w.set_in_base(step);
         w.set_sideset_base(dir);
-        w.set_sideset_count(2); // the bit that says whether, and the pin's
+        w.set_sideset_count(2); // the bit that enables the side-set, and the pin's
     });
     const JMP_0: u16 = 0;
     sm.instr().write(|w| w.set_instr(JMP_0));

@@ -2,20 +2,20 @@
 //!
 //! | part of the word | in a run | in a pause |
 //! | --- | --- | --- |
-//! | edges, 13 bits | how many, 1 or more | 0 |
+//! | edges, 13 bits | number of edges, 1 or more | 0 |
 //! | cycles − 8, 18 bits | from one edge to the next | its length |
-//! | DIR, 1 bit | not looked at | taken up 8 cycles after the beginning |
+//! | DIR, 1 bit | ignored | applied 8 cycles after the beginning |
 //!
-//! Counted from one edge (or the end of a pause) to the next, every way through the program takes 8 cycles
-//! and what the word asks for on top; that is where the 8 comes from. An empty FIFO stops the machine at
-//! `pull`, between two words: levels stay, nothing is lost, and what comes next is played whole.
+//! Counted from one edge (or the end of a pause) to the next, every path through the program takes 8 cycles plus the
+//! cycles of the word. This is the reason for the 8. An empty FIFO stops the machine at `pull`, between two words.
+//! Levels stay, nothing is lost, and the next word is played whole.
 
 use pio::{Program, RP2040_MAX_PROGRAM_SIZE};
 
 /// The program. A machine waits for words at its first instruction.
 ///
-/// STEP is the machine's one OUT pin and its first IN pin, so that it can be inverted; DIR is its side-set
-/// pin. OUT shifts to the right.
+/// STEP is the machine's one OUT pin and its first IN pin, so that it can be inverted. DIR is its side-set pin. OUT
+/// shifts to the right.
 pub fn step_program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
     pio::pio_asm!(
         ".side_set 1 opt",
@@ -24,7 +24,7 @@ pub fn step_program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
         "    pull block",
         "    out x, 13",
         "    out y, 18",
-        "    jmp x-- edges", // leaves x at how many come after the first
+        "    jmp x-- edges", // x is then the number of edges after the first
         "    out x, 1",
         "    jmp !x backward",
         "forward:",
@@ -34,7 +34,7 @@ pub fn step_program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
         "    jmp y-- backward side 0",
         "    jmp word",
         "again:",
-        "    mov y, isr [3]", // as long as taking up a word
+        "    mov y, isr [3]", // as long as reading a word
         "edges:",
         "    mov isr, y",
         "period:",

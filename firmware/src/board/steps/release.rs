@@ -1,28 +1,27 @@
-//! Letting the machines of both blocks go at one instant.
+//! Starts the machines of both blocks at one instant.
 //!
-//! A block's machines begin in the cycle in which its control register is written; two registers are written
-//! by two stores, one behind the other. They run from RAM with interrupts shut off, so that nothing can come
-//! between: no fetch from flash, no handler.
+//! A block's machines start in the cycle in which its control register is written. Two consecutive stores write the two
+//! registers. They run from RAM with interrupts disabled, so that no fetch from flash and no handler can come between.
 //!
-//! Should something hold them up all the same (another master of the bus, a debugger), blocks are apart, and all
-//! ticks late. The core's own counter, SysTick, shows that: it counts every cycle, and is for nothing else.
+//! Another master of the bus or a debugger may still delay the stores. The blocks are then apart, and all ticks late.
+//! The core's own counter, SysTick, shows this. It counts every cycle and has no other use.
 
 use core::arch::asm;
 
 use cortex_m::peripheral::SYST;
 use embassy_rp::pac;
 
-/// Cycles from the first block's beginning to the second's: a store to these registers takes two.
+/// Cycles from the first block's start to the second's: a store to these registers takes two.
 pub const SKEW: u32 = 2;
 
-/// From the timer's last look before its time to both blocks let go, cycles: it takes 36, and may not take more by a
-/// quarter of a microsecond.
+/// Cycles from the timer's last reading before its time to the start of both blocks. It takes 36, and may take
+/// less than a quarter of a microsecond more.
 const MOST_CYCLES: u32 = 64;
 
 /// SysTick's bits.
 const COUNT: u32 = 0xFF_FFFF;
 
-/// Lets SysTick count.
+/// Starts SysTick.
 #[cold]
 pub fn set_up() {
     const ENABLE: u32 = 1;
@@ -35,16 +34,15 @@ pub fn set_up() {
     }
 }
 
-/// Enables, when the timer comes to `at_us`, those machines of the first and the second block whose bits are
-/// set, and no others; says whether that was in time. To be called with interrupts shut off and `at_us` less than
-/// 2³¹ µs ahead.
+/// Enables the machines of the first and the second block whose bits are set, and no others, when the timer reaches
+/// `at_us`. Returns true if that was in time. To be called with interrupts disabled and `at_us` less than 2³¹ µs ahead.
 #[must_use]
 pub fn release(at_us: u32, first: u8, second: u8) -> bool {
     let timer = pac::TIMER.timerawl().as_ptr();
     let first_ctrl = pac::PIO0.ctrl().as_ptr();
     let second_ctrl = pac::PIO1.ctrl().as_ptr();
-    // SAFETY: the addresses are those of the timer, and of the blocks' control registers, in which these
-    // values do nothing but enable.
+    // SAFETY: the addresses are those of the timer, and of the blocks' control registers, in which these values only
+    // enable machines.
     let took = unsafe {
         let_go(
             timer.cast(),
@@ -70,7 +68,7 @@ unsafe extern "C" fn let_go(
     // SAFETY: the caller's addresses are those of registers, and SysTick's is its own.
     unsafe {
         let counter = (&raw const (*SYST::PTR).cvr).cast::<u32>();
-        // When the timer was not there yet; never, if it was from the first look on.
+        // Count at the last reading before the time. None if the time had passed at the first reading.
         let mut before = None;
         loop {
             let now = counter.read_volatile();
@@ -89,7 +87,7 @@ unsafe extern "C" fn let_go(
             options(nostack, preserves_flags),
         );
         let after = counter.read_volatile();
-        // It counts down.
+        // SysTick counts down.
         match before {
             Some(before) => before.wrapping_sub(after) & COUNT,
             None => u32::MAX,

@@ -22,7 +22,7 @@ impl Words {
         count: 0,
     };
 
-    /// Takes a tick's runs over, DIR turned round for an axis that is.
+    /// Copies a tick's runs. Inverts DIR for an axis that is reversed.
     ///
     /// The compiler's own loop is for long copies, and takes twice as long for the 5 to 10 runs of a tick.
     #[inline(always)]
@@ -31,8 +31,8 @@ impl Words {
         let blocks = runs.blocks();
         if !blocks.is_empty() {
             let [_, words @ ..] = &mut self.words;
-            // SAFETY: there are at most MAX_RUNS runs in whole blocks, which is what there is room for behind the first
-            // word; a run is a word; and nothing but that room and these registers is changed.
+            // SAFETY: whole blocks have at most MAX_RUNS runs, for which there is room behind the first word. A run is
+            // a word. Only that room and these registers are changed.
             unsafe {
                 asm!(
                     "2:",
@@ -66,7 +66,7 @@ impl Words {
         Span::new(words, self.count)
     }
 
-    /// Puts a pause of `cycles` before the tick, with DIR as the tick begins with it.
+    /// Puts a pause of `cycles` before the tick, with the DIR with which the tick begins.
     pub const fn begin_with_pause(&mut self, cycles: u32) {
         let [pause, first, ..] = &mut self.words;
         *pause = Run::pause(cycles, *first & DIR != 0).bits();
@@ -104,7 +104,7 @@ impl Span {
     }
 }
 
-/// Room for two ticks of every axis: the one that is played, and the one to come.
+/// Room for two ticks of every axis: the one that is played, and the next one.
 pub struct Buffers([[Words; AXES]; 2]);
 
 impl Buffers {

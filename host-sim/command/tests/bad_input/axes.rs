@@ -1,4 +1,4 @@
-//! The motors, together and apart.
+//! Errors in the motors, in common settings and per axis.
 
 use super::edit::{append, replace, set, with_line, without};
 use super::{assert_all_refused, case};
@@ -272,7 +272,8 @@ fn what_one_has_apart() {
             "missing",
             "such as `number = 1`",
         ),
-        // The key that stands in the file, and the entry's place in it: axis 2 is the second entry, 1.
+        // The message has the key as written in the file, and the entry's place: axis 2 is the second
+        // entry, with index 1.
         own(
             "own steps",
             "steps_per_turn = 0",

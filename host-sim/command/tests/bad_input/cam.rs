@@ -1,11 +1,11 @@
-//! Cams with followers: what is wrong with one, and what belongs to cranks.
+//! Errors in cams with followers, and keys that belong to cranks.
 
 use host_sim::scene::library;
 
 use super::edit::{BASE, append, replace};
 use super::{Case, assert_all_refused, case};
 
-/// The built-in scene for cams with a piece of its text replaced.
+/// Returns the built-in scene for cams with a part of its text replaced.
 #[track_caller]
 fn edit(from: &str, to: &str) -> String {
     let wrapper = library::find("wrapper").unwrap().text;
@@ -13,7 +13,7 @@ fn edit(from: &str, to: &str) -> String {
     wrapper.replace(from, to)
 }
 
-/// That same scene with something after it.
+/// Returns that same scene with text appended.
 fn after(text: &str) -> String {
     format!("{}\n{text}", library::find("wrapper").unwrap().text)
 }

@@ -1,10 +1,10 @@
-//! Cam tables, the axes that follow them, and the screws that these turn.
+//! Errors in cam tables, in the axes that follow them, and in the screws that these axes turn.
 
 use host_sim::scene::library;
 
 use super::{Case, assert_all_refused, case};
 
-/// The built-in scene of an electronic cam with a piece of its text replaced.
+/// Returns the built-in scene of an electronic cam with a part of its text replaced.
 #[track_caller]
 fn edited(
     name: &'static str,

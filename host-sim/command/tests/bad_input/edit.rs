@@ -1,16 +1,16 @@
-//! Ways to break the base scene. *Key path*: as messages have it, `program[0].ramp_s`.
+//! Ways to break the base scene. A *key path* is written as in messages: `program[0].ramp_s`.
 
 /// A scene that runs, with every key given.
 pub const BASE: &str = include_str!("base.toml");
 
-/// The base scene with another value at a key.
+/// Returns the base scene with another value at a key.
 #[track_caller]
 pub fn set(path: &str, value: &str) -> String {
     let (_, key) = parts(path);
     with_line(path, &format!("{key} = {value}"))
 }
 
-/// The base scene with a key called otherwise.
+/// Returns the base scene with a key renamed.
 #[track_caller]
 pub fn rename(path: &str, to: &str) -> String {
     let (_, value) = BASE
@@ -22,20 +22,20 @@ pub fn rename(path: &str, to: &str) -> String {
     with_line(path, &format!("{to} = {value}"))
 }
 
-/// The base scene without a key.
+/// Returns the base scene without a key.
 #[track_caller]
 pub fn without(path: &str) -> String {
     with_line(path, "")
 }
 
-/// The base scene with a line more, before a key.
+/// Returns the base scene with one more line before a key.
 #[track_caller]
 pub fn before(path: &str, line: &str) -> String {
     let own = BASE.lines().nth(line_of(path)).unwrap();
     with_line(path, &format!("{line}\n{own}"))
 }
 
-/// The base scene with another line in place of a key's.
+/// Returns the base scene with another line in place of a key's line.
 #[track_caller]
 pub fn with_line(path: &str, line: &str) -> String {
     let at = line_of(path);
@@ -46,19 +46,19 @@ pub fn with_line(path: &str, line: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The base scene with a piece of its text replaced wherever it stands.
+/// Returns the base scene with every occurrence of a text replaced.
 #[track_caller]
 pub fn replace(from: &str, to: &str) -> String {
     assert!(BASE.contains(from), "the base scene has no {from}");
     BASE.replace(from, to)
 }
 
-/// The base scene with something after it.
+/// Returns the base scene with text appended.
 pub fn append(text: &str) -> String {
     format!("{BASE}\n{text}")
 }
 
-/// The base scene up to its program, with another one.
+/// Returns the base scene with another program in place of its own.
 pub fn program(text: &str) -> String {
     let (before, _) = BASE.split_once("[[program]]").unwrap();
     format!("{before}{text}")

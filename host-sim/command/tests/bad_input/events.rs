@@ -1,4 +1,4 @@
-//! Events of a scene at stated times, and its window.
+//! Errors in the timed events of a scene, and in its window.
 
 use super::edit::{append, set, without};
 use super::{assert_all_refused, case};

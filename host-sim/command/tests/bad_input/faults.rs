@@ -1,9 +1,10 @@
-//! Injected faults: each kind takes its own values, on axes and machines that can show it.
+//! Errors in injected faults. Each kind takes its own values, and is possible only on axes and
+//! machines that can show it.
 
 use super::edit::{append, replace};
 use super::{Case, assert_all_refused, case};
 
-/// The base scene with a fault, each of its lines given.
+/// Returns the base scene with a fault that has these lines.
 fn with(
     name: &'static str,
     lines: &str,

@@ -1,4 +1,4 @@
-//! Files that are no scene, and folders that cannot be written to.
+//! Files that are not scenes, and folders that cannot be written to.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ fn assert_holds(line: &str, words: &[&str]) {
     }
 }
 
-/// Refused as a whole: `cophase: FILE: …`, with these words.
+/// Asserts that the file as a whole is refused: `cophase: FILE: …`, with these words.
 #[track_caller]
 fn assert_no_scene(dir: &Path, file: &str, words: &[&str]) {
     let line = refusal(file, dir, &["run", file, "--out", "out"]);
@@ -115,7 +115,7 @@ fn no_end() {
         .status()
         .unwrap();
     assert!(made.success());
-    // Ends by itself, once nobody reads any more.
+    // The writer ends by itself when the pipe has no reader.
     let mut writer = std::process::Command::new("sh")
         .args(["-c", "exec cat /dev/zero > pipe"])
         .current_dir(dir.path())
@@ -124,7 +124,7 @@ fn no_end() {
         .unwrap();
     let names = super::listing(dir.path());
     for file in ["sparse", "zero", "pipe"] {
-        // 256 MiB of addresses, program and libraries included.
+        // The limit is 256 MiB of address space, including the program and its libraries.
         let output = assert_cmd::Command::new("sh")
             .args(["-c", "ulimit -v 262144; exec \"$@\"", "sh"])
             .args([env!("CARGO_BIN_EXE_cophase"), "run", file, "--out", "out"])
@@ -162,7 +162,7 @@ fn nowhere_to_write() {
                 "give a directory",
             ],
         ),
-        // Found at the end of a run, it would leave those of the files that come before it.
+        // If this error were found only at the end of a run, the files written before `trace.csv` would remain.
         (
             "half",
             ["--out: half/trace.csv is a directory", "give another --out"],
@@ -174,7 +174,8 @@ fn nowhere_to_write() {
     assert_eq!(fs::read(dir.path().join("taken")).unwrap(), b"a file");
 }
 
-/// The argument reader words these itself, in lines of its own; the status is the same, and standard output is empty too.
+/// The argument parser writes these messages, on lines of its own. The status is 2 here too, and standard output is
+/// empty.
 #[test]
 fn arguments() {
     let dir = tempfile::tempdir().unwrap();
@@ -210,7 +211,7 @@ fn arguments() {
     }
 }
 
-/// Were it wrong, a window after the end would give a file without an edge, and a status that says all is well.
+/// If this fails, a window after the end gives a file without edges, and the status reports success.
 #[test]
 fn a_window_outside_the_run() {
     let dir = tempfile::tempdir().unwrap();
@@ -231,7 +232,7 @@ fn a_window_outside_the_run() {
     assert_holds(&line, &words);
 }
 
-/// Were it wrong, the edges would be shown at the first motion, and not where the run went wrong by itself.
+/// If this fails, the window shows the first motion instead of the time at which a fault stops the run.
 #[test]
 fn the_window_is_where_a_run_goes_wrong() {
     let dir = tempfile::tempdir().unwrap();

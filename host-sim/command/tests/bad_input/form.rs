@@ -1,4 +1,4 @@
-//! The form of a scene: tables, keys, types, and TOML itself.
+//! Errors in the form of a scene: tables, keys, types, and TOML syntax.
 
 use super::edit::{append, before, replace, set, with_line, without};
 use super::{assert_all_refused, case};
@@ -223,7 +223,7 @@ fn what_is_not_toml() {
     ]);
 }
 
-/// Were it wrong, a habit of another language would be answered with the reader's own words, which name no way out.
+/// If this fails, a syntax mistake from another language gets the TOML parser's own message, which suggests no fix.
 #[test]
 fn habits_of_other_languages() {
     let line = |name, line, right| {
@@ -262,7 +262,7 @@ fn habits_of_other_languages() {
     ]);
 }
 
-/// A message repeats what a file holds; it must stay one line that a terminal can show.
+/// A message that quotes text from a file stays one line that a terminal can show.
 #[test]
 fn what_a_terminal_would_not_bear() {
     let long = "x".repeat(100_000);

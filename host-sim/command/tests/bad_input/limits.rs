@@ -1,4 +1,4 @@
-//! Limits of the shaft, the loop and the step lines.
+//! Errors in the limits of the shaft, the loop and the step lines.
 
 use super::edit::{before, replace, set};
 use super::{assert_all_refused, case};

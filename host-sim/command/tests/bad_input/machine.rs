@@ -1,4 +1,4 @@
-//! The mechanism and what it carries.
+//! Errors in the mechanism and its load.
 
 use host_sim::scene::library;
 

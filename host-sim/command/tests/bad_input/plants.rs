@@ -1,4 +1,4 @@
-//! Machines of their own kind: what they carry, and what their motors are.
+//! Errors in machines other than platforms on cranks: their loads and their motors.
 
 use host_sim::scene::library;
 
@@ -206,7 +206,7 @@ fn five_bar_arms() {
     ]);
 }
 
-/// If this fails, a screen runs up with motors that its resonance may capture, and nothing but a warning says so.
+/// If this fails, a screen runs up with motors that its resonance may capture, and the user gets only a warning.
 #[test]
 fn screens_whose_motors_lack_torque_at_the_resonance() {
     let text = library::find("screen").unwrap().text;
@@ -214,7 +214,7 @@ fn screens_whose_motors_lack_torque_at_the_resonance() {
         assert!(text.contains(from), "the screen has no {from}");
         text.replacen(from, to, 1)
     };
-    // 103 N·m for the damping and 71 N·m for a block's weight, each shaft (docs/machines/screen.md).
+    // Each shaft needs 103 N·m for the damping and 71 N·m for a block's weight (docs/machines/screen.md).
     let weak = edit("limit_nm = 700", "limit_nm = 150");
     let stepper = edit(
         "servo = { position_gain_per_s = 40, velocity_gain_nms = 700, limit_nm = 700, following_error_deg = 30 }",

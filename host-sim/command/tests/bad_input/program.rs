@@ -1,4 +1,4 @@
-//! amax(t): levels, times, and blocks that are repeated.
+//! Errors in amax(t): levels, times, and repeated blocks.
 
 use super::edit::{append, program, rename, set, without};
 use super::{assert_all_refused, case};
@@ -266,7 +266,7 @@ fn programs_too_large() {
             "nested more than 8 deep",
             "write some of them out",
         ),
-        // The reader has a limit of its own, or it would run out of stack.
+        // The TOML parser has a nesting limit of its own, which prevents a stack overflow.
         case(
             "1000 deep",
             deep(1000),

@@ -1,9 +1,9 @@
-//! Every number of a scene, set to what no machine has.
+//! Every number of a scene, set to values that no machine has.
 
 use super::edit::set;
 use super::{assert_refused, case};
 
-/// Keys that hold a number, and whether 0 is one that can be.
+/// Keys that hold a number, and whether 0 is a valid value.
 const NUMBERS: &[(&str, bool)] = &[
     ("machine.crank_radius_mm", false),
     ("machine.lambda", false),

@@ -1,10 +1,11 @@
-//! A crank-rocker whose dead centres lie on two branches: synthesized, refused by name, and accepted from a higher time ratio on.
+//! A crank-rocker whose dead centres lie on two branches. It can be synthesized. It is refused by name, and accepted from a higher
+//! time ratio on.
 
 use assert_cmd::Command;
 use cophase_lab::chart::breakdown::branch;
 
-/// Swing of the assembled linkage by the law of cosines in the triangles of the two dead centres, which have the sides ground, rocker
-/// and coupler ± crank. Lengths by the source's formulas 4, 14 and 16 to 18, degrees.
+/// Swing of the assembled linkage, degrees, by the law of cosines in the triangles of the two dead centres. The triangles have the
+/// sides ground, rocker and coupler ± crank. Lengths are by the source's formulas 4, 14 and 16 to 18.
 fn swing_by_triangles_deg(time_ratio: f64) -> f64 {
     let theta = std::f64::consts::PI * (1.0 - time_ratio) / (1.0 + time_ratio);
     let half_swing = 30_f64.to_radians();
@@ -22,7 +23,7 @@ fn swing_by_triangles_deg(time_ratio: f64) -> f64 {
 /// If this fails, a linkage whose rocker swings less than requested is drawn as correct, or is not refused.
 #[test]
 fn dead_centres_on_two_branches() {
-    // Swings calculated independently of this project, to half a unit of the last digit.
+    // These swings are calculated independently of this project, to half a unit of the last digit.
     for (time_ratio, swing_deg) in [(0.6, 47.59), (0.7, 58.28)] {
         let facts = branch::measure(time_ratio).unwrap();
         assert!((facts.swing_deg - swing_deg).abs() <= 5e-3, "{facts:?}");
@@ -53,7 +54,8 @@ fn dead_centres_on_two_branches() {
             (facts.swing_deg - branch::SWING_DEG).abs() < 1e-6,
             "{facts:?}"
         );
-        // With a pressure angle of 0 at the extended dead centre, that at the folded one is swing + theta (source, formula 6).
+        // With a pressure angle of 0 at the extended dead centre, the pressure angle at the folded one is swing + theta (source,
+        // formula 6).
         let theta_deg = 180.0 * (1.0 - time_ratio) / (1.0 + time_ratio);
         let folded_deg = facts.folded_pressure_deg.expect("it is accepted");
         assert!((folded_deg - (60.0 + theta_deg)).abs() < 1e-6, "{facts:?}");

@@ -1,8 +1,9 @@
-//! Flexible cam shaft: its pusher accelerates more than the law, and that of an electronic cam hardly.
+//! Flexible cam shaft: its pusher accelerates more than the law requires. That of an electronic cam hardly does.
 
 use cophase_lab::chart::breakdown::cam::{measure, peak};
 
-/// If this fails, the picture shows another overshoot than published (302.36 to 371.61 of 271.50 to 348.99 m/s², 6 to 13 % at the pusher), or the electronic cam has one as well.
+/// If this fails, the overshoot in the picture differs from the published one, or the electronic cam has one as well. Published: 302.36 to
+/// 371.61 of 271.50 to 348.99 m/s², 6 to 13 % at the pusher.
 #[test]
 fn the_shaft_overshoots_and_the_table_does_not() {
     let facts = measure().unwrap();

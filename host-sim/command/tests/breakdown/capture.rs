@@ -1,17 +1,20 @@
-//! Capture at a resonance: a weak motor hangs there, a strong one passes, and the controller stops shafts that are captured.
+//! Capture at a resonance: a weak motor stays at the resonance, and a strong one passes it. The controller stops captured
+//! shafts.
 
 use cophase_lab::chart::breakdown::capture;
 
-/// If this fails, the picture shows a capture that is none, or the controller lets a captured screen run on.
+/// If this fails, the picture shows a capture where there is none, or the controller lets a captured screen run on.
 #[test]
 fn a_weak_motor_is_captured_and_stopped() {
     let facts = capture::measure().unwrap();
-    // The captured state is steady: the motor's power is what the springs dissipate, ζ M ω_n ω² A² · 2, at the same speed.
+    // The captured state is steady: the motor's power equals the power that the springs dissipate, ζ M ω_n ω² A² · 2, at the
+    // same speed.
     let (rpm, mm) = *facts.captured.last().unwrap();
     let omega = rpm * std::f64::consts::TAU / 60.0;
     let natural = (1310.4 * 981.0 / 3066.0_f64).sqrt();
     let power_w = 2.0 * 0.07 * 3066.0 * natural * (1e-3 * mm * omega).powi(2);
-    // 11 kW at 1500 rpm · 314/560 less the rated slip of 2.8 %: 128 N·m, 1.05 of it, less 2 N·m of friction.
+    // 11 kW at 1500 rpm · 314/560 less the rated slip of 2.8 % gives 128 N·m. The motor has 1.05 of it, less 2 N·m of
+    // friction.
     let torque_nm =
         1.05 * 11e3 / (0.972 * 1500.0 * 314.0 / 560.0 * std::f64::consts::TAU / 60.0) - 2.0;
     assert!(
@@ -19,7 +22,7 @@ fn a_weak_motor_is_captured_and_stopped() {
         "{power_w} W of {} W at {rpm} rpm",
         torque_nm * omega
     );
-    // Both others end beyond the resonance.
+    // Both other shafts end beyond the resonance.
     let (through_rpm, through_mm) = *facts.through.last().unwrap();
     assert!((through_rpm - 837.0).abs() < 5.0 && (through_mm - 5.0).abs() < 0.1);
     // Friction of 2 N·m then takes a minute more to stop the shaft.

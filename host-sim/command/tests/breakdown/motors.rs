@@ -1,4 +1,4 @@
-//! Motors from which more torque is required than they have, cranks that bend the rods, and a loop that has no time.
+//! Motors that need more torque than they have, cranks that bend the rods, and a loop that runs too slowly.
 
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_lab::chart::breakdown::{overload, pull_out, rods, runs};
@@ -6,7 +6,7 @@ use host_sim::sim::events::EventKind;
 
 use super::failed;
 
-/// Were it wrong, a motor that is too weak would hold all the same, or its slips be noticed late or by nobody.
+/// If this fails, a motor that is too weak does not slip, or its slip is detected late or never.
 #[test]
 fn a_motor_that_pulls_out() {
     let strong = pull_out::measure(1.0).unwrap().outcome;
@@ -18,7 +18,8 @@ fn a_motor_that_pulls_out() {
     assert!(slipped[pull_out::WEAK_AXIS] < 0, "{slipped:?}");
     let slip_s = runs::first_slip_s(&weak.outcome).expect("it slips");
     let fault = weak.outcome.fault.expect("the drift monitor sees it");
-    // Its index is overdue as it slips, and passes a little later: what that shows is no whole cycle.
+    // The slip delays the index, so the first fault is an index timeout. The index passes a little later, with a phase error that
+    // is not a whole cycle.
     assert_eq!(fault.axis, Some(pull_out::WEAK_AXIS));
     let names: Vec<_> = weak
         .outcome
@@ -31,7 +32,7 @@ fn a_motor_that_pulls_out() {
         })
         .collect();
     assert_eq!(names[..2], [FaultKind::IndexTimeout, FaultKind::Slip]);
-    // An index is detected once a turn, a tick later at the latest, and judged in the next.
+    // An index is detected once a turn, at most one tick late, and evaluated in the next tick.
     let detected_s = runs::fault_s(&weak.outcome).expect("it is an event") - slip_s;
     let turn_s = weak.turn_s(slip_s);
     assert!(
@@ -40,16 +41,16 @@ fn a_motor_that_pulls_out() {
     );
     assert_eq!(weak.outcome.state, State::Fault);
 
-    // Beforehand: more is asked than there is.
+    // The torque comparison before the run shows that the motor needs more torque than it has.
     assert!(pull_out::torque_used(pull_out::WEAK).unwrap() > 1.0);
     assert!(pull_out::torque_used(1.0).unwrap() < 0.5);
     failed(&pull_out::scene("phased", pull_out::WEAK));
 }
 
-/// Were it wrong, a machine that bends its rods would go on, and no report would say that it is over-constrained.
+/// If this fails, a machine that bends its rods runs on, and the report does not state that it is over-constrained.
 #[test]
 fn a_crank_that_bends_the_rods_is_stopped() {
-    // One of four that is 1° off is 0.25° off the plane of all.
+    // One crank of four that is 1° off is 0.25° off the plane of all four.
     for (limit_deg, fault) in [(0.2, Some(FaultKind::HomingRangeExceeded)), (0.3, None)] {
         let text = rods::scene(rods::SOFT_N_PER_UM, 1.0, limit_deg, "");
         let outcome = runs::run(&text, &mut |_| {}).unwrap();
@@ -68,7 +69,7 @@ fn a_crank_that_bends_the_rods_is_stopped() {
     assert!(left_out.contains("over-constrain"), "{left_out}");
 }
 
-/// Were it wrong, motors that all slip together would go unseen, as nothing tilts; or would not slip.
+/// If this fails, motors that all slip together are not detected, because the platform does not tilt, or they do not slip.
 #[test]
 fn five_times_the_load() {
     let sized = overload::measure(overload::SIZED_KG).unwrap().outcome;
@@ -85,14 +86,15 @@ fn five_times_the_load() {
         .iter()
         .fold(0.0_f64, |worst, (_, deg)| worst.max(deg.abs()));
     assert!(worst > overload::COMMON_LIMIT_DEG, "{worst}°");
-    // Torque is in proportion to the load where rotors take little of it: the model level that compares torques says so beforehand.
+    // Torque is in proportion to the load where rotors need little of it. The model level that compares torques shows the excess
+    // before the run.
     let used = overload::torque_used(overload::SIZED_KG).unwrap();
     assert!((0.5..0.6).contains(&used), "{used}");
     assert!(overload::torque_used(5.0 * overload::SIZED_KG).unwrap() > 1.0);
     failed(&overload::scene("phased", 5.0 * overload::SIZED_KG));
 }
 
-/// Were it wrong, a loop that takes five ticks for each would turn on, in phase and too slowly, or lose its phase.
+/// If this fails, a loop that takes five ticks for each tick runs on in phase but too slowly, or loses its phase.
 #[test]
 fn a_loop_five_times_too_slow() {
     let outcome = runs::run(&overload::slow_loop(), &mut |_| {}).unwrap();

@@ -1,9 +1,9 @@
-//! Self-synchronisation: free exciters settle as Blekhman's condition says, and the controller keeps them in phase whatever that says.
+//! Self-synchronisation: free exciters settle according to Blekhman's condition. The controller keeps them in phase in every case.
 
 use cophase_lab::chart::breakdown::self_synchronisation::{FOUR_M, TWO_M, forced, free, screen};
 
-/// Far above the resonance two exciters at ±p come in phase if M p²/I is above 2, and to opposite phases below: then the box moves less. If this fails, the equations couple
-/// the shafts through the box in another way.
+/// Far above the resonance two exciters at ±p come in phase if M p²/I is above 2. Below 2 they come to opposite phases, because the box
+/// then moves less. If this fails, the equations couple the shafts through the box incorrectly.
 #[test]
 fn free_motors_settle_where_the_box_moves_least() {
     for (place_m, in_phase) in [(0.6, false), (1.2, false), (1.9, true)] {
@@ -21,7 +21,7 @@ fn free_motors_settle_where_the_box_moves_least() {
     }
 }
 
-/// If this fails, the controller does not keep exciters in phase that would go apart by themselves.
+/// If this fails, the controller does not keep exciters in phase that separate when they are free.
 #[test]
 fn the_controller_keeps_them_in_phase() {
     for places in [TWO_M, FOUR_M] {
@@ -29,7 +29,7 @@ fn the_controller_keeps_them_in_phase() {
         let kept = forced(places).unwrap();
         assert!(kept.len() > 100);
         let least = kept.iter().map(|point| point.1).fold(f64::MAX, f64::min);
-        // 1° of one of two shafts leaves 1 − (0.5°)²/2 = 0.99996.
+        // If one of two shafts is off by 1°, the resultant is 1 − (0.5°)²/2 = 0.99996.
         assert!(least > 0.999, "{least}");
     }
 }

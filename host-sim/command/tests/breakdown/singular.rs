@@ -1,9 +1,9 @@
-//! Singular configuration: errors grow towards the edge of the reach, and a path within the margin is refused.
+//! Singular configuration: errors grow towards the edge of the reach. A path within the margin is refused.
 
 use cophase_lab::chart::breakdown::runs::refusal;
 use cophase_lab::chart::breakdown::singular::{MARGIN, REACH_MM, margin_mm, measure, scene};
 
-/// If this fails, the picture shows a breakdown that is none.
+/// If this fails, the picture shows a failure where there is none.
 #[test]
 fn errors_grow_towards_the_edge_of_the_reach() {
     let (far, near) = (measure(400.0).unwrap(), measure(499.5).unwrap());
@@ -11,7 +11,7 @@ fn errors_grow_towards_the_edge_of_the_reach() {
     assert!(near.place_mm.is_finite() && far.place_mm.is_finite());
 }
 
-/// If this fails, a path within the margin is taken, or one outside of it is not.
+/// If this fails, a path within the margin is accepted, or a path outside it is refused.
 #[test]
 fn a_path_within_the_margin_is_refused() {
     let at_margin = margin_mm(MARGIN);

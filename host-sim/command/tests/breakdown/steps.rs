@@ -1,4 +1,4 @@
-//! Steps past what a method is stable for: refused where that is known, and a clear end where it is not.
+//! Steps beyond the stability limit of a method. They are refused where the limit is known. Elsewhere the run ends with a clear message.
 
 use cophase_core::supervisor::State;
 use cophase_lab::chart::Size;
@@ -7,11 +7,11 @@ use cophase_methods::{Scheme, StepError};
 
 use super::{failed, refused};
 
-/// Were it wrong, a step past a method's limit would not diverge, or one below it would.
+/// If this fails, a step beyond a method's limit does not diverge, or a step below it does.
 #[test]
 fn a_stiff_chain_beyond_its_step() {
     let facts = chain::measure(Size::Small).unwrap();
-    // Published for steady turning: 0.125 mm. From rest the first turn is within what the slowest mode still remembers of it.
+    // Published for steady turning: 0.125 mm. From rest, the first turn differs by at most the remaining transient of the slowest mode.
     assert!(
         (facts.true_m * 1e3 - 0.125).abs() < 0.0015,
         "{} m",
@@ -21,7 +21,7 @@ fn a_stiff_chain_beyond_its_step() {
         for turn in &tried.turns {
             let what = format!("{}: {turn:?}, limit {:?}", tried.scheme, tried.limit_s);
             let is_beyond = tried.limit_s.is_some_and(|limit_s| turn.step_s > limit_s);
-            // The two coarsest have 64 and 128 steps in which to grow, all others at least twice as many.
+            // The two coarsest steps leave 64 and 128 steps in which to grow. All others leave at least twice as many.
             if is_beyond && turn.step_s < 600e-6 {
                 let end = turn.diverged;
                 assert!(matches!(end, Some(StepError::NotFinite { .. })), "{what}");
@@ -30,8 +30,8 @@ fn a_stiff_chain_beyond_its_step() {
             } else {
                 assert!(turn.peak.is_finite() && turn.diverged.is_none(), "{what}");
             }
-            // Below its limit explicit Euler takes hω/2 from the slowest mode's damping ratio, 0.014 of 0.035 at 16 µs: an
-            // overshoot e^-πζ grows by 4.5 % of itself at most. All others are better by far.
+            // Below its limit, explicit Euler subtracts hω/2 from the slowest mode's damping ratio, 0.014 of 0.035 at 16 µs. An overshoot
+            // e^-πζ then grows by at most 4.5 % of itself. All other methods are far more accurate.
             if !is_beyond && turn.step_s < 140e-6 {
                 assert!((turn.peak - 1.0).abs() < 0.045, "{what}");
             }
@@ -44,7 +44,7 @@ fn a_stiff_chain_beyond_its_step() {
             .limit_s
             .map(|limit_s| limit_s * 1e6)
     };
-    // `docs/reproduced.md`, limits of the elastic follower, for the chain as printed; the damper at the cam changes nothing of the matrix.
+    // Limits of the elastic follower in `docs/reproduced.md`, for the chain as printed. The damper at the cam does not change the matrix.
     for (scheme, published_us) in [(Scheme::Rk4, 81.5), (Scheme::ExplicitEuler, 20.1)] {
         let found = limit_us(scheme).expect("it has one");
         assert!(
@@ -57,7 +57,7 @@ fn a_stiff_chain_beyond_its_step() {
     }
 }
 
-/// Were it wrong, a scene would run where its method is unstable.
+/// If this fails, a scene runs where its method is unstable.
 #[test]
 fn a_step_beyond_the_limit_is_refused() {
     for (method, limit) in [("rk4", "81.1464 us"), ("explicit-euler", "20.1057 us")] {
@@ -70,7 +70,7 @@ fn a_step_beyond_the_limit_is_refused() {
         );
         assert!(said.contains("steps_per_tick = "), "what would do: {said}");
     }
-    // Steps that are left open are as many as are stable and show the peaks; so is the method.
+    // A step count that the scene leaves open is stable and resolves the peaks. The same holds for a method that it leaves open.
     for (method, scheme) in [("", Scheme::Exact), ("name = \"rk4\"", Scheme::Rk4)] {
         let outcome = runs::run(&chain::scene(method), &mut |_| {}).unwrap();
         let (taken, steps) = outcome.method.expect("it is integrated");
@@ -82,7 +82,7 @@ fn a_step_beyond_the_limit_is_refused() {
     }
 }
 
-/// Were it wrong, equations that come to an end would take the run's files with them, or leave a run that looks well.
+/// If this fails, a run that diverges writes no files, or looks like a good run.
 #[test]
 fn a_run_that_diverges_says_so_and_is_written() {
     let report = failed(&diverging::scene());
@@ -95,18 +95,18 @@ fn a_run_that_diverges_says_so_and_is_written() {
     assert_ne!(report["ended"]["state"], "parked");
 }
 
-/// Were it wrong, rods would not ask anything of a crank that stands off, or a step that did for soft ones be run on stiff ones.
+/// If this fails, rods do not load a crank that is out of phase, or a step that suits soft rods is accepted for stiff ones.
 #[test]
 fn stiffer_rods_under_four_cranks() {
     let facts = rods::measure(Size::Small).unwrap();
-    // One of four that is 1° off is 0.25° off the plane of all. Were rods rigid its motor would have to give all of that: 20 N·m
-    // by the sine of 50 electrical cycles.
+    // One crank of four that is 1° off is 0.25° off the plane of all four. With rigid rods its motor has to give all of that: 20 N·m by
+    // the sine of 50 electrical cycles.
     let most_nm = 20.0 * (50.0 * 0.25_f64.to_radians()).sin();
     let bent_nm = |measured: &rods::Measured| measured.off_nm - measured.in_phase_nm;
     for pair in facts.measured.windows(2) {
         assert!(bent_nm(&pair[1]) > bent_nm(&pair[0]), "{pair:?}");
         assert!(pair[1].steps > 2 * pair[0].steps, "{pair:?}");
-        // A crank that is where it should be bends nothing, whatever the rods.
+        // A crank in phase bends no rod, whatever the stiffness of the rods.
         let in_phase = pair[1].in_phase_nm / pair[0].in_phase_nm;
         assert!((in_phase - 1.0).abs() < 0.01, "{pair:?}");
     }
@@ -119,7 +119,7 @@ fn stiffer_rods_under_four_cranks() {
         bent_nm(&rigid) > 0.95 * most_nm,
         "{rigid:?}, nearly {most_nm}"
     );
-    // The soft rods' step, on the soft rods and on rods ten times stiffer.
+    // The step count suits soft rods. It is tried on the soft rods and on rods ten times stiffer.
     let scene = |rod| rods::scene(rod, 1.0, 3.0, "steps_per_tick = 1");
     assert_eq!(runs::refusal(&scene(rods::SOFT_N_PER_UM)), None);
     let said = refused(&scene(10.0 * rods::SOFT_N_PER_UM));

@@ -1,11 +1,12 @@
-//! Reference solutions from library solvers: two libraries, five methods, none of them of this crate.
+//! Reference solutions from library solvers: two libraries and five methods, none of them from this crate.
 //!
-//! Reference solutions are solved to their end in one run, at the tightest tolerance that a solver works with. Their error is
-//! taken to be their difference from the other library's, and errors below ten times that are not judged.
+//! Each reference solution is solved to its end in one run, at the tightest tolerance that the solver accepts. Its error is
+//! taken to be its difference from the other library's solution. Errors below ten times that are not judged.
 //!
-//! Accuracies: the explicit two, DOP853 and TSIT45, agree to 1e-13 at tolerance 1e-14. The error of diffsol's BDF is
-//! 1e-12 to 1e-9. BDF of `differential-equations` 0.7 stops at its first step ("step size became too small") on Van der
-//! Pol's oscillator at any tolerance, and on HIRES if the absolute one is below 1e-10; its Radau IIA takes the former.
+//! Accuracies: the two explicit methods, DOP853 and TSIT45, agree to 1e-13 at tolerance 1e-14. The error of diffsol's BDF is
+//! 1e-12 to 1e-9. BDF of `differential-equations` 0.7 stops at its first step ("step size became too small") on Van der Pol's
+//! oscillator at any tolerance. It does the same on HIRES if the absolute tolerance is below 1e-10. Radau IIA of the same
+//! library solves Van der Pol's oscillator.
 
 use cophase_methods::Equations;
 use differential_equations::interpolate::Interpolation;
@@ -18,7 +19,7 @@ use diffsol::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Equations of this crate, as `differential-equations` takes them.
+/// Equations of `cophase_methods`, in the form that `differential-equations` requires.
 struct Adapter<'a>(&'a dyn Equations);
 
 impl<const N: usize> ODE<f64, [f64; N]> for Adapter<'_> {
@@ -41,10 +42,10 @@ impl<const N: usize> ODE<f64, [f64; N]> for Adapter<'_> {
     }
 }
 
-/// Steps after which a solver gives up.
+/// Number of steps after which a solver returns an error.
 const MOST_STEPS: usize = 1_000_000;
 
-/// DOP853 of `differential-equations`, for what is not stiff.
+/// DOP853 of `differential-equations`, for equations that are not stiff.
 pub fn dop853<const N: usize>(
     equations: &dyn Equations,
     start: [f64; N],
@@ -58,7 +59,7 @@ pub fn dop853<const N: usize>(
     solved(equations, start, end_s, method)
 }
 
-/// BDF of `differential-equations`, for what is stiff.
+/// BDF of `differential-equations`, for stiff equations.
 pub fn bdf<const N: usize>(
     equations: &dyn Equations,
     start: [f64; N],
@@ -73,7 +74,7 @@ pub fn bdf<const N: usize>(
     solved(equations, start, end_s, method)
 }
 
-/// Radau IIA of order 5 of `differential-equations`, for what is stiff.
+/// Radau IIA of order 5 of `differential-equations`, for stiff equations.
 pub fn radau5<const N: usize>(
     equations: &dyn Equations,
     start: [f64; N],
@@ -88,7 +89,7 @@ pub fn radau5<const N: usize>(
     solved(equations, start, end_s, method)
 }
 
-/// The end, by a method of `differential-equations`.
+/// State at the end, by a method of `differential-equations`.
 fn solved<const N: usize>(
     equations: &dyn Equations,
     start: [f64; N],
@@ -128,7 +129,7 @@ pub fn bdf_of_diffsol<const N: usize>(
     end(problem.bdf::<NalgebraLU<f64>>().expect("BDF"), end_s)
 }
 
-/// Tsitouras' explicit method of orders 5 and 4, of `diffsol`, for what is not stiff.
+/// Tsitouras' explicit method of orders 5 and 4, of `diffsol`, for equations that are not stiff.
 pub fn tsit45<const N: usize>(
     equations: &dyn Equations,
     start: [f64; N],
@@ -148,7 +149,7 @@ fn builder<const N: usize>(tolerance: f64, absolute: f64) -> OdeBuilder<Nalgebra
     OdeBuilder::new().rtol(tolerance).atol(vec![absolute; N])
 }
 
-/// The end, by a method of `diffsol`.
+/// State at the end, by a method of `diffsol`.
 fn end<'a, Eqn, const N: usize>(mut solver: impl OdeSolverMethod<'a, Eqn>, end_s: f64) -> [f64; N]
 where
     Eqn: OdeEquations<T = f64, V = NalgebraVec<f64>> + 'a,

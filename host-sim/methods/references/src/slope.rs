@@ -1,11 +1,11 @@
-//! Slope of log error against log step: the order as it is measured.
+//! Slope of log error against log step: the measured order.
 
 /// Errors of one method at several steps.
 #[derive(Clone, Debug, Default)]
 pub struct Slope(Vec<(f64, f64)>);
 
 impl Slope {
-    /// Takes in the error at a step.
+    /// Adds the error at a step.
     pub fn add(&mut self, step: f64, error: f64) {
         self.0.push((step.ln(), error.ln()));
     }
@@ -29,7 +29,7 @@ impl Slope {
         (high - low) / core::f64::consts::LN_10
     }
 
-    /// Smallest and largest error taken in.
+    /// Smallest and largest error added.
     pub fn errors(&self) -> (f64, f64) {
         let errors = || self.0.iter().map(|p| p.1.exp());
         (

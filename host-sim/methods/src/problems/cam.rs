@@ -10,17 +10,17 @@
 //! | modified sine | 4π²/(4 + π) = 5.5280 | quarter waves of a sine, steep ones at the ends (Neklutin) |
 //! | modified trapezoid | 8π/(2 + π) = 4.8881 | quarter waves of a sine around constant acceleration (Neklutin) |
 //!
-//! **The skewed cycloid.** "Modified cycloid" names a curve in the literature whose peak coefficient is 5.8883, and
-//! gives no formula. The cycloid is s = (φ − sin φ)/2π over u = φ/2π: a straight line minus a sine that is drawn vertically. With
-//! the sine drawn at a slant, u becomes (φ − k sin φ)/2π. Then
+//! **The skewed cycloid.** The literature names a curve "modified cycloid" whose peak coefficient is 5.8883, and gives no formula.
+//! The cycloid is s = (φ − sin φ)/2π over u = φ/2π: a straight line minus a sine that is drawn vertically. With the sine drawn at
+//! a slant, u becomes (φ − k sin φ)/2π. Then
 //!
 //! ```text
 //! ds/du = (1 − cos φ) / (1 − k cos φ)
 //! d²s/du² = 2π (1 − k) sin φ / (1 − k cos φ)³
 //! ```
 //!
-//! and the slant with the smallest peak is k = 1 − √3/2, whose peak is 5.88825. This is the printed number to all its digits. (k =
-//! 0.12 and 0.15 give 5.891 and 5.893, which do not round to it.)
+//! The slant with the smallest peak is k = 1 − √3/2, whose peak is 5.88825. This is the printed number to all its digits.
+//! (k = 0.12 and 0.15 give 5.891 and 5.893, which do not round to it.)
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI, TAU};
 
@@ -102,8 +102,8 @@ impl Law {
 }
 
 fn skewed_cycloid(u: f64) -> Motion {
-    // φ − k sin φ = 2πu is Kepler's equation. At an eccentricity of 0.134 Newton's method from φ = 2πu + k sin 2πu, which
-    // is off by k² at most, has converged to rounding after three steps: 2e-2, 3e-5, 5e-11, below ε.
+    // φ − k sin φ = 2πu is Kepler's equation. The eccentricity is 0.134. Newton's method starts from φ = 2πu + k sin 2πu, which is
+    // off by k² at most. It has converged to rounding after three steps: 2e-2, 3e-5, 5e-11, below ε.
     let mut phi = TAU * u + SKEW * (TAU * u).sin();
     for _ in 0..3 {
         let (sin, cos) = phi.sin_cos();

@@ -10,9 +10,9 @@
 //! M₃ x₃″ − C₃ x₂′ + C₃ x₃′ − K₃ x₂ + K₃ x₃ = 0
 //! ```
 //!
-//! The article prints it without the term in brackets: then the shaft's damper ends at the ground and not at the cam ([`Shaft`]).
-//! Only "0.402, 0.175, ?.1" of the damping is legible, without a unit. At damping factor 0.1, C = 0.2 √(K M) gives 401.6, 174.9
-//! and 2030 N s/m. So the unit is 10³ N s/m, and the third value 2.03, or 2.1 if its legible digit is right.
+//! The article prints the equations without the term in brackets: then the shaft's damper ends at the ground and not at the cam
+//! ([`Shaft`]). Only "0.402, 0.175, ?.1" of the damping is legible, without a unit. At damping factor 0.1, C = 0.2 √(K M) gives
+//! 401.6, 174.9 and 2030 N s/m. So the unit is 10³ N s/m, and the third value is 2.03, or 2.1 if its legible digit is right.
 
 use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
 

@@ -18,7 +18,7 @@ pub struct Pendulum {
 }
 
 impl Pendulum {
-    /// Returns a pendulum that is neither damped nor driven.
+    /// Returns a pendulum without damping and without a driving torque.
     pub const FREE: Self = Self {
         damping: 0.0,
         torque: 0.0,

@@ -1,7 +1,7 @@
-//! A vibrating screen run up by a motor of limited power: it may be caught by its own resonance.
+//! Vibrating screen with a motor of limited power, which the resonance of the screen may capture during the run-up.
 //!
-//! From a thesis on a self-centring screen for railway ballast. A box of mass M on isotropic springs carries a shaft with an
-//! eccentric block of static moment m r; the motor turns the shaft:
+//! From a thesis on a self-centring screen for railway ballast. A box of mass M on isotropic springs carries a shaft with an eccentric
+//! block of static moment m r. The motor turns the shaft:
 //!
 //! ```text
 //! M x″ + C x′ + K x = m r (φ′² cos φ + φ″ sin φ)
@@ -9,17 +9,17 @@
 //! J φ″ = T(φ′) − T_f + m r (x″ sin φ − y″ cos φ)
 //! ```
 //!
-//! about the place of rest. Near the resonance the box takes more power the larger its amplitude, and may take all that the
-//! motor has: the shaft then stays there, below the speed that it should reach (**capture**, or Sommerfeld's effect). Whether it gets
-//! through is decided by the torque within a narrow margin.
+//! x and y are measured from the place of rest. Near the resonance, the box takes more power at a larger amplitude, and may take all the
+//! power of the motor. The shaft then stays at that speed, below the speed that it should reach (**capture**, or Sommerfeld's effect). A
+//! small change of the torque decides whether the shaft passes the resonance.
 //!
-//! Published: steady 5.00 mm at 837 turns a minute; with the torque limited to 1.05 of the rated one, capture near 187 turns a minute
-//! with 28 mm; with 1.1 it runs up.
+//! Published: steady 5.00 mm at 837 turns per minute. With the torque limited to 1.05 of the rated torque, capture occurs near 187 turns
+//! per minute with 28 mm. With 1.1 the screen runs up.
 //!
-//! Assumed: the torque is at its limit from rest on, and falls by Kloss's formula within the breakdown slip of 0.12 from
-//! the synchronous speed. The weight of the block is left out: with it a motor of the rated torque does not lift the
-//! block from level, though it does swing it up from the bottom. The inertia is not that of the source. There it is 3 kg m², "the rotor's", with which the screen runs up at 0.9
-//! of the rated torque; what is published comes out between 5.9 and 7.1 kg m² in all. Taken are 6.5.
+//! Assumed: the torque is at its limit from rest on, and falls by Kloss's formula within the breakdown slip of 0.12 from the synchronous
+//! speed. The weight of the block is left out: with it, a motor of the rated torque does not lift the block from level, although it swings
+//! the block up from the bottom. The inertia is not that of the source. The source gives 3 kg m², "the rotor's", and with this value the
+//! screen runs up at 0.9 of the rated torque. The published results require 5.9 to 7.1 kg m² in all. The model uses 6.5.
 
 use core::f64::consts::TAU;
 
@@ -40,13 +40,13 @@ const MOMENT_KG_M: f64 = 14.487;
 const STIFFNESS_N_M: f64 = 1310.4 * 981.0;
 /// Damping ratio of the box on its springs.
 const ZETA: f64 = 0.07;
-/// All that turns, kg m².
+/// Inertia of all rotating parts, kg m².
 const INERTIA_KGM2: f64 = 6.5;
 /// Friction, N m.
 const FRICTION_NM: f64 = 2.0;
-/// Synchronous speed of the motor, 1500 turns a minute, behind pulleys of 314 and 560 mm; rad/s.
+/// Synchronous speed of the motor, 1500 turns per minute, behind pulleys of 314 and 560 mm; rad/s.
 const SYNCHRONOUS_RAD_S: f64 = 1500.0 / 60.0 * TAU * 314.0 / 560.0;
-/// Its rated power, W.
+/// Rated power of the motor, W.
 const RATED_W: f64 = 11e3;
 /// Slip at the breakdown torque, and that torque over the rated one: the rated slip follows from them.
 const BREAKDOWN_SLIP: f64 = 0.12;
@@ -56,7 +56,7 @@ impl Screen {
     /// Dimension of the state.
     pub const DIMENSION: usize = 6;
 
-    /// The breakdown torque that the motor has unless it is limited, over the rated one.
+    /// Breakdown torque over the rated one: the greatest torque of a motor without a limit.
     pub const UNLIMITED: f64 = BREAKDOWN;
 
     /// Frequency of the box on its springs, rad/s.
@@ -100,7 +100,7 @@ impl Equations for Screen {
         let pull_n = MOMENT_KG_M * omega * omega;
         let x_n = pull_n * cos - damping * y[3] - STIFFNESS_N_M * y[0];
         let y_n = pull_n * sin - damping * y[4] - STIFFNESS_N_M * y[1];
-        // The box's accelerations, put into the shaft's equation, leave one for φ″.
+        // With the box's accelerations inserted, the shaft's equation has φ″ as its only unknown.
         let torque_nm =
             self.torque_nm(omega) - FRICTION_NM + MOMENT_KG_M / MASS_KG * (x_n * sin - y_n * cos);
         let angular = torque_nm / (INERTIA_KGM2 - MOMENT_KG_M * MOMENT_KG_M / MASS_KG);

@@ -18,7 +18,7 @@ impl VanDerPol {
     /// As published: ε = 1e-6.
     pub const STIFF: Self = Self { epsilon: 1e-6 };
 
-    /// State at time 0. (Where (2, −0.66) is given for the start, the published state is missed by 3e-7.)
+    /// State at time 0. (With the start (2, −0.66), which some sources give, the published state is missed by 3e-7.)
     pub const START: [f64; 2] = [2.0, 0.0];
 
     /// Time of the published state.

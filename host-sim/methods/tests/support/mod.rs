@@ -3,7 +3,7 @@
 
 use cophase_methods::{Equations, Scheme, StepError, advance};
 
-/// The state at `end_s`, from `start` at 0, in `steps` equal steps.
+/// State at `end_s`, from `start` at 0, in `steps` equal steps.
 pub fn play<const N: usize>(
     scheme: Scheme,
     equations: &dyn Equations,

@@ -30,7 +30,7 @@ fn finish(offsets: &mut PhaseOffsets) -> (PerAxis<f64>, u32) {
 }
 
 proptest! {
-    /// If this fails, an axis does not end on the whole step nearest to its target, or axes of equal steps lose the sum zero.
+    /// If this fails, an axis does not end on the whole step nearest to its target, or axes of equal steps no longer have the sum zero.
     #[test]
     fn moves_end_on_whole_steps(
         count in 2_usize..=6,

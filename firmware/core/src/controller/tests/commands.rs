@@ -23,7 +23,7 @@ fn a_command_to_home_ends_parked_and_a_start_then_runs() {
     assert_eq!(controller.output.telemetry.state, State::Run);
 }
 
-/// If this fails, a machine goes on turning after its operator has gone.
+/// If this fails, a machine keeps turning after its operator has gone.
 #[test]
 fn a_jog_turns_at_homing_speed_and_ends_unless_it_is_repeated() {
     let mut controller = running(100.0);

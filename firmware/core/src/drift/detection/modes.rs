@@ -283,7 +283,7 @@ mod tests {
         }
     }
 
-    /// If errors that are alike had a direction, a report would say that cranks lead at NaN degrees.
+    /// If this fails, equal errors have a direction, and a report says that cranks lead at NaN degrees.
     #[test]
     fn errors_that_do_not_tilt_have_no_direction() {
         let modes = Modes {
@@ -307,7 +307,7 @@ mod tests {
         }
     }
 
-    /// Every subset of sensors gives back what it can show: a plane from three, a tilt and the mean from two, the mean from one.
+    /// Every subset of sensors gives the modes that it can show: a plane from three, a tilt and the mean from two, the mean from one.
     #[test]
     fn missing_sensors_leave_fewer_equations() {
         for count in 2..=MAX_AXES {
@@ -316,7 +316,7 @@ mod tests {
             let plane = |i: usize| c + x * theta(i).cos() + y * theta(i).sin();
             for detected in 0..1_u32 << count {
                 let mount = Mount::with(count, detected as AxisSet);
-                // What is not detected is rubbish, and must not count.
+                // Errors that are not detected have arbitrary values, and must not count.
                 let phase_error = core::array::from_fn(|i| {
                     let e = if detected & 1 << i == 0 {
                         0.3
@@ -356,7 +356,7 @@ mod tests {
         }
     }
 
-    /// One crank out of five or six off by an electrical cycle: the plane takes 3/N of it, the rest
+    /// One crank out of five or six is off by an electrical cycle. The plane takes 3/N of it, and the rest
     /// is warp.
     #[test]
     fn a_single_axis_shows_as_tilt_and_warp() {

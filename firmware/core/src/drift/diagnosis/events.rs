@@ -299,7 +299,7 @@ mod tests {
         assert_eq!(next(&mut servo, 7.2), FaultKind::Slip);
     }
 
-    /// One jump of many may be whole by chance; the next shows.
+    /// One jump of many may be whole by chance. The next one shows that it is a slip or a runaway.
     #[test]
     fn what_goes_on_is_no_loss_of_steps_and_what_gains_runs_away() {
         let names = |jumps: &[f64]| {
@@ -315,7 +315,7 @@ mod tests {
         assert_eq!(names(&[51.456, 107.477])[1], Runaway);
     }
 
-    /// If this fails, a machine whose cranks lag less as it stops lets go of its drives while it turns.
+    /// If this fails, a machine whose cranks lag less as it stops disables its drives while it turns.
     #[test]
     fn a_crank_that_makes_up_for_a_lag_does_not_run_away() {
         let mut axis = axis();
@@ -333,7 +333,7 @@ mod tests {
         assert_eq!(next(&mut axis, 90.0), FaultKind::Runaway);
     }
 
-    /// If this fails, a sensor that picks something up now and then stops the machine, or one that has failed does not.
+    /// If this fails, a sensor with occasional noise stops the machine, or one that has failed does not.
     #[test]
     fn extra_pulses_in_four_turns_in_a_row_are_a_failed_sensor() {
         let mut axis = axis();
@@ -345,7 +345,7 @@ mod tests {
         assert!(axis.extra(deg(90.0)), "a turn had none");
     }
 
-    /// If this fails, what happened years ago is why a crank is beyond its limit.
+    /// If this fails, an event of years ago is named as the reason why a crank is beyond its limit.
     #[test]
     fn an_event_is_forgotten_after_some_turns() {
         let mut axis = axis();
@@ -360,8 +360,8 @@ mod tests {
         assert_eq!(axis.name(), None);
     }
 
-    /// Were a crank that turns back still called stuck, its drive would stay on; were one that swings ahead as it is let go called a
-    /// runaway, a stop would end as a coast.
+    /// If this fails for a crank that turns back, it is still called stuck, and its drive stays on. If it fails for one that swings ahead
+    /// as it is released, it is called a runaway, and a stop ends as a coast.
     #[test]
     fn what_turns_back_is_no_longer_stuck_and_what_swings_ahead_is() {
         assert!(is_better(FaultKind::Reversed, FaultKind::Stuck));

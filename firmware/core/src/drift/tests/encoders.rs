@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// With an encoder a crank that stands, turns back or runs away is known within some ticks, by its name.
+/// With an encoder, a crank that stands, turns back or runs away is detected within some ticks, with the right fault kind.
 #[test]
 fn encoders_show_how_an_axis_moves() {
     for (speed, kind) in [
@@ -27,7 +27,7 @@ fn encoders_show_how_an_axis_moves() {
             (kind, Some(2)),
             "{found:?}"
         );
-        // It begins 30 ticks on. How slowly it may turn back is known once it has gone back by an electrical cycle.
+        // The motion begins 30 ticks later. A crank that turns back slowly is detected once it has gone back by an electrical cycle.
         let cycle_turns = 64.0 / 3200.0;
         let ticks = if kind == FaultKind::Reversed {
             cycle_turns / 0.01 / (-1.0 - speed)
@@ -38,7 +38,7 @@ fn encoders_show_how_an_axis_moves() {
     }
 }
 
-/// If this fails, a crank that runs away while the machine is being stopped for another one is driven on.
+/// If this fails, a crank that runs away while the machine is being stopped for another one is driven further.
 #[test]
 fn a_runaway_is_reported_while_another_axis_is_stopped_for() {
     let found = encoders(3.0).turn(60, |i, t| match i {
@@ -59,7 +59,7 @@ fn a_runaway_is_reported_while_another_axis_is_stopped_for() {
     );
 }
 
-/// While nobody knows where the cranks should be, motors that all lag alike have a common lag; one that lags alone tilts the platform.
+/// Before homing, motors that all lag alike have a common lag. One that lags alone tilts the platform.
 #[test]
 fn axes_that_lag_alike_in_homing_lag_in_common() {
     let first = |lags: fn(usize) -> bool| {
@@ -72,7 +72,7 @@ fn axes_that_lag_alike_in_homing_lag_in_common() {
     assert_eq!(first(|i| i == 2), (FaultKind::Tilt, Some(2)));
 }
 
-/// Were it wrong, a fault would name the axis that is furthest from the others, and not the one whose encoder shows that it stands.
+/// If this fails, a fault names the axis that is furthest from the others, and not the one whose encoder shows that it stands.
 #[test]
 fn the_axis_that_stands_is_named_before_the_one_that_is_furthest() {
     let apart_deg = [0.8, 1.7, -1.7, -0.5];
@@ -91,7 +91,7 @@ fn the_axis_that_stands_is_named_before_the_one_that_is_furthest() {
     assert_eq!((fault.kind, fault.axis), (FaultKind::Stuck, Some(0)));
 }
 
-/// A reading that jumps is held back for a tick. Whenever in a window that is, a servo that stands has not gone back.
+/// A reading that jumps is held back for a tick. A servo that stands is not reported as reversed, at any time of its stop in a window.
 #[test]
 fn a_servo_that_stands_at_speed_is_stuck_whenever_that_begins() {
     let mut settings = settings(3, 3.0, 5.0, 15.0);
@@ -117,13 +117,14 @@ fn a_servo_that_stands_at_speed_is_stuck_whenever_that_begins() {
     }
 }
 
-/// A motor that is let go is pulled back to where its field catches it, and swings there. That is no reason to disable the drives.
+/// If this fails, a motor that is released, returns to where its field holds it and swings there counts as reversed, and the drives are
+/// disabled.
 #[test]
 fn a_crank_that_is_let_go_springs_back_and_is_stuck_all_the_same() {
     let mut cranks = encoders(3.0);
     let found = cranks.turn(150, |i, t| {
         let stood = (t - 1.5).clamp(0.0, 0.2);
-        // Half an electrical cycle back, and as far again as it swings, in twenty ticks.
+        // Half an electrical cycle back, and a swing of the same size, in twenty ticks.
         let swing = 0.01 * (1.0 - (core::f64::consts::PI * (t - 1.7) / 0.1).cos());
         let back = if t > 1.7 { swing } else { 0.0 };
         if i == 2 { -stood - back } else { 0.0 }
@@ -133,8 +134,8 @@ fn a_crank_that_is_let_go_springs_back_and_is_stuck_all_the_same() {
     assert!(kinds.contains(&FaultKind::Stuck), "{found:?}");
 }
 
-/// A reading that is off for some ticks is a glitch; counts that stay lost are shown by the index; a crank that slips on its shaft
-/// is detected by the index alone.
+/// A reading that is off for some ticks is a glitch. The index shows counts that stay lost. The index alone detects a crank that slips on
+/// its shaft.
 #[test]
 fn encoder_and_index_check_each_other() {
     let glitch = |from: f64, to: f64| {
@@ -207,7 +208,7 @@ fn encoder_and_index_check_each_other() {
     );
 }
 
-/// An index that is missing, or extra, where an encoder watches, is reported, and the machine goes on.
+/// An index pulse that is missing, or extra, on an axis with an encoder is reported, and the machine keeps running.
 #[test]
 fn an_encoder_vouches_for_its_crank() {
     let mut cranks = encoders(3.0);

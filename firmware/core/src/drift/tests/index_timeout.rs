@@ -1,16 +1,16 @@
-//! When a pulse that stays away is known to: as soon as it can be, and not before the line and its filter could report it.
+//! The time at which a missing pulse is detected: as early as possible, and not before the line and its filter can report the pulse.
 
 use super::*;
 
-/// Cycles into a tick, and the tick, in which a place is reached at an even speed.
+/// Tick, and cycles into it, in which a place is reached at an even speed.
 fn tick_of(place: f64, speed: f64) -> (u32, f64) {
     let ticks = place / speed;
     (ticks as u32, ticks.fract() * f64::from(TICK_CYCLES))
 }
 
-/// Were it wrong, a crank that stands would be a tick longer on its way: at 200 rev/s and 2 kHz that is 36°. It is overdue when it
-/// may have been beyond its limit for a turn: as soon as it is late by its limit; of a stepper that is beyond it with a cycle lost, as soon as
-/// it is out of place.
+/// If this fails, the index timeout of a crank that stands comes a tick later: at 200 rev/s and 2 kHz that is 36°. A pulse is overdue when
+/// its crank may have been beyond its limit for a turn. That is the case when the pulse is late by the limit. A stepper is beyond its limit
+/// with one lost cycle, so its pulse is overdue as soon as it is out of place.
 #[test]
 fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
     let filter_cycles = 3.0 * 2e-6 * f64::from(CLOCK_HZ);
@@ -28,7 +28,7 @@ fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
             let ticks = (2.2 / speed) as u32;
             let found = cranks.turn_with(ticks, |_, _| 0.0, |i, _, pulse| pulse.filter(|_| i != 3));
             let (mut due, cycle) = tick_of(2.0 + overdue, speed);
-            // A pulse in the filter's time before the tick's end may be reported in the next.
+            // A pulse that arrives within the filter's time before the tick's end may be reported in the next tick.
             due += u32::from(cycle > f64::from(TICK_CYCLES) - filter_cycles);
             assert_eq!(
                 (found[0].0, found[0].1.fault.kind),
@@ -39,7 +39,7 @@ fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
     }
 }
 
-/// Were it wrong, a line that is late by more than a tick would be missing in every turn, as soon as the machine is fast.
+/// If this fails, a line with a delay of more than a tick gives an index timeout in every turn as soon as the machine is fast.
 #[test]
 fn a_line_that_is_late_is_waited_for() {
     let (speed, late_ticks) = (0.02, 2.5);
@@ -58,7 +58,7 @@ fn a_line_that_is_late_is_waited_for() {
             start: Phase::from_turns(Turns::wrapping_from_num(start)),
             turns: Turns::from_num(speed),
         };
-        // Where the flags were when the line that is now at the loop left them.
+        // Positions of the flags at the time of the line's level that now reaches the loop.
         let flags = |t: f64| (t - late_ticks * speed).max(0.0).floor();
         let passes = flags(start + speed) > flags(start);
         let edge = flags(start + speed) + late_ticks * speed;
@@ -81,8 +81,8 @@ fn a_line_that_is_late_is_waited_for() {
     assert_eq!(reported, Some((due, FaultKind::IndexTimeout, Some(1))));
 }
 
-/// Were it wrong, steps lost right after the index passed, and detected by the encoder at once, would be named a turn and a margin
-/// later, with the crank beyond its limit for all that time.
+/// If this fails, steps that are lost right after an index pulse, and that the encoder detects at once, are named a turn and a margin
+/// later. The crank is beyond its limit for all that time.
 #[test]
 fn steps_lost_beside_an_index_are_known_within_a_turn() {
     for after in [1, 2, 5, 80] {
@@ -96,7 +96,7 @@ fn steps_lost_beside_an_index_are_known_within_a_turn() {
             let found = cranks.turn((3.5 / speed) as u32, lost);
             let (tick, finding) = found[0];
             assert_eq!(finding.fault.kind, FaultKind::LostSteps, "{found:?}");
-            // The tick in which the crank was beyond its limit is over at most a turn before the one begins that shows.
+            // The tick in which the crank was beyond its limit ends at most a turn before the tick of the report begins.
             assert!(
                 f64::from(tick - last_pulse - 1) * speed <= 1.0,
                 "{after} ticks after the index, {speed} turns a tick: reported {} ticks later",
@@ -106,8 +106,8 @@ fn steps_lost_beside_an_index_are_known_within_a_turn() {
     }
 }
 
-/// Were it wrong, a crank that was left at the end of its flag, and swings there before the machine turns, would be taken for one at its
-/// beginning, and a sound machine be refused.
+/// If this fails, a crank that was left at the end of its flag, and swings there before the machine turns, counts as one at the beginning
+/// of its flag. A sound machine is then refused.
 #[test]
 fn a_crank_that_swings_where_it_was_left_says_nothing() {
     let mut monitor = monitor(2, 3.0, 5.0, 15.0);
@@ -130,8 +130,9 @@ fn a_crank_that_swings_where_it_was_left_says_nothing() {
     assert!(monitor.is_homed());
 }
 
-/// A crank that comes to rest at the end of its flag swings over it. Were that a pulse elsewhere, a parked machine would report a crank
-/// that runs away. At speed it is one, and so it is a turn later, where a crank that slipped by the length of its flag makes it.
+/// A crank that comes to rest at the end of its flag swings over it. If this fails, this counts as a pulse elsewhere, and a parked machine
+/// reports a crank that runs away. At speed the pulse does count as one elsewhere. A turn later it does so too, as then a crank that
+/// slipped by the length of its flag makes it.
 #[test]
 fn a_crank_that_rests_at_the_end_of_its_flag_says_nothing() {
     for (turns, later, is_reported) in [(1e-6, 0.0, false), (0.01, 0.0, true), (1e-6, 1.0, true)] {

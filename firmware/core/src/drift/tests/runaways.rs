@@ -1,9 +1,9 @@
-//! Cranks that run away, watched by an index alone, and noise that might be taken for them.
+//! Cranks that run away, watched by an index alone, and noise that resembles them.
 
 use super::*;
 
-/// Were it wrong, a crank that runs at some ratio of its speed, from some place of its turn on, would pass for noise: one at twice its
-/// speed comes in its place, and once more between.
+/// If this fails, a crank that runs at some ratio of its speed, from some place of its turn on, counts as noise. At twice its speed one
+/// pulse comes in its place, and one more between.
 #[test]
 fn an_index_detects_a_runaway_at_any_speed_within_a_turn() {
     let speed = 0.01;
@@ -27,8 +27,8 @@ fn an_index_detects_a_runaway_at_any_speed_within_a_turn() {
             let beyond = from + true_alone(4, 2) / (ratio - 1.0);
             let late = f64::from(*tick + 1) * speed - beyond;
             worst = worst.max(late);
-            // A tick that is over, one for the pulse at its end, four for the other axes' pulses before it in the queue, and three
-            // to evaluate them.
+            // One tick for the tick that is over, one for the pulse at its end, four for the other axes' pulses before it in the queue, and
+            // three to evaluate them.
             assert!(
                 late < 1.0 + 9.0 * speed,
                 "{late} turns: ratio {ratio}, from {place}, {found:?}"
@@ -41,7 +41,7 @@ fn an_index_detects_a_runaway_at_any_speed_within_a_turn() {
     );
 }
 
-/// Were it wrong, a machine would be stopped for a crank that runs away where a line picks something up once a turn.
+/// If this fails, noise on a line once a turn counts as a crank that runs away, and stops the machine.
 #[test]
 fn noise_once_a_turn_is_no_crank_that_runs() {
     for place in [0.1, 0.3, 0.45, 0.51, 0.55, 0.62, 0.7, 0.9] {

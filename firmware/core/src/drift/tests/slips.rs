@@ -1,9 +1,10 @@
-//! Cranks that slip: on their shafts, which their encoders do not see, or watched by an index alone; and sensors that only seem to say so.
+//! Cranks that slip on their shafts, which their encoders do not detect, or that an index alone watches, and sensors that only seem to show
+//! a slip.
 
 use super::*;
 
-/// Plays ticks in which encoders read what was commanded; crank i is off by `slipped(i, turns)`, and `sensor` makes of its pulses what
-/// it likes.
+/// Plays ticks in which encoders read the commanded phases. Crank i has the phase error `slipped(i, turns)`, and `sensor` changes its
+/// pulses.
 fn play(
     cranks: &mut Cranks,
     ticks: u32,
@@ -39,8 +40,8 @@ fn play(
     found
 }
 
-/// Were it wrong, a crank that falls back fast on its shaft would first be a missing index, which only is reported, and stop the machine a
-/// turn later.
+/// If this fails, a crank that falls back fast on its shaft is first reported as a missing index, which does not stop the machine. The stop
+/// then comes a turn later.
 #[test]
 fn a_fast_slip_stops_the_machine_as_its_flag_comes() {
     let mut cranks = encoders(3.0);
@@ -59,8 +60,8 @@ fn a_fast_slip_stops_the_machine_as_its_flag_comes() {
     );
 }
 
-/// Were it wrong, a crank that slipped once, by little, would never be vouched for by its encoder again: a pulse that is lost long after
-/// would stop a sound machine; and whatever takes it beyond a limit years later would be called a slip.
+/// If this fails, a crank that slipped once, by little, is never again confirmed by its encoder. A pulse that is lost long after then stops
+/// a sound machine, and any later cause that takes the crank beyond a limit is called a slip.
 #[test]
 fn a_slip_of_long_ago_is_not_why_a_pulse_is_missing() {
     let mut cranks = encoders(30.0);
@@ -80,8 +81,8 @@ fn a_slip_of_long_ago_is_not_why_a_pulse_is_missing() {
     assert_eq!(found, [(FaultKind::IndexMissing, Some(0), true)]);
 }
 
-/// Were it wrong, a crank that slips far back on its shaft would be detected a turn later than its flag shows it: its pulse would pass for
-/// noise. The price is that noise in the turn after a lost pulse stops the machine, too.
+/// If this fails, a crank that slips far back on its shaft is detected a turn later than its flag shows it, as its pulse counts as noise.
+/// The disadvantage is that noise in the turn after a lost pulse stops the machine, too.
 #[test]
 fn a_pulse_elsewhere_after_a_missing_one_is_a_crank_that_moved() {
     for (slip, noise_at) in [(-0.7, None), (0.0, Some(3.3))] {
@@ -101,7 +102,7 @@ fn a_pulse_elsewhere_after_a_missing_one_is_a_crank_that_moved() {
     }
 }
 
-/// Were it wrong, where a crank was left would be something that it did: of two that are apart, the sound one would be named.
+/// If this fails, the position in which a crank was left counts as its motion. Of two cranks that are apart, the sound one is then named.
 #[test]
 fn where_a_crank_is_first_detected_is_no_slip() {
     let mut cranks = Cranks::new(monitor_with_encoders(30.0), 0.01);
@@ -117,8 +118,7 @@ fn where_a_crank_is_first_detected_is_no_slip() {
     }
 }
 
-/// Cranks by index alone, the last of which slips `rate` turns a turn from `from` on, and nothing calls a walk by its name: from
-/// passing its limit, turns until it is stopped for.
+/// Cranks by index alone, the last of which slips `rate` turns a turn from `from` on. Returns the turns from passing its limit to its stop.
 fn late_by_index(count: usize, rate: f64, from: f64) -> f64 {
     let speed = 0.01;
     let mut cranks = Cranks::new(monitor(count, 3.0, 5.0, 15.0), speed).homed();
@@ -136,8 +136,8 @@ fn late_by_index(count: usize, rate: f64, from: f64) -> f64 {
     f64::from(tick + 1) * speed - (from + true_alone(count, slips) / rate.abs())
 }
 
-/// Were it wrong, a crank that slips slowly would be held against a mean that it moves itself, and be beyond its limit by half of what it
-/// gains in a turn, or by all of it, before it is stopped for; or one that is far from it would be.
+/// If this fails, a crank that slips slowly is compared with a mean that it moves itself. It is then beyond its limit by half of its gain
+/// in a turn, or by all of it, before the machine stops for it. Or the machine stops for a crank that is far from its limit.
 #[test]
 fn a_slow_slip_by_index_is_stopped_for_within_a_turn_of_its_limit() {
     let mut worst = f64::MIN;
@@ -146,8 +146,8 @@ fn a_slow_slip_by_index_is_stopped_for_within_a_turn_of_its_limit() {
             for late in [2, 3, 5, 6].map(|count| late_by_index(count, rate, from)) {
                 worst = worst.max(late);
                 assert!(late < 1.02, "{late} turns at {rate}, from {from}");
-                // Sooner by what is taken off the limit for readings, of a crank up to three times as much. (What leaves its place in a turn
-                // may have lost a cycle, which is too far here.)
+                // The stop comes earlier by the share of the limit that is reserved for readings, of a crank up to three times as much. (A
+                // crank that leaves its place within a turn may have lost a cycle, which is too far here.)
                 let early = 3.0 * 0.25 / 360.0 / rate.abs() + 0.02;
                 assert!(
                     rate.abs() > 0.005 || late > -early,
@@ -159,7 +159,7 @@ fn a_slow_slip_by_index_is_stopped_for_within_a_turn_of_its_limit() {
     assert!(worst > 0.5, "{worst}: nothing was tried");
 }
 
-/// A crank that walks is called so, slow or fast.
+/// A crank that slips at a steady rate is reported as a slip, slow or fast.
 #[test]
 fn a_walk_is_slip() {
     for a_turn in [-0.03, -0.013, -0.002, -0.0005, 0.0005, 0.002] {
@@ -177,7 +177,7 @@ fn a_walk_is_slip() {
         let named: Vec<_> = named
             .filter(|kind| *kind != FaultKind::IndexTimeout)
             .collect();
-        // Two jumps in a row may add up to whole cycles by chance; the next shows that it goes on.
+        // Two consecutive jumps may add up to whole cycles by chance. The next jump shows that the slip continues.
         let last = named.iter().rev().take(2);
         assert!(
             last.clone().all(|kind| *kind == FaultKind::Slip),

@@ -1,10 +1,10 @@
-//! Pulses and the ticks in which they come and are processed.
+//! Pulses and the ticks in which they arrive and are processed.
 
 use super::*;
 use proptest::prelude::*;
 
-/// A pulse that is confirmed a tick later belongs to the speed of its own tick. Were it computed from the
-/// later one's, 2000 rev/s² would make 0.018° of 50 µs. One cycle at 200 rev/s is 0.0006°.
+/// A pulse that is confirmed a tick later belongs to the speed of its own tick. If this fails, it is computed from the
+/// later tick's speed, and 2000 rev/s² make 0.018° of 50 µs. One cycle at 200 rev/s is 0.0006°.
 #[test]
 fn a_pulse_of_the_tick_before_is_measured_as_well() {
     let tick_s = f64::from(TICK_CYCLES) / f64::from(CLOCK_HZ);
@@ -48,8 +48,7 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
     }
 }
 
-/// After missed deadlines nobody knows the tick before: a pulse in it shows that its sensor is alive, and
-/// no more.
+/// After missed deadlines the tick before is unknown. A pulse in it shows only that its sensor works.
 #[test]
 fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
     let mut monitor = monitor(2, 100.0, 90.0, 180.0);
@@ -115,11 +114,12 @@ fn pulses_that_come_together_are_processed_one_a_tick() {
     }
 }
 
-/// If this fails, a pulse waits for those of other axes that came before it, and a stop comes later than the docs prove.
+/// If this fails, a pulse waits for those of other axes that came before it, and a stop comes later than the docs
+/// prove.
 #[test]
 fn a_pulse_is_evaluated_in_time_however_pulses_of_others_come() {
     let worst = core::cell::Cell::new(0);
-    // Pulses of one turn close together, and so many turns a second that those of the next come while a round ends.
+    // Pulses of one turn are close together. At these speeds the pulses of the next turn arrive while a round ends.
     let speeds = prop_oneof![Just(0.01), 0.05..0.09_f64];
     proptest!(|(count in 2..=6_usize, who in 0..6_usize, speed in speeds, ticks in prop::array::uniform6(0.0..9.0_f64))| {
         let who = who % count;
@@ -162,8 +162,8 @@ fn limits_are_checked_at_any_speed() {
     }
 }
 
-/// A sensor that bounces at every other passage, at 0.4 turns a tick: three widths or one until a pulse is
-/// confirmed, the width a quarter of a tick. A pulse that waits is not a missing one.
+/// A sensor that bounces at every other passage, at 0.4 turns a tick. A pulse is confirmed after three widths or one,
+/// and the width is a quarter of a tick. A pulse that waits does not count as missing.
 #[test]
 fn pulses_that_wait_to_be_confirmed_are_not_missed() {
     let mut settings = settings(2, 100.0, 90.0, 1.0);

@@ -1,4 +1,4 @@
-//! Cranks that move arbitrarily: not the faults that anyone thought of, but any path of the phase error, by pieces.
+//! Cranks that move arbitrarily: any path of the phase error in pieces, and not only known faults.
 
 use super::*;
 use proptest::prelude::*;
@@ -15,7 +15,7 @@ struct Piece {
 }
 
 fn piece() -> impl Strategy<Value = Piece> {
-    // A blow or lost steps. No crank is thrown by half a turn in a tick.
+    // A blow or lost steps. A crank does not jump by half a turn in a tick.
     let jump = prop_oneof![-0.06..0.06_f64, -0.45..0.45_f64].prop_map(|by| (by, 0.0));
     // From slow drift to four times the speed, ahead or back.
     let rate = prop_oneof![-0.05..0.05_f64, -4.0..4.0_f64];
@@ -58,8 +58,8 @@ fn duration(path: &[Piece]) -> f64 {
         .sum()
 }
 
-/// First tick up to which a path has been beyond `limit` for `turns` of the master, and for one of whatever else has made `travel` turns,
-/// without a break. An index does not distinguish whole turns. A path that jumps across a whole turn is within the limit on its way.
+/// First tick up to which a path has been beyond `limit` for `turns` of the master without a break, and `travel` has grown by one turn in
+/// that time. An index does not distinguish whole turns. A path that jumps across a whole turn passes through the limit.
 fn turn_beyond(
     limit: f64,
     turns: f64,
@@ -91,11 +91,12 @@ enum Shown {
     Index,
     /// Its encoder, in every tick.
     Encoder,
-    /// Its index, compared with its encoder: it moves on its shaft.
+    /// Its index, compared with its encoder: the crank moves on its shaft.
     Difference,
 }
 
-/// Ticks until a machine is stopped in which cranks take these paths, from `start` turns after homing on; and until it must be.
+/// Ticks until a machine stops whose cranks take these paths, from `start` turns after homing on, and ticks until it must stop. Returns the
+/// findings too.
 fn stop_of(
     shown: Shown,
     count: usize,
@@ -131,7 +132,7 @@ fn stop_of(
         let gate = 4.0 * cranks.monitor.tolerance(axis).to_num::<f64>();
         let at = |tick: u32| f64::from(first + tick + 1) * SPEED;
         let error = |tick| error(axis, at(tick));
-        // A pulse that stays away is no evidence against an encoder: the crank has to pass its flag.
+        // A missing pulse is no evidence against an encoder: the crank has to pass its flag.
         let travel = |tick| match shown {
             Shown::Difference => at(tick) + error(tick),
             Shown::Index | Shown::Encoder => at(tick),
@@ -151,7 +152,7 @@ fn stop_of(
 }
 
 proptest! {
-    /// If this fails, a crank can stay beyond its limit for a turn without a stop, however it got there.
+    /// If this fails, a crank can stay beyond its limit for a turn without a stop, whatever its path was.
     #[test]
     fn a_crank_that_is_beyond_its_limit_for_a_turn_stops_the_machine(
         shown in prop_oneof![Just(Shown::Index), Just(Shown::Encoder), Just(Shown::Difference)],

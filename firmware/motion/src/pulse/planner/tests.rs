@@ -122,7 +122,7 @@ fn ns(cycles: u64) -> f64 {
     cycles as f64 * 1e9 / f64::from(CLOCK_HZ)
 }
 
-/// Plays ticks of so many turns; the drive, and the steps that were counted.
+/// Plays ticks with the given turns. Returns the drive, and the steps that were counted.
 fn play_ticks(tick_hz: u32, steps_per_turn: u32, ticks: &[i64]) -> (Drive, i64) {
     play_with(timing(tick_hz), steps_per_turn, ticks)
 }
@@ -230,8 +230,8 @@ proptest! {
     }
 }
 
-/// At a steady rate that divides the clock a tick takes few runs. The last edge, due at the very end of the tick, keeps
-/// the guard, and the last chunk gives way for it.
+/// At a steady rate that divides the clock, a tick takes few runs. The last edge is due at the very end of the tick. It
+/// keeps the guard, and the last chunk is shortened for it.
 #[test]
 fn a_whole_period_needs_few_runs() {
     let mut planner = Planner::new(timing(2000).timing, 2000);
@@ -249,7 +249,7 @@ fn a_whole_period_needs_few_runs() {
     assert!(exact >= 500 - CHUNK, "{runs:?}");
 }
 
-/// STEP stays low for its width before it rises again, also where set-up and hold are shorter than that.
+/// STEP stays low for its width before it rises again, even where set-up and hold are shorter than that.
 #[test]
 fn a_change_of_direction_keeps_the_pulse_width_low() {
     let lines = timing_of(2000, 2500.0, 500.0, 500.0);
@@ -275,7 +275,7 @@ fn a_long_set_up_is_refused() {
     assert!(PulseTiming::new(&settings, CLOCK_HZ, 2000).is_ok());
 }
 
-/// If another clock were accepted, edges would come at other times than planned.
+/// If this fails, another clock is accepted, and edges come at other times than planned.
 #[test]
 fn times_follow_the_step_clock() {
     let settings = PulseSettings {

@@ -91,8 +91,8 @@ pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> F
             let less = gentler * acceleration.powi(2) / (2.0 * jerk);
             (coasted * jerk / 8.0, coasted * (jerk / 8.0 + less))
         }
-        // A gentler brake goes further, so that less distance is left at homing speed. That may well be the beginning,
-        // which is slow.
+        // A gentler brake goes further, so that less distance is left at homing speed. That distance may be at the
+        // beginning, which is slow.
         Coasting::Slow => {
             let slow_end = |distance: f64| {
                 let jerked = 4.0 * (distance / (2.0 * jerk)).cbrt();
@@ -100,7 +100,7 @@ pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> F
             };
             (0.0, slow_end(spare + longer) - slow_end(spare))
         }
-        // The edge is met. To reach it a little later, in whole ticks and by gentler limits, is even a gain.
+        // The edge is met. Reaching it a little later, in whole ticks and by gentler limits, is even a gain.
         Coasting::BelowBand => (f64::INFINITY, 0.0),
     };
     Found {
@@ -140,8 +140,8 @@ fn run(
 proptest! {
     #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::default() })]
 
-    /// From any constant speed. If this were wrong, a machine that is to park would turn beyond the phase at which it
-    /// could already stop.
+    /// From any constant speed. If this fails, a machine that is to park turns beyond the phase at which it can already
+    /// stop.
     #[test]
     fn a_stop_from_a_constant_speed_is_the_earliest(
         limits in any_limits(),

@@ -37,7 +37,7 @@ fn any_state(
 proptest! {
     #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::default() })]
 
-    /// An error of a unit would make a stop miss its phase by as much.
+    /// If this fails, a stop misses its phase by the error of the distance, also by a single unit.
     #[test]
     fn braking_distance_is_the_sum_of_speeds((limits, from) in any_state(any_limits())) {
         let ramp = &limits.parking;
@@ -74,7 +74,7 @@ proptest! {
         }
     }
 
-    /// If this were wrong, a stop would begin to brake too late and come a turn later.
+    /// If this fails, a stop begins to brake too late and comes a turn later.
     #[test]
     fn easing_takes_no_more_slack_than_computed((limits, state) in any_state(any_limits())) {
         let easing = Easing::new(state, &limits);

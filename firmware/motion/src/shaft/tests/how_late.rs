@@ -83,9 +83,9 @@ fn turns_later(found: &[Found]) -> usize {
     found.iter().filter(|found| found.turns_later > 0).count()
 }
 
-/// If this were wrong, machines would stop later than documented. Their jerk has so many units that planning in whole
-/// ones costs almost nothing. A shaft that leaves a band cannot coast inside it for up to a turn, as a stop without
-/// bands may; it coasts at the lower edge.
+/// If this fails, machines stop later than documented. Their jerk has so many units that planning in whole ones costs
+/// almost nothing. A shaft that leaves a band cannot coast inside it for up to a turn, as a stop without bands may. It
+/// coasts at the lower edge.
 #[test]
 fn stops_of_machines_are_no_later_than_two_ticks() {
     let (all, without_bands) = stops(any_machine(), 2000);
@@ -105,8 +105,8 @@ fn stops_of_machines_are_no_later_than_two_ticks() {
     );
 }
 
-/// The same over all that settings accept, down to jerks of 64 units, of which planning subtracts four: there it costs
-/// time.
+/// The same over all settings that are accepted, down to jerks of 64 units, of which planning subtracts four. There
+/// planning in whole units costs time.
 #[test]
 fn what_planning_in_whole_units_costs() {
     let (all, _) = stops(any_limits(), 500);

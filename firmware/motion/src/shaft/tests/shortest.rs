@@ -86,8 +86,8 @@ proptest! {
         prop_assert!(is_the_shortest(over, watch.ticks), "{over} ticks over the least");
     }
 
-    /// If this were wrong, a fault during a stop at a phase would wait for that stop, or start from a wrong acceleration.
-    /// A caller that demands both at once would get neither.
+    /// If this fails, a fault during a stop at a phase waits for that stop, or starts from a wrong acceleration. A
+    /// caller that demands both at once then gets neither.
     #[test]
     fn a_fault_during_another_stop_is_not_kept_waiting(
         limits in any_limits(),
@@ -116,7 +116,7 @@ proptest! {
         prop_assert!(is_the_shortest(over, watch.ticks), "{over} ticks over the least");
     }
 
-    /// If this were wrong, a fault stop inside a band, on the way up or down, would cross the band first.
+    /// If this fails, a fault stop inside a band, on the way up or down, crosses the band first.
     #[test]
     fn a_fault_while_crossing_a_band_stops_as_shortly(
         limits in any_limits(),

@@ -1,6 +1,6 @@
-//! The elastic follower chain against the numbers calculated for it independently, item by item.
+//! Elastic follower chain, compared item by item with numbers that were calculated independently.
 //!
-//! `cargo test -p cophase-methods --test chain -- --nocapture` prints them all.
+//! `cargo test -p cophase-methods --test chain -- --nocapture` prints all the numbers.
 
 use core::f64::consts::TAU;
 
@@ -18,7 +18,7 @@ fn assert_within(what: &str, is: f64, must: f64, relative: f64) {
     );
 }
 
-/// 1: times of the cycle, to the digits given.
+/// 1: times of the cycle, to the printed digits.
 #[test]
 fn times_of_the_cycle() {
     let cam = Cam::wrapper(Law::Cycloid);
@@ -47,7 +47,7 @@ fn modes() {
     }
 }
 
-/// 3: peaks of the four laws by design, to 1e-4, and the laws themselves have those peaks.
+/// 3: design peaks of the four laws, to 1e-4. The laws themselves have these peaks.
 #[test]
 fn design_peaks() {
     let published = [
@@ -69,7 +69,7 @@ fn design_peaks() {
         let sampled = (0..=100_000)
             .map(|i| law.at(f64::from(i) / 100_000.0).acceleration.abs())
             .fold(0.0, f64::max);
-        // Flat at the top: a sample is off it by half a sample, 5e-6, squared.
+        // The peak is flat: a sample is off it by the square of half a sample, 5e-6.
         assert!(
             (sampled / law.peak_coefficient() - 1.0).abs() < 1e-8,
             "{law:?}"
@@ -77,8 +77,8 @@ fn design_peaks() {
     }
 }
 
-/// Were a piece of a law joined wrongly or differentiated wrongly, its velocity would not be the slope of its
-/// displacement, or its ends not 0 and 1. Central differences at 1e-6 are off by 2e-11 of rounding and 1e-10 of curvature.
+/// If this fails, a piece of a law is joined or differentiated wrongly: its velocity is not the slope of its displacement,
+/// or its ends are not 0 and 1. Central differences at 1e-6 are off by 2e-11 of rounding and 1e-10 of curvature.
 #[test]
 fn laws_are_consistent() {
     for law in Law::ALL {
@@ -91,14 +91,14 @@ fn laws_are_consistent() {
             let (before, at, after) = (law.at(u - by), law.at(u), law.at(u + by));
             let slope = (after.displacement - before.displacement) / (2.0 * by);
             assert!((slope - at.velocity).abs() < 1e-9, "{law:?} at {u}");
-            // Where two pieces meet the jerk jumps, by up to 80: the difference is off by a quarter of that times 1e-6.
+            // Where two pieces meet, the jerk jumps by up to 80. The difference is off by a quarter of that times 1e-6.
             let slope = (after.velocity - before.velocity) / (2.0 * by);
             assert!((slope - at.acceleration).abs() < 5e-5, "{law:?} at {u}");
         }
     }
 }
 
-/// Largest values over one cycle, after as many that the start is forgotten: the slowest mode decays by e⁻⁸ in each.
+/// Largest values over one cycle, after enough cycles for the start to decay: the slowest mode decays by e⁻⁸ in each.
 #[derive(Clone, Copy, Debug, Default)]
 struct Periodic {
     first_mps2: f64,
@@ -130,7 +130,7 @@ fn periodic(law: Law, shaft: Shaft, scheme: Scheme) -> Periodic {
     found
 }
 
-/// 4: accelerations as the equations were printed, to 0.1 %, by two methods that have nothing in common.
+/// 4: accelerations by the equations as printed, to 0.1 %, from two independent methods.
 #[test]
 fn accelerations_as_printed() {
     let published = [
@@ -153,8 +153,8 @@ fn accelerations_as_printed() {
     }
 }
 
-/// 5: the damper's other end at the cam, and what its end at the ground costs. Three digits are published, and met to
-/// half of the last.
+/// 5: the damper's second end at the cam, and the loss with that end at the ground. Three digits are published. The results
+/// agree to half of the last digit.
 #[test]
 fn with_the_damper_at_the_cam() {
     let law = Law::ModifiedSine;
@@ -182,7 +182,7 @@ fn with_the_damper_at_the_cam() {
         1.40,
         3.5e-3,
     );
-    // The ground's damper holds the cam-side mass back by C₁ s′ / K₁ at the fastest.
+    // The damper to ground holds the cam-side mass back by C₁ s′ / K₁ at the highest speed.
     let cam = Cam::wrapper(law);
     let fastest_mps = (0..10_000)
         .map(|i| cam.at(cam.cycle_s() * f64::from(i) / 1e4).velocity.abs())
@@ -191,8 +191,8 @@ fn with_the_damper_at_the_cam() {
     assert_within("lag, mm", lag_mm, 0.199, 2.5e-3);
 }
 
-/// 6: step limits, to 1 %. Semi-implicit Euler's published 58.5 us is 2/ω of the fastest mode without damping. With its
-/// damping, taken at the velocity before the step, the limit is 2 (√(1 + ζ²) − ζ)/ω: 41.7 us.
+/// 6: step limits, to 1 %. The published limit of semi-implicit Euler, 58.5 us, is 2/ω of the fastest mode without damping.
+/// With its damping, taken at the velocity before the step, the limit is 2 (√(1 + ζ²) − ζ)/ω: 41.7 us.
 #[test]
 fn longest_stable_steps() {
     let cam = Cam::wrapper(Law::ModifiedSine);
@@ -228,7 +228,7 @@ fn longest_stable_steps() {
     for scheme in [Scheme::ImplicitMidpoint, Scheme::Sdirk4, Scheme::Exact] {
         assert_eq!(limit_us(scheme, &chain), None, "{scheme}");
     }
-    // The guard, asked about the fastest mode alone, agrees: no other binds.
+    // The check of the fastest mode alone gives the same limit: no other mode sets it.
     for scheme in [
         Scheme::Rk4,
         Scheme::ExplicitEuler,
@@ -245,7 +245,7 @@ fn longest_stable_steps() {
     }
 }
 
-/// A 1 kHz loop with an explicit method diverges, and says so; one without a limit goes on.
+/// A 1 kHz loop with an explicit method diverges and returns an error. With a method without a limit, the loop continues.
 #[test]
 fn at_a_kilohertz() {
     let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToGround);
@@ -259,9 +259,9 @@ fn at_a_kilohertz() {
     }
 }
 
-/// Were the equations, or a method on them, wrong in a way that the periodic peaks hide, the state would differ from the
-/// library solvers'. Over the rise of the cycloid, where all is smooth, in steps of 16 us: hω is 0.55 for the fastest mode,
-/// which takes hardly part, 0.09 and 0.03 for the others. Bounds are 2 (hω)^p at 0.09, of 1 m/s.
+/// If this fails, the equations or a method on them are wrong in a way that the periodic peaks hide: the state differs from
+/// that of the library solvers. The run covers the rise of the cycloid, where all is smooth, in steps of 16 us. hω is 0.55
+/// for the fastest mode, which hardly takes part, and 0.09 and 0.03 for the others. Bounds are 2 (hω)^p at 0.09, of 1 m/s.
 #[test]
 fn follows_the_library_solvers() {
     let cam = Cam::wrapper(Law::Cycloid);

@@ -1,4 +1,4 @@
-//! Methods on problems whose answers library solvers know.
+//! Tests of the methods on problems with reference solutions from library solvers.
 //!
 //!     cargo test -p cophase-references -- --nocapture
 

@@ -1,8 +1,8 @@
-//! Every method has the order it states.
+//! Every method has its stated order.
 //!
-//! Were a coefficient, a stage time or a sign wrong, the slope of log error against log step would be another one. It is
-//! measured on a pendulum, damped and driven, far from linear, and for all methods, the exact one included, on a
-//! damped oscillator whose solution is a formula.
+//! If this fails, a coefficient, a stage time or a sign is wrong, and the slope of log error against log step differs from the
+//! order. The slope is measured on a damped and driven pendulum, which is far from linear. For all methods, including the exact
+//! one, it is also measured on a damped oscillator whose solution is a formula.
 //!
 //! `cargo test -p cophase-methods --test order -- --nocapture` prints the slopes.
 
@@ -16,11 +16,12 @@ use super::support::{difference, play};
 /// Permitted difference between a slope and the order.
 const MARGIN: f64 = 0.1;
 
-/// A machine to measure the order on, from its start to `end_s`, in `coarsest` steps and up to a hundred times as many.
+/// Machine on which the order is measured, from its start to `end_s`, in `coarsest` steps and up to a hundred times as many.
 ///
-/// Over two decades of step the error of order 4 goes over eight. Coarser, the next term of the error has a share of some per
-/// cent in it; finer, it falls to rounding, or to the uncertainty of the reference. So methods of order 4 are given machines that
-/// swing for long and are hardly damped: on those the error adds up over the way, and rounding hardly does.
+/// Over two decades of step, an error of order 4 covers eight decades. At coarser steps, the next term of the error has a share
+/// of some per cent. At finer steps, the error falls to rounding, or to the uncertainty of the reference. So the machines for
+/// methods of order 4 run for a long time with little damping: the method's error accumulates over the run, and rounding hardly
+/// does.
 struct Case<M> {
     machine: M,
     end_s: f64,
@@ -28,14 +29,14 @@ struct Case<M> {
 }
 
 impl<M> Case<M> {
-    /// Steps of a sweep, six to the decade, over two decades.
+    /// Step counts of a sweep, six per decade, over two decades.
     fn sweep(&self) -> impl Iterator<Item = u32> + use<M> {
         let coarsest = f64::from(self.coarsest);
         (0..=12).map(move |i| (coarsest * 10_f64.powf(f64::from(i) / 6.0)).round() as u32)
     }
 }
 
-/// Errors below this many times the error of the reference, or below as many times rounding, are left out.
+/// Errors below this multiple of the reference's error, or below this multiple of rounding, are left out.
 const REFERENCE_SHARE: f64 = 10.0;
 
 #[test]
@@ -110,7 +111,7 @@ fn on_a_driven_oscillator() {
         let mut slope = Slope::default();
         for steps in case.sweep() {
             let y = play(scheme, &machine, start, end_s, steps).unwrap();
-            // Each step rounds by some ε of a state of some 3 m/s, this way or that way.
+            // Each step rounds a state of some 3 m/s by some ε, in either direction.
             let rounding = 3.0 * f64::EPSILON * f64::from(steps).sqrt();
             let error = difference(&y, &truth);
             if error > REFERENCE_SHARE * rounding {

@@ -1,6 +1,6 @@
-//! Public problems: published values, library solvers and the methods of this crate, all three.
+//! Public problems: comparison of published values, library solvers and the methods of this crate.
 //!
-//! `cargo test -p cophase-methods --test published -- --nocapture` prints how far each is off.
+//! `cargo test -p cophase-methods --test published -- --nocapture` prints the error of each.
 
 use cophase_methods::problems::{Andrews, BouncingBall, Hires, VanDerPol};
 use cophase_methods::{Equations, Scheme, StepError};
@@ -18,7 +18,8 @@ fn angles(y: &[f64; 14]) -> [f64; 7] {
     *y.first_chunk().unwrap()
 }
 
-/// Were a mass, a length or a sign wrong, the first accelerations would not be those published, or the loops not closed.
+/// If this fails, a mass, a length or a sign is wrong: the first accelerations are not those published, or the loops are not
+/// closed.
 #[test]
 fn andrews_starts_closed_and_as_published() {
     let start = andrews_start();
@@ -31,15 +32,16 @@ fn andrews_starts_closed_and_as_published() {
         assert!((is / must - 1.0).abs() < 1e-12, "{is} for {must}");
     }
     for rest in &rates[9..] {
-        assert!(rest.abs() < 1e-9, "{rest:e}"); // the other bodies start without
+        assert!(rest.abs() < 1e-9, "{rest:e}"); // the other bodies start without acceleration
     }
 }
 
-/// Were the equations wrong anywhere else, the squeezer would not arrive where it should after seven turns. Two libraries agree
-/// to 1e-13, and are 1.43e-9 off the published value in the two angles that have turned furthest, 1e-10 of them: so far the
-/// published value is off itself, and 2e-9 is what is required.
+/// If this fails, the equations are wrong elsewhere, and the squeezer ends at wrong angles after seven turns. Two libraries
+/// agree to 1e-13. They differ from the published value by 1.43e-9 in the two angles that turned furthest, which is 1e-10 of
+/// these angles. So the published value itself has this error, and the test requires 2e-9.
 ///
-/// Were a method wrong on a nonlinear machine of many bodies, a third of the step would not lessen its error by 3^p.
+/// The test also fails if a method is wrong on a nonlinear machine of many bodies: a third of the step then does not reduce its
+/// error by 3^p.
 #[test]
 fn andrews_arrives_where_published() {
     let start = andrews_start();
@@ -88,8 +90,8 @@ fn andrews_arrives_where_published() {
     }
 }
 
-/// Were a rate constant or SDIRK4 wrong, HIRES would end elsewhere. RK4 has to take its step from the fastest reaction, and
-/// says so when it is too long; then it is the most accurate of all.
+/// If this fails, a rate constant or SDIRK4 is wrong, and HIRES ends at another state. The fastest reaction limits the step of
+/// RK4, and RK4 returns an error if the step is too long. At a short enough step it is the most accurate method.
 #[test]
 fn hires_ends_as_published() {
     let (start, end, published) = (Hires::START, Hires::END, Hires::PUBLISHED);
@@ -123,8 +125,9 @@ fn hires_ends_as_published() {
     );
 }
 
-/// Were SDIRK4 not stiffly accurate and L-stable, ε = 1e-6 would show. On the slow branch steps of 5000 ε do; over
-/// the jumps, which last some ε, only steps of that length can follow, and longer ones are reported, not made.
+/// If this fails, SDIRK4 is not stiffly accurate or not L-stable, and ε = 1e-6 affects the result. On the slow branch, steps of
+/// 5000 ε are short enough. Over the jumps, which last some ε, only steps of that length can follow. SDIRK4 reports longer ones
+/// and does not make them.
 #[test]
 fn van_der_pol_as_published() {
     let (machine, start) = (VanDerPol::STIFF, VanDerPol::START);
@@ -167,8 +170,9 @@ fn van_der_pol_as_published() {
     assert!(coarse < 4e-4 && fine < coarse / 8.0);
 }
 
-/// Were events not found, or not at their time, the last bounce would come early or late. A parabola is integrated exactly by
-/// every method of order 2; what is left is the rounding of some hundred bounces, and 1e-12/(1 − e) that is not played.
+/// If this fails, events are not found, or found at a wrong time, and the last bounce comes early or late. Every method of
+/// order 2 integrates a parabola exactly. The remaining error is the rounding of some hundred bounces, and 1e-12/(1 − e) that
+/// is not simulated.
 #[test]
 fn the_last_bounce() {
     for restitution in [0.5, 0.8, 0.9] {
@@ -177,7 +181,7 @@ fn the_last_bounce() {
             height_m: 1.0,
             restitution,
         };
-        // Speeds fall by e a bounce, from √(2gH) until 2v/g < 1e-12.
+        // Speeds fall by the factor e per bounce, from √(2gH) until 2v/g < 1e-12.
         let bounces =
             ((1e-12 * 9.81 / 2.0 / (2.0 * 9.81_f64).sqrt()).ln() / restitution.ln()).ceil();
         for scheme in Scheme::ALL {

@@ -1,7 +1,7 @@
 //! Four-bar linkage of the crusher: eccentric, jaw and toggle plate.
 //!
-//! The eccentric's axis is the origin, and the toggle's fixed pivot lies on the x axis at g. With e, l, r the lengths of eccentric, jaw and
-//! toggle, φ, θ, ψ their angles, the loop e exp(iφ) + l exp(iθ) = g + r exp(iψ) closes; derivatives by φ follow from it.
+//! The eccentric's axis is the origin, and the toggle's fixed pivot lies on the x axis at g. Let e, l, r be the lengths of eccentric, jaw
+//! and toggle, and φ, θ, ψ their angles. The loop e exp(iφ) + l exp(iθ) = g + r exp(iψ) closes. The derivatives by φ follow from it.
 
 use core::f64::consts::TAU;
 
@@ -34,7 +34,7 @@ pub struct Angles {
 }
 
 impl Linkage {
-    /// The assumed mechanism of the source's crusher; [the module](super) states what is calibrated.
+    /// The assumed mechanism of the source's crusher; [the module](super) lists the calibrated values.
     pub const SOURCE: Self = Self {
         eccentric_m: 0.010,
         jaw_m: 0.800,
@@ -43,7 +43,7 @@ impl Linkage {
         force_m: 0.650,
     };
 
-    /// Angles at an angle of the shaft. The eccentric must be able to turn all round.
+    /// Angles at an angle of the shaft. The eccentric must be able to make a full turn.
     #[must_use]
     pub fn at(&self, phi_rad: f64) -> Angles {
         let (e, l, r) = (self.eccentric_m, self.jaw_m, self.toggle_m);
@@ -69,7 +69,7 @@ impl Linkage {
         }
     }
 
-    /// Speed of the jaw towards the rock, over the shaft's: across the jaw where the force acts, m.
+    /// Speed of the jaw towards the rock, over the speed of the shaft: across the jaw at the point of the force, m.
     #[must_use]
     pub fn closing_m(&self, phi_rad: f64) -> f64 {
         let angles = self.at(phi_rad);
@@ -123,8 +123,8 @@ impl Jaw {
         inertia_kgm2: 0.0,
     };
 
-    /// Jaw that gives the source's range of the equivalent inertia with the assumed linkage. It is heavier than a real one, since the
-    /// assumed eccentric is smaller: only mass times eccentricity squared matters, and 600 kg at 15.7 mm are the same.
+    /// Jaw that gives the source's range of the equivalent inertia with the assumed linkage. It is heavier than a real one, because the
+    /// assumed eccentric is smaller. Only mass times eccentricity squared matters: 600 kg at 15.7 mm are equivalent.
     pub const SOURCE: Self = Self {
         mass_kg: SOURCE_MASS_KG,
         centre_m: SOURCE_CENTRE_M,

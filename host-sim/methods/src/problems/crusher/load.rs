@@ -9,14 +9,14 @@ use super::Linkage;
 pub enum Shape {
     /// Rises in proportion to the shaft's angle, from 0 to its peak at the end of the stroke.
     LinearRise,
-    /// Its peak over the second half of the stroke: the rock is gripped late.
+    /// Has its peak over the second half of the stroke: the rock is gripped late.
     SecondHalf,
-    /// Its peak over the whole stroke.
+    /// Has its peak over the whole stroke.
     Constant,
 }
 
 impl Shape {
-    /// All of them.
+    /// All shapes.
     pub const ALL: [Self; 3] = [Self::LinearRise, Self::SecondHalf, Self::Constant];
 
     /// Force over its peak, at a part of the stroke from 0 to 1.

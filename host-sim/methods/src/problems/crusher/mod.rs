@@ -1,7 +1,8 @@
 //! Jaw crusher on an induction motor: one shaft whose equivalent inertia changes over the turn.
 //!
 //! From a Chinese paper on the dynamic design of a flywheel for a crusher with an opening of 250 × 400 mm. An eccentric turns the upper end
-//! of the jaw; a toggle plate guides its lower end. With φ the angle of the eccentric from the line to the toggle's fixed pivot, and ω = φ′:
+//! of the jaw. A toggle plate guides its lower end. Let φ be the angle of the eccentric from the line to the toggle's fixed pivot, and
+//! ω = φ′:
 //!
 //! ```text
 //! Je ω′ = Md(ω) − Mr(φ) − ω²/2 dJe/dφ
@@ -12,14 +13,16 @@
 //!
 //! The rock acts only while the jaw closes, u > 0.
 //!
-//! The source prints the motor, the belt, the flywheel and the range of Je. It does not print the mechanism. Assumed are the eccentric
-//! (10 mm), the jaw (800 mm), the toggle plate (250 mm) and the place of the force (650 mm below the eccentric). Calibrated are:
+//! The source prints the motor, the belt, the flywheel and the range of Je. It does not print the mechanism. These values are assumed: the
+//! eccentric (10 mm), the jaw (800 mm), the toggle plate (250 mm) and the place of the force (650 mm below the eccentric). These are
+//! calibrated:
 //!
-//! - the distance of the fixed pivots, [`Linkage::ground_m`], against the least deviation from the six speeds of the periodic regime that
+//! - the distance of the fixed pivots, [`Linkage::ground_m`], for the least deviation from the six speeds of the periodic regime that
 //!   were computed independently of this project. Distances from 0.78 to 0.90 m, both closing directions, and three places of the force
-//!   were compared. The speeds are met within 0.0083 rad/s; 5 mm more or less reach the tolerance of 0.01. They are no predictions;
-//! - mass and centre of mass of the jaw, against the published range of Je, 40.828 to 40.940 kg m², with the jaw's inertia that of a
-//!   uniform rod.
+//!   were compared. The speeds agree within 0.0083 rad/s. A change of 5 mm in either direction reaches the tolerance of 0.01. So these
+//!   speeds are not predictions;
+//! - mass and centre of mass of the jaw, from the published range of Je, 40.828 to 40.940 kg m². The jaw has the inertia of a uniform
+//!   rod.
 
 mod linkage;
 mod load;

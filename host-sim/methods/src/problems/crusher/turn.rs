@@ -6,14 +6,14 @@ use crate::{Equations, NotMeasured, Scheme};
 
 use super::{Crusher, Load, Shape};
 
-/// Steps of the fourth-order method in each of the pieces into which the beginning and the end of the rock's force cut a turn.
+/// Steps of the fourth-order method in each piece of a turn. The beginning and the end of the rock's force cut the turn into pieces.
 const STEPS: u32 = 240;
 
-/// Distance from the ends of a piece within which the force is taken from inside; it is far below a step.
+/// Distance from the ends of a piece within which the force is taken from inside the piece. It is far below a step.
 const INSIDE_RAD: f64 = 1e-10;
 
-/// Turns after which the last one stands for the periodic regime. A turn forgets all but a tenth of a deviation, so that it has settled
-/// to 1e-10 rad/s long before.
+/// Turns after which the last one counts as the periodic regime. Each turn reduces a deviation to a tenth, so the speed settles to
+/// 1e-10 rad/s long before.
 const MOST_TURNS: u32 = 100;
 
 /// Speeds of the shaft over one turn.
@@ -25,7 +25,7 @@ pub struct Speeds {
     pub duration_s: f64,
 }
 
-/// The shaft came to rest within the turn: the load is more than motor and flywheel move.
+/// The shaft came to rest within the turn: the load is more than motor and flywheel can move.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the shaft came to rest at {phi_rad:.3} rad: the rock takes more than motor and flywheel give; lower the force or add inertia"
@@ -74,7 +74,7 @@ impl Speeds {
     }
 }
 
-/// The crusher over the shaft's angle, which takes the place of time: dω/dφ and dt/dφ; state (ω, t).
+/// Equations of the crusher over the shaft's angle instead of time: dω/dφ and dt/dφ; state (ω, t).
 ///
 /// Within a piece of the turn the rock acts all the time or not at all, so that the rates are smooth.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +92,7 @@ impl Equations for TurnEquations {
     fn rates(&self, phi_rad: f64, y: &[f64], rates: &mut [f64]) {
         let omega = y[0];
         let mut of_time = [0.0; 2];
-        // The force may jump at the ends of the piece: just inside it is the piece's own.
+        // The force may jump at the ends of the piece. The force just inside is that of the piece.
         let [from, to] = self.piece_rad;
         let inside_rad = phi_rad.clamp(from + INSIDE_RAD, to - INSIDE_RAD);
         self.crusher.rates(0.0, &[inside_rad, omega], &mut of_time);
@@ -166,10 +166,10 @@ impl Crusher {
         })
     }
 
-    /// The periodic regime, converged: the turn that ends with the speed with which it began.
+    /// The periodic regime, converged: the turn that ends with its initial speed.
     ///
     /// # Errors
-    /// There is none: the shaft comes to rest.
+    /// There is no periodic regime: the shaft comes to rest.
     pub fn periodic(&self, start_rad: f64, guess_rad_s: f64) -> Result<Speeds, Diverged> {
         settled(guess_rad_s, |speed| self.turn(start_rad, speed))
     }
@@ -206,7 +206,7 @@ impl Crusher {
     /// The periodic regime by the source's scheme.
     ///
     /// # Errors
-    /// There is none: the shaft comes to rest.
+    /// There is no periodic regime: the shaft comes to rest.
     pub fn periodic_by_source(
         &self,
         count: u32,
@@ -220,7 +220,7 @@ impl Crusher {
 
     /// Peak force of rock of a shape, N, with which the slowest speed of the periodic regime is `slowest_rad_s`.
     ///
-    /// Found by bisection, to 1e-12 of itself. Rock that stops the shaft counts as too much.
+    /// Bisection finds the force to 1e-12 of itself. Rock that stops the shaft counts as too much.
     ///
     /// # Errors
     /// The shaft comes to rest without any rock.
@@ -253,7 +253,7 @@ impl Crusher {
     }
 }
 
-/// Repeats a turn until it ends as it began, to 1e-10 rad/s.
+/// Repeats the turn until its final speed equals its initial speed, to 1e-10 rad/s.
 fn settled(
     guess_rad_s: f64,
     turn: impl Fn(f64) -> Result<Speeds, Diverged>,

@@ -1,13 +1,14 @@
 //! Hybrid position and force law of the arm: position along the surface, force across it.
 //!
-//! With S = I − n nᵀ, n the normal of the surface, e the position error of the hand and F the force on the surface:
+//! Let S = I − n nᵀ, with n the normal of the surface, e the position error of the hand and F the force on the surface:
 //!
 //! ```text
 //! τ = M J⁻¹ (S (a + K_v e′ + K_p e) − J′ q′) + h + g − Jᵀ F_b + Jᵀ n (F_d + K_fi ∫ (F_d − F) dt)
 //! ```
 //!
-//! The law is that of Raibert and Craig (1981), in the source's form. The source's gains are lost; they are parameters here. The law knows
-//! the links, the tool and the balancer's lift. It knows neither the friction nor the side pull of a rope, so both make errors.
+//! The law is that of Raibert and Craig (1981), in the source's form. The source's gains are lost; they are parameters here. The law
+//! includes the links, the tool and the balancer's lift. It does not include the friction or the side pull of a rope, so both cause
+//! errors.
 
 use super::{FiveBarArm, GRAVITY_MPS2, Load, solve, times, transposed_times};
 
@@ -71,8 +72,8 @@ pub struct HybridLaw {
 }
 
 impl HybridLaw {
-    /// Torques for the next period of `period_s`, N m, from the arm's state at its beginning. The arm must have a surface; without one the
-    /// law controls the position in both directions.
+    /// Torques for the next period of `period_s`, N m, from the arm's state at its beginning. The force control requires a
+    /// surface. Without one the law controls the position in both directions.
     pub fn torque_nm(
         &mut self,
         arm: &FiveBarArm,
@@ -88,7 +89,7 @@ impl HybridLaw {
                 + self.velocity_per_s * (target.velocity_mps[i] - hand_mps[i])
                 + self.position_per_s2 * (target.at_m[i] - hand[i])
         });
-        // The balancer's lift is known; a rope's side pull is not.
+        // The law includes the balancer's lift, but not a rope's side pull.
         let known = match arm.load {
             Load::Balancer(lift_n) => [0.0, lift_n],
             Load::None | Load::Rope { .. } => [0.0; 2],

@@ -80,7 +80,8 @@ impl Line {
         self.length_m() / self.speed_mps + self.blend_s
     }
 
-    /// Distance, m, speed, m/s, and acceleration, m/s², along the line at a time; it stands before its start and after its end.
+    /// Distance, m, speed, m/s, and acceleration, m/s², along the line at a time. The speed is 0 before the start and after the
+    /// end.
     pub fn at(&self, t_s: f64) -> [f64; 3] {
         let (end_s, blend_s) = (self.duration_s(), self.blend_s);
         let acceleration = self.speed_mps / blend_s;

@@ -1,4 +1,4 @@
-//! Forces on the hand of the arm: from what it hangs on, and from the surface that it touches.
+//! Forces on the hand of the arm, from its suspension and from the surface that it touches.
 
 /// Suspension of the hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ impl Load {
     }
 }
 
-/// Plane surface: a spring with a damper where the hand is beyond it, and nothing elsewhere. It does not pull.
+/// Plane surface: a spring with a damper where the hand is beyond it, and no force elsewhere. It does not pull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     /// Unit vector into the surface.

@@ -2,7 +2,7 @@
 //!
 //! From a paper of 2000 on suspended robots (Uddin and others), which is appended to the source of [`Screen`](super::Screen). Two motors
 //! on one axis turn links 1 and 2. Links 3 and 4 close a parallelogram, so that link 3 stays parallel to link 1, and link 4 to link 2.
-//! With q₁ and q₂ the angles of links 1 and 2 from the x axis, and b = m₃ l₂ l_c3 + m₄ l₁ l_c4:
+//! Let q₁ and q₂ be the angles of links 1 and 2 from the x axis, and b = m₃ l₂ l_c3 + m₄ l₁ l_c4:
 //!
 //! ```text
 //! M(q) q″ + h(q, q′) + g(q) + friction = τ + Jᵀ F
@@ -14,9 +14,9 @@
 //!
 //! A tool of mass m at the hand adds m l₁² to A, m l₄² to D, m l₁ l₄ to b, and its weight. F sums the [`Load`] and the [`Surface`].
 //!
-//! A to D are printed in the source. Its other equations are lost; they follow from the positions of the four bodies, and a test
-//! derives them again from virtual work. Assumed, as the tables are lost: all lengths, masses, friction and the stiffness of the surface.
-//! Each link is a uniform rod.
+//! A to D are printed in the source. Its other equations are lost. They follow from the positions of the four bodies, and a test derives
+//! them again from virtual work. The tables are lost, so all lengths, masses, friction and the stiffness of the surface are assumed. Each
+//! link is a uniform rod.
 
 mod hybrid;
 mod line;
@@ -77,7 +77,7 @@ impl FiveBarArm {
     /// Dimension of the state.
     pub const DIMENSION: usize = 4;
 
-    /// Arm with the assumed links, free of friction and of every force but gravity.
+    /// Arm with the assumed links, without friction and without any force except gravity.
     pub fn assumed(gravity_mps2: f64) -> Self {
         let rod = |length_m, mass_kg| Rod { length_m, mass_kg };
         Self {
@@ -121,7 +121,7 @@ impl FiveBarArm {
         times(self.jacobian_m(q_rad), v_rad_s)
     }
 
-    /// Part of the hand's acceleration that the joints' speeds alone make, J′ q′, m/s².
+    /// Part of the hand's acceleration that the joints' speeds alone cause, J′ q′, m/s².
     pub fn centripetal_mps2(&self, q_rad: [f64; 2], v_rad_s: [f64; 2]) -> [f64; 2] {
         let [l1, l4] = self.reach_m();
         let (w1, w2) = (v_rad_s[0] * v_rad_s[0], v_rad_s[1] * v_rad_s[1]);
@@ -161,7 +161,7 @@ impl FiveBarArm {
         ]
     }
 
-    /// Torques at horizontal links against their weight, N m.
+    /// Torques that hold the weight of the links when they are horizontal, N m.
     fn weight_nm(&self) -> [f64; 2] {
         let [one, two, three, four] = self.rods;
         [

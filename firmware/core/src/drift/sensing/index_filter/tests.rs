@@ -6,13 +6,13 @@ use super::*;
 use proptest::prelude::*;
 use std::vec::Vec;
 
-/// A line's stretches from time 0 on, which begins low: how long each lasts, low and high in turn.
+/// Stretches of a line from time 0 on, which begins low: the length of each, low and high in turn.
 type Stretches = Vec<i64>;
 
-/// Plays a line through a filter, cut into ticks whose lengths repeat, until long after its end. Each
-/// pulse as the time of its edge and that of the tick's end at which it was reported.
+/// Plays a line through a filter, cut into ticks whose lengths repeat, until long after its end. Returns each pulse as
+/// the time of its edge and the end of the tick in which it was reported.
 ///
-/// A change on a border is reported before or after the border, as `late_border` says in turn.
+/// A change on a border is reported before or after the border, as `late_border` selects in turn.
 fn play(
     mut filter: IndexFilter,
     stretches: &[i64],
@@ -55,17 +55,18 @@ fn play(
     (pulses, filter)
 }
 
-/// A pulse with glitches before it: edges of it that matter come out, the rest goes into the train.
+/// A pulse with glitches before it and dropouts in it.
 #[derive(Clone, Debug)]
 struct Pulse {
-    /// High glitches in the gap before, each with the low stretch before it beyond the width.
+    /// High glitches in the gap before. Each has the length of the low stretch before it beyond the width, and its own
+    /// length.
     glitches: Vec<(i64, i64)>,
     gap: i64,
-    /// A dropout before the pulse is confirmed: high so long, then low so long.
+    /// A dropout before the pulse is confirmed: length of the high stretch, then of the low stretch.
     bounce: Option<(i64, i64)>,
-    /// How long it is high beyond the width.
+    /// Length of the high stretch beyond the width.
     high: i64,
-    /// Dropouts after that: low so long, then high so long.
+    /// Dropouts after that: length of the low stretch, then of the high stretch.
     dropouts: Vec<(i64, i64)>,
 }
 
@@ -111,13 +112,13 @@ fn train(w: i64, pulses: &[Pulse]) -> (Stretches, Vec<(i64, i64)>) {
 }
 
 proptest! {
-    /// If this fails, a passage of the crank is missed, detected twice or detected at a wrong time, or a glitch
-    /// is taken for one.
+    /// If this fails, a passage of the crank is missed, detected twice or detected at a wrong time, or a glitch is
+    /// detected as a passage.
     #[test]
     fn every_pulse_is_reported_once_with_its_first_edge(
         (w, ticks, pulses) in (2..40_i64, 1..8_i64).prop_flat_map(|(w, scale)| (
             Just(w),
-            // No tick is so long that two pulses are confirmed in it: those are 2 w and the gap apart.
+            // No tick is so long that two pulses are confirmed in it, as those are 2 w and the gap apart.
             proptest::collection::vec(1..2 * (w * scale) as u32, 1..9),
             proptest::collection::vec(a_pulse(w, 2 * w * scale), 0..9),
         )),
@@ -130,14 +131,14 @@ proptest! {
         prop_assert_eq!(actual, firsts);
         let most_tick = i64::from(*ticks.iter().max().unwrap());
         for (&(first, confirmed), &(_, end)) in truth.iter().zip(&reported) {
-            // Neither before it could be known, nor later than the end of the tick in which it could.
+            // The report comes neither before the confirmation, nor later than the end of the tick of the confirmation.
             prop_assert!(confirmed <= end && end < confirmed + most_tick, "{first}, {confirmed}: reported at {end}");
         }
         let short = stretches.iter().filter(|&&stretch| stretch < w).count();
         prop_assert_eq!(filter.glitches() as usize, short);
     }
 
-    /// If this fails, noise alone makes pulses, or a line that is stuck does.
+    /// If this fails, noise alone or a stuck line makes pulses.
     #[test]
     fn what_never_lasts_for_the_width_is_no_pulse(
         w in 2..40_i64,
@@ -145,7 +146,7 @@ proptest! {
         ticks in proptest::collection::vec(1..300_u32, 1..9),
         stuck: bool,
     ) {
-        // Stuck low with high glitches; or stuck high with dropouts, distinguished from the first change on.
+        // Stuck low with high glitches, or stuck high with dropouts, distinguished from the first change on.
         let glitch = |part: f64| 1 + (part * (w - 1) as f64) as i64;
         let stretches: Stretches = noise
             .iter()
@@ -170,8 +171,8 @@ proptest! {
         }
     }
 
-    /// Whatever the line does: a pulse for each high stretch that counts after a low one that did, reported
-    /// with a rise after that low one, at most two widths before the stretch.
+    /// For any line there is one pulse for each high stretch that counts after a low stretch that counted. It is
+    /// reported with a rise after that low stretch, at most two widths before the high stretch.
     #[test]
     fn noise_moves_a_pulse_by_two_widths_at_most(
         (w, stretches) in (2..30_i64).prop_flat_map(|w| (
@@ -193,9 +194,9 @@ proptest! {
             }
         }
         if stretches.len() % 2 == 1 && counted_low {
-            expected.push((low_since, at)); // it ends high, for good
+            expected.push((low_since, at)); // it ends high and stays high
         }
-        // Ticks of one cycle: no two pulses fall into one.
+        // Ticks of one cycle: no two pulses are in one tick.
         let (reported, _) = play(IndexFilter::new(w as u32, false), &stretches, &[1], &[false]);
         prop_assert_eq!(reported.len(), expected.len());
         for (&(actual, _), &(low_until, stretch)) in reported.iter().zip(&expected) {
@@ -204,7 +205,7 @@ proptest! {
         }
     }
 
-    /// Times come from hardware that counts on by itself: none may make the loop panic.
+    /// Times come from hardware that keeps counting. No time may make the loop panic.
     #[test]
     fn no_time_is_too_wild(
         w: u32,
@@ -219,7 +220,7 @@ proptest! {
     }
 }
 
-/// Two pulses in one tick: the first is reported, the other is on record.
+/// Of two pulses in one tick, the first is reported and the other is counted as a glitch.
 #[test]
 fn of_two_pulses_in_a_tick_the_first_is_reported() {
     let mut filter = IndexFilter::new(10, false);
@@ -231,7 +232,7 @@ fn of_two_pulses_in_a_tick_the_first_is_reported() {
     assert_eq!(filter.glitches(), 1);
 }
 
-/// A crank that stands before its sensor at power-up has not passed it.
+/// A crank that is at its sensor at power-up has not passed it.
 #[test]
 fn a_line_that_is_high_from_the_start_makes_no_pulse_until_it_has_been_low() {
     let mut filter = IndexFilter::new(10, true);
