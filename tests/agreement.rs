@@ -1,5 +1,5 @@
-//! The files of a run agree with each other, and with integrals of its speed that are computed without the
-//! loop.
+//! The files of a run agree with each other and with integrals of its speed. The integrals are computed
+//! without the loop.
 
 #[path = "support/program.rs"]
 mod program;
@@ -11,8 +11,9 @@ use host_sim::scene::Checked;
 use host_sim::trace::{Every, Window};
 use program::Program;
 
-/// A quarter of a minute, gentle enough for the shaft to follow its program to the tick once it has
-/// started; ramps of both shapes, a block in a block, no bands. Axes differ in all that they may.
+/// A quarter of a minute, gentle enough for the shaft to follow its program to the tick once it has started.
+/// Ramps have both shapes, a block contains a block, and there are no bands. The axes differ in every setting
+/// that may differ.
 const GENTLE: &str = r#"
 name = "gentle"
 [machine]
@@ -66,7 +67,7 @@ fn reversed(checked: &Checked, axis: usize) -> bool {
     checked.overrides(axis).is_some_and(|own| own.reversed)
 }
 
-/// An axis with pulses: a servo's counts make no edges.
+/// True if the axis has pulses. The counts of a servo make no edges.
 fn has_pulses(checked: &Checked, axis: usize) -> bool {
     checked.scene.drive(axis).takes_pulses()
 }
@@ -80,7 +81,7 @@ fn last_steps(trace: &Trace, axis: usize) -> i64 {
     *trace.axis("steps", axis).last().expect("a trace has rows") as i64
 }
 
-/// The whole of a run's edges, its last row and its report give one number of steps.
+/// Checks that the edges of a whole run, its last row and its report give the same number of steps.
 fn totals_agree(checked: &Checked, run: &Run) {
     let (trace, edges) = (run.trace(), run.edges());
     assert_eq!(edges.from_ns, 0, "the window is all of the run");
@@ -103,7 +104,7 @@ fn totals_agree(checked: &Checked, run: &Run) {
     }
 }
 
-/// Were it wrong, at least one of the three files would be wrong about the steps: each gets its steps another
+/// If this fails, at least one of the three files has wrong steps. Each file gets its steps in a different
 /// way (the planner's counter, the edges as played, the statistics).
 #[test]
 fn trace_edges_and_report_count_the_same_steps() {
@@ -113,8 +114,8 @@ fn trace_edges_and_report_count_the_same_steps() {
     }
 }
 
-/// Were it wrong, a window would show edges of another time, or lose some at its ends. The window lies
-/// across the first passage of the band, where speed and acceleration are high.
+/// If this fails, a window shows edges of another time, or loses some at its ends. The window lies across the
+/// first passage of the band, where speed and acceleration are high.
 #[test]
 fn a_window_of_the_default_scene_shows_the_steps_that_its_rows_count() {
     let (from_s, to_s) = (17.6, 17.9);
@@ -141,10 +142,10 @@ fn a_window_of_the_default_scene_shows_the_steps_that_its_rows_count() {
     sums_agree(&checked, &trace);
 }
 
-/// Steps against the sum of the column `omega_rad_s`. Each row's speed holds over its whole tick, so
-/// that the sum is the integral, without a rule of quadrature. Its digits end at 1e-6 rad/s: over the
-/// 120,000 ticks of a minute that is at most 120,000 · 5e-7 · T/2π = 5e-6 turns, 0.04 counts of 8192.
-/// The steps are the way rounded down, so that they are less than one behind.
+/// Compares the steps with the sum of the column `omega_rad_s`. Each row's speed holds over its whole tick,
+/// so the sum is the integral, without a rule of quadrature. Its digits end at 1e-6 rad/s. Over the 120,000
+/// ticks of a minute the error is at most 120,000 · 5e-7 · T/2π = 5e-6 turns, 0.04 counts of 8192. The steps
+/// are the travel rounded down, so they are less than one step behind.
 fn sums_agree(checked: &Checked, trace: &Trace) {
     let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
     let turns: f64 = trace.column("omega_rad_s").iter().sum::<f64>() * tick_s / TAU;
@@ -158,7 +159,7 @@ fn sums_agree(checked: &Checked, trace: &Trace) {
     }
 }
 
-/// Were it wrong, the speed that a trace shows would not be the speed that was driven.
+/// If this fails, the speed in a trace is not the speed that was driven.
 #[test]
 fn steps_are_the_integral_of_the_speed() {
     for checked in [scene(GENTLE), built_in("lost-steps"), built_in("patent-2")] {
@@ -167,14 +168,13 @@ fn steps_are_the_integral_of_the_speed() {
     }
 }
 
-/// Were it wrong, the machine would mix by another program than the scene's: its levels, its shapes, its
-/// times, its repeats and the law between amax and speed are all evaluated anew here, in f64, and
-/// integrated by Simpson's rule.
+/// If this fails, the machine runs another program than the scene's. The test evaluates the program's levels,
+/// shapes, times, repeats and the law between amax and speed again, in f64, and integrates by Simpson's rule.
 ///
-/// The loop's tick has the speed that the program asks for at the tick's *end*, so that over ticks of
-/// length T from ω(a) to ω(b) it is ahead of the integral by T/2 (ω(b) − ω(a)), less T²/12 (ω'(b) −
-/// ω'(a)): 2e-8 · 20 rad/s² / 2π of a turn, nothing. The speed law is right to 2⁻³⁰ (1e-9 · 60 turns)
-/// and a ramp's level to 2⁻²⁶, half of that in speed (7e-9 · 60 turns = 4e-7): 0.004 counts of 8192.
+/// The loop's tick has the speed that the program requests at the tick's *end*. Over ticks of length T from
+/// ω(a) to ω(b) it is therefore ahead of the integral by T/2 (ω(b) − ω(a)), less T²/12 (ω'(b) − ω'(a)). The
+/// second term, 2e-8 · 20 rad/s² / 2π of a turn, is negligible. The speed law is accurate to 2⁻³⁰ (1e-9 · 60
+/// turns) and a ramp's level to 2⁻²⁶, half of that in speed (7e-9 · 60 turns = 4e-7): 0.004 counts of 8192.
 /// Both ends are rounded down to whole steps: less than one step in all.
 #[test]
 fn steps_are_the_integral_of_the_program() {
@@ -184,14 +184,14 @@ fn steps_are_the_integral_of_the_program() {
     let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
     let program = Program::new(&checked.scene.program);
     let running = trace.first("run");
-    // The first row in `run` is that of the program's first tick, and ends one tick into it.
+    // The first row in `run` belongs to the program's first tick, and ends one tick into the program.
     let start_s = trace.column("t_s")[running.start] - tick_s;
     assert_eq!(
         running.len(),
         (program.duration_s() / tick_s).round() as usize
     );
 
-    // From inside the first hold, when the start has long been caught up with, to the program's end.
+    // From inside the first hold, long after the shaft has caught up with the program, to the program's end.
     let (from, to) = (running.start + 3000 - 1, running.end - 1);
     let time = |row: usize| trace.column("t_s")[row] - start_s;
     for what in ["behind the program", "forbidden band", "missed"] {
@@ -223,8 +223,8 @@ fn steps_are_the_integral_of_the_program() {
             "axis {axis}: {off} steps from the program's own integral"
         );
     }
-    // What the trace says of the program is what the program says, at every tick, to the last digit
-    // (5e-5) and the ramp's 2⁻²⁶ of at most 70 m/s².
+    // The trace shows the program's level at every tick, to the last digit (5e-5) and the ramp's 2⁻²⁶ of at
+    // most 70 m/s².
     for row in running {
         let reported = trace.column("amax_requested_mps2")[row];
         let off = reported - program.amax_mps2(time(row));

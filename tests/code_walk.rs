@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-/// Were a function renamed or moved, a newcomer would look for it in vain.
+/// If this fails, a function of the walk was renamed or moved, and a newcomer does not find it.
 #[test]
 fn every_function_of_the_walk_is_in_its_file() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");

@@ -1,6 +1,7 @@
-//! Cross-coupled servos: what is promised of the gains that are derived from a scene, held against the machine itself.
+//! Cross-coupled servos: the machine itself is compared with the properties of the gains that are derived from a scene.
 //!
-//! Three servos on the phased model level, each crank its own rotor; the loop, its encoders and delays are the real ones.
+//! The machine has three servos on the phased model level, and each crank has its own rotor. The loop, its encoders and delays are
+//! the real ones.
 
 use cophase_core::settings::CorrectionSettings;
 use cophase_tests::scene;
@@ -10,7 +11,7 @@ use host_sim::sim::{Moment, Observer, simulate};
 
 const TICK_HZ: f64 = 2000.0;
 
-/// A machine at 20 rev/s; of crank 1 the load is raised by a step, or for a moment.
+/// A machine at 20 rev/s. The load on crank 1 is raised by a step, or for a moment.
 fn text(correction: &str, load: &str) -> String {
     format!(
         "name = \"coupled\"\nfidelity = \"phased\"\n\
@@ -25,7 +26,7 @@ fn text(correction: &str, load: &str) -> String {
     )
 }
 
-/// Errors of the cranks, degrees, tick by tick from when the load came.
+/// Errors of the cranks, degrees, tick by tick from the tick of the load step.
 struct Errors(Vec<[f64; 3]>);
 
 impl Observer for Errors {
@@ -49,7 +50,7 @@ fn spread(error: &[f64; 3]) -> f64 {
     most - error.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// The gains that the scene derives, and those that the core is given.
+/// The gains that the scene derives, and the gains that the core receives.
 fn derived() -> (Gains, CorrectionSettings) {
     let checked = scene(&text("couple = true", "torque_nm = 1"));
     let gains = plant(&checked.scene, &checked.settings.machine)
@@ -59,7 +60,8 @@ fn derived() -> (Gains, CorrectionSettings) {
     (gains, checked.settings.correction)
 }
 
-/// Were the derivation wrong, or the loop slower than it says, the coupling would swing at other gains than its margin shows.
+/// If this fails, the derivation is wrong, or the loop is slower than it states. The coupling then swings at other gains than its
+/// margin shows.
 #[test]
 fn the_coupling_swings_where_its_margin_ends() {
     let (gains, reported) = derived();
@@ -75,8 +77,8 @@ fn the_coupling_swings_where_its_margin_ends() {
             gains.per_s * times
         );
         let errors = errors(&scene(&text(&correction, "torque_nm = 1\nfor_s = 0.02")));
-        // What has died out is below a hundredth of a degree.
-        // A machine that swings so far that it is stopped has no such moments.
+        // An oscillation that has decayed is below a hundredth of a degree. A machine that swings so far that it is stopped has no
+        // such moments.
         let late = errors.get(1500..).filter(|late| !late.is_empty());
         late.is_none_or(|late| late.iter().any(|error| spread(error) > 0.1))
     };
@@ -95,13 +97,13 @@ fn the_coupling_swings_where_its_margin_ends() {
         "margin {:.2}, swings at {inside:.2} times its gains; {gains:?}",
         gains.gain_margin
     );
-    // Of the inertia, the derivation takes the worst, which no crank has all around the turn.
+    // The derivation assumes the worst inertia. No crank has that inertia all around the turn.
     let part = inside / gains.gain_margin;
     assert!((0.9..1.4).contains(&part), "{part} of the margin");
 }
 
-/// Were the others not commanded to wait, a crank that is held up would be left alone until its own drive has brought it back, and
-/// under a lasting load it would stay behind.
+/// If this fails, the other cranks do not wait. A crank that is held up is then left behind until its own drive has brought it
+/// back, and under a lasting load it stays behind.
 #[test]
 fn the_others_wait_for_one_that_is_held_up() {
     let alone = errors(&scene(&text("", "torque_nm = 3")));
@@ -115,7 +117,7 @@ fn the_others_wait_for_one_that_is_held_up() {
     assert!((lasting / stiffness_deg - 1.0).abs() < 0.3, "{lasting}");
     assert!(held < 0.05 * lasting, "{held} of {lasting}");
     let others = |errors: &[[f64; 3]], tick: usize| f64::midpoint(errors[tick][0], errors[tick][2]);
-    // While it is being brought back, the others are behind of where they would be.
+    // While the drive brings that crank back, the others are behind their uncoupled phase.
     let tick = (0.03 * TICK_HZ) as usize;
     let waited = others(&coupled, tick) - others(&alone, tick);
     assert!(waited < -0.1 * stiffness_deg, "{waited}");

@@ -1,12 +1,12 @@
-//! A crank-rocker with a screw moves its platform by the screw's lead times the rocker's angle, forth faster than back, and as hard as the
-//! program requests.
+//! A crank-rocker with a screw moves its platform by the screw's lead times the rocker's angle. It moves forth faster than back, and as
+//! hard as the program requests.
 
 use std::f64::consts::{PI, TAU};
 
 use cophase_tests::{built_in, record};
 use host_sim::trace::{Every, Window};
 
-/// Lengths over the rocker's, and the lead of the screw, as the scene has them.
+/// Lengths relative to the rocker's, and the lead of the screw, as in the scene.
 const CRANK: f64 = 0.4852094;
 const COUPLER: f64 = 1.5402148;
 const GROUND: f64 = 1.9279190;
@@ -26,7 +26,7 @@ fn rocker_rad(crank_rad: f64) -> f64 {
     angles.into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// If this fails, the simulated machine is another linkage than the one that the scene describes.
+/// If this fails, the simulated linkage differs from the linkage that the scene describes.
 #[test]
 fn the_platform_follows_the_rocker_and_holds_its_amax() {
     let run = record(
@@ -63,25 +63,25 @@ fn the_platform_follows_the_rocker_and_holds_its_amax() {
     let hold: Vec<usize> = (0..trace.rows())
         .filter(|&row| (requested[row] - top_mps2).abs() < 1e-3)
         .collect();
-    // The shaft comes to its speed in the first fifth of a second.
+    // The shaft reaches its speed in the first fifth of a second.
     let (from, to) = (hold[400], hold[hold.len() - 1]);
     assert!(to > from + 600, "{from} to {to}");
     let high = z_m[from..to].iter().copied().fold(f64::MIN, f64::max);
     let low = z_m[from..to].iter().copied().fold(f64::MAX, f64::min);
-    // 60° of a turn; a tick beside the dead centre is 1.6°.
+    // 60° of a turn. A tick beside the dead centre is 1.6°.
     assert!(
         ((high - low) / (LEAD_M / 6.0) - 1.0).abs() < 3e-4,
         "stroke {} m",
         high - low
     );
-    // The greatest acceleration of the hold, either way; half a tick beside its peak it is 1e-4 less.
+    // The greatest acceleration of the hold, in either direction. Half a tick beside its peak it is 1e-4 less.
     let accel = trace.column("accel_mps2");
     let greatest = accel[from..to].iter().map(|a| a.abs()).fold(0.0, f64::max);
     assert!(
         (greatest / top_mps2 - 1.0).abs() < 1e-3,
         "{greatest} m/s² of {top_mps2}"
     );
-    // Time from each highest place to the lowest, and back: 0.9 of each other. Places between ticks by parabolas.
+    // Times from each highest place to the lowest, and back: their ratio is 0.9. Parabolas give the places between ticks.
     let extreme = |up: f64| -> Vec<f64> {
         (from + 1..to)
             .filter(|&row| up * z_m[row] > up * z_m[row - 1] && up * z_m[row] >= up * z_m[row + 1])

@@ -1,5 +1,5 @@
-//! A jaw crusher under the control loop: one axis with an induction motor, whose flywheel carries it through the rock. A crusher that stalls is
-//! stopped and reported.
+//! A jaw crusher under the control loop: one axis with an induction motor, whose flywheel carries it through the rock. A crusher that
+//! stalls is stopped and reported.
 
 use cophase_methods::problems::Crusher;
 use cophase_methods::problems::crusher::Shape;
@@ -7,7 +7,7 @@ use cophase_tests::{Run, record, scene};
 use host_sim::scene::library;
 use host_sim::trace::{Every, Window};
 
-/// The scene with each line of it that is named replaced by another.
+/// The scene with each named line replaced by another.
 fn with(changes: &[(&str, &str)]) -> Run {
     let text = library::find("jaw-crusher").unwrap().text;
     let text = changes.iter().fold(text.to_owned(), |text, (from, to)| {
@@ -27,9 +27,9 @@ fn kinds(run: &Run) -> Vec<String> {
     faults.iter().map(kind).collect()
 }
 
-/// If this fails, the flywheel under the loop does not carry the shaft as the periodic regime of the source's motor says, which is computed without the loop.
-/// That motor hangs on the mains, and its mean speed follows from the load. The converter keeps the commanded mean instead, so that the distances from
-/// the mean are compared. They differ as the torque curves do, a parabola and Kloss's.
+/// If this fails, the flywheel under the loop does not carry the shaft as in the periodic regime of the source's motor, which is computed
+/// without the loop. That motor runs on the mains, and its mean speed follows from the load. The converter keeps the commanded mean
+/// instead, so the distances from the mean are compared. They differ as the torque curves do, a parabola and Kloss's.
 #[test]
 fn the_speed_varies_as_in_the_periodic_regime() {
     let run = with(&[]);
@@ -57,8 +57,8 @@ fn the_speed_varies_as_in_the_periodic_regime() {
     assert!(figure(&run, "stalled_s").is_none());
 }
 
-/// If this fails, a converter with a stiff position loop does not fight the flywheel: it would hold the speed instead of letting the flywheel give up energy,
-/// with more torque and more irregularity.
+/// If this fails, a converter with a stiff position loop does not work against the flywheel. Such a converter holds the speed, so the
+/// flywheel does not give up energy. Torque and irregularity increase.
 #[test]
 fn a_stiff_position_loop_fights_the_flywheel() {
     let soft = with(&[]);
@@ -69,7 +69,7 @@ fn a_stiff_position_loop_fights_the_flywheel() {
     assert!(stiff > 1.1 * soft, "{soft}, {stiff}");
 }
 
-/// If this fails, the flywheel has no effect: with half of it the speed varies about twice as much.
+/// If this fails, the flywheel has no effect. With half the flywheel the speed varies about twice as much.
 #[test]
 fn half_the_flywheel_doubles_the_irregularity() {
     let whole = figure(&with(&[]), "irregularity").unwrap();
@@ -78,7 +78,7 @@ fn half_the_flywheel_doubles_the_irregularity() {
     assert!((1.7..2.3).contains(&ratio), "{ratio}");
 }
 
-/// If this fails, a crusher that rock has stopped goes on being driven, or the report does not say that and where it stalled.
+/// If this fails, a crusher that rock has stopped is still driven, or the report does not state the stall and its place.
 #[test]
 fn a_stalled_crusher_is_stopped_and_reported() {
     let run = with(&[("rock_kn = 1310", "rock_kn = 4000")]);
@@ -95,7 +95,7 @@ fn a_stalled_crusher_is_stopped_and_reported() {
     assert!(warnings.contains("no flywheel carries"), "{warnings}");
 }
 
-/// If this fails, a stop in rock is confused with a stall: a shaft that is brought to rest as commanded does not stall.
+/// If this fails, a stop is confused with a stall. A shaft that comes to rest as commanded does not stall.
 #[test]
 fn a_stop_without_rock_is_no_stall() {
     let run = with(&[("rock_kn = 1310", "rock_kn = 0")]);

@@ -1,4 +1,4 @@
-//! The loop on a machine whose frame moves: against the model level below, and against what vibration theory says of two masses.
+//! The loop on a machine whose frame moves. It is compared with the model level below, and with the vibration theory of two masses.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,8 @@ use host_sim::sim::{Moment, Observer, simulate};
 use host_sim::trace::{Every, Window};
 use nalgebra::Complex;
 
-/// A light platform on three heavy rotors: what it asks of them hardly changes their speed. On 20 kg, on 100 kg.
+/// A light platform on three heavy rotors. The platform's torque hardly changes their speed. The frame has 20 kg, the foundation 100
+/// kg.
 const SCENE: &str = r#"
 name = "frame"
 fidelity = "elastic"
@@ -44,7 +45,7 @@ ramp_s = 0.5
 hold_s = 5
 "#;
 
-/// g at which a crank of 5 mm with λ = 0.25 turns at so many rev/s.
+/// Acceleration, g, at which a crank of 5 mm with λ = 0.25 turns at `speed_hz` rev/s.
 fn amax_g(speed_hz: f64) -> f64 {
     0.005 * (TAU * speed_hz).powi(2) * 1.25 / 9.80665
 }
@@ -64,8 +65,8 @@ impl Observer for Recorded {
     }
 }
 
-/// First harmonic, over the crank's turn, of what `pick` sees in the last 40 turns: under a Hann window, in which means and
-/// other harmonics come to 1e-5 of themselves at most (its spectrum falls as the cube of 40).
+/// First harmonic, over the crank's turn, of the quantity that `pick` selects in the last 40 turns. Under the Hann window, means and
+/// other harmonics contribute at most 1e-5 of their size (its spectrum falls as the cube of 40).
 fn first_harmonic(recorded: &Recorded, pick: impl Fn(&(f64, f64, f64)) -> f64) -> f64 {
     let end = recorded.0.last().expect("it has turned evenly").0;
     let (mut sum, mut weights) = (Complex::new(0.0, 0.0), 0.0);
@@ -77,12 +78,12 @@ fn first_harmonic(recorded: &Recorded, pick: impl Fn(&(f64, f64, f64)) -> f64) -
     2.0 * (sum / weights).norm()
 }
 
-/// Were it wrong, a frame would resonate elsewhere, or further, than it does; and the ground would get another force.
+/// If this fails, a frame resonates at another frequency or amplitude than theory gives, and the force on the ground is wrong.
 ///
-/// The platform moves against the frame with R cos ωt, and harmonics from the second on: to the frame that is m R ω² on
-/// frame and platform together, which stand on the suspension (k₁, c₁), on the block, on the ground (k₂, c₂). Cranks turn
-/// unevenly by what the platform asks of them, m R² / 2NJ = 4e-5 of their speed; its amplitude with it, and the frame at
-/// resonance by up to 1/2ζ = 10 times twice that: 1e-3.
+/// The platform moves against the frame with R cos ωt, and harmonics from the second on. For the frame this is the force m R ω² on
+/// frame and platform together. They stand on the suspension (k₁, c₁), on the block, on the ground (k₂, c₂). The platform's torque
+/// makes the cranks turn unevenly, by m R² / 2NJ = 4e-5 of their speed. The force's amplitude changes with the speed, and the frame's
+/// amplitude at resonance by up to 1/2ζ = 10 times twice that: 1e-3.
 #[test]
 fn a_frame_answers_as_two_masses_do() {
     let (m, frame, block) = (1.0, 20.0, 100.0);
@@ -129,9 +130,8 @@ fn a_frame_answers_as_two_masses_do() {
     }
 }
 
-/// Were it wrong, the model level above would say another thing than the one below where their assumptions meet. A frame of 1000 t on
-/// 1e12 N/m goes 1e-9 m under a kilonewton; what cranks and platform make of that is below a trace's last digits, 1e-9 turns and
-/// 1 nm.
+/// If this fails, the elastic level and the phased level below it disagree where their assumptions coincide. A frame of 1000 t on
+/// 1e12 N/m moves 1e-9 m under a kilonewton. The effect on cranks and platform is below a trace's last digits, 1e-9 turns and 1 nm.
 #[test]
 fn a_frame_that_stands_fast_is_phased() {
     let elastic = SCENE
@@ -164,10 +164,10 @@ fn a_frame_that_stands_fast_is_phased() {
     }
 }
 
-/// Were it wrong, springs for rods would let the platform down by another length than statics say, or it would be lost at speed.
+/// If this fails, rods as springs lower the platform by another length than statics gives, or the platform diverges at speed.
 ///
-/// Short by F / N k: at rest the weight's, in motion up to m (g + amax) with what 30 rev/s, at 0.14 of the rods' mode, adds
-/// to that: 2 %, and as much again for harmonics.
+/// The rods are short by F / N k. At rest F is the weight. In motion it is up to m (g + amax), plus the share of 30 rev/s, at 0.14 of
+/// the rods' mode: 2 %, and as much again for harmonics.
 #[test]
 fn elastic_rods_give_by_what_statics_say() {
     let quasi_static = SCENE
@@ -189,7 +189,7 @@ fn elastic_rods_give_by_what_statics_say() {
         .collect();
     let at_rest = 8.0 * 9.80665 / (3.0 * 5e6);
     let last = short.last().expect("a run has rows");
-    // A trace has nanometres.
+    // A trace has a resolution of nanometres.
     assert!((last - at_rest).abs() < 2e-9, "{last}, not {at_rest}");
     let worst = short
         .iter()
@@ -205,8 +205,8 @@ fn refused(text: &str) -> String {
     error.to_string()
 }
 
-/// Were it wrong, a machine would stand on a frame that nobody described, or be advanced by a method that takes an integral for
-/// a speed.
+/// If this fails, a machine stands on a frame that the scene does not describe. Or a method advances it that takes an integral for a
+/// speed.
 #[test]
 fn what_a_frame_and_an_integral_need_is_said() {
     let text = SCENE.replace("AMAX", "5");
@@ -236,8 +236,8 @@ fn what_a_frame_and_an_integral_need_is_said() {
     }
 }
 
-/// Were it wrong, a method that only damping keeps stable would be believed for a frame that has none: the rotors' drives damp
-/// their own mode well, and the frame would swing up by metres.
+/// If this fails, a method that only damping keeps stable is accepted for a frame without damping. The rotors' drives damp their own
+/// mode well, but the frame swings up by metres.
 #[test]
 fn a_frame_without_damping_is_its_own_question() {
     let undamped = SCENE

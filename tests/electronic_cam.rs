@@ -1,5 +1,5 @@
-//! The electronic cam against the mechanical cam shaft: the same law and the same program, once as four cams that turn with the master, and once as
-//! four pushers on screws that follow a cam table.
+//! The electronic cam against the mechanical cam shaft: the same law and the same program. One machine has four cams that turn with the
+//! master, the other has four pushers on screws that follow a cam table.
 
 use std::f64::consts::{PI, TAU};
 
@@ -33,7 +33,7 @@ fn run(text: &str) -> (Pushers, Outcome) {
     (pushers, outcome)
 }
 
-/// The scene with cams on shafts instead: servos, so that they stand where they are commanded, not at the step before.
+/// The scene with cams on shafts instead. Their drives are servos, so the cams stand where they are commanded, not at the step before.
 fn mechanical(electronic: &str) -> String {
     let (head, rest) = electronic.split_once("[[cam_table]]").unwrap();
     let (_, rest) = rest.split_once("[control]").unwrap();
@@ -55,17 +55,17 @@ fn mechanical(electronic: &str) -> String {
     text
 }
 
-/// If the table, its shift, or its position in a turn were wrong, the pushers of the electronic cam would move otherwise than those of the shaft
-/// that it replaces.
+/// If this fails, the table, its shift, or its position in a turn is wrong. The pushers of the electronic cam then move differently from
+/// those of the shaft that it replaces.
 ///
-/// *Lift.* A pusher on a screw stands at the whole step below its command, so up to a step of 20 mm / 1600 = 12.5 µm below. The table's points are h = 3.75°
-/// apart. Its spline is off by h⁴ y⁗/384 between them: with y″ = 84 mm · 5.53 / β² and the law's fastest wave, 4π/β for β = 105°, that is
-/// 0.31 µm.
+/// *Lift.* A pusher on a screw stands at the whole step below its command, so up to a step of 20 mm / 1600 = 12.5 µm below. The table's
+/// points are h = 3.75° apart. Its spline is off by h⁴ y⁗/384 between them. With y″ = 84 mm · 5.53 / β² and the law's fastest wave, 4π/β
+/// for β = 105°, that is 0.31 µm.
 ///
-/// *Acceleration.* The second derivative of a spline is off by (h 4π/β)²/12 = 1.7 % of the law's peak at its points, and less between them. Where the
-/// law's jerk jumps there is a point, so that the jump adds nothing. The second difference over two ticks of 0.5 ms sees the mean around the tick: less
-/// by (ω 4π/β · 0.5 ms)²/12 = 4e-5. Mechanical pushers are looked at at a tick's end, and the second difference half a tick to either
-/// side of it; the speed-up moves it by another 1e-3.
+/// *Acceleration.* The second derivative of a spline is off by (h 4π/β)²/12 = 1.7 % of the law's peak at its points, and less between them.
+/// The table has a point wherever the law's jerk jumps, so the jump adds nothing. The second difference over two ticks of 0.5 ms measures
+/// the mean around the tick. It is less by (ω 4π/β · 0.5 ms)²/12 = 4e-5. Mechanical pushers are measured at a tick's end, and the second
+/// difference covers half a tick to either side of it. The speed-up moves it by another 1e-3.
 #[test]
 fn pushers_move_as_on_the_cam_shaft() {
     let text = library::find("electronic-cam").unwrap().text;
@@ -81,7 +81,7 @@ fn pushers_move_as_on_the_cam_shaft() {
             let below = cams[axis].0 - screws[axis].0;
             off_m = off_m.max(below);
             lowest_m = lowest_m.min(below);
-            // The acceleration on a screw belongs to the end of the tick before.
+            // The acceleration on a screw belongs to the end of the previous tick.
             let Some(before) = i.checked_sub(1).map(|i| shaft.ticks[i][axis].1) else {
                 continue;
             };
@@ -98,7 +98,7 @@ fn pushers_move_as_on_the_cam_shaft() {
         off_mps2 < 0.02 * peak_mps2,
         "{off_mps2} of {peak_mps2} m/s²"
     );
-    // The report's own comparison, against the law at the master's phase, is the same.
+    // The report's own comparison, with the law at the master's phase, gives the same result.
     for (peaks, shaft_mps2) in outcome.statistics.followers.iter().zip(peaks_mps2) {
         assert!(peaks.off_m < 12.8e-6, "{:e} m", peaks.off_m);
         assert!(peaks.off_mps2 < 0.02 * peak_mps2, "{} m/s²", peaks.off_mps2);
@@ -106,8 +106,9 @@ fn pushers_move_as_on_the_cam_shaft() {
     }
 }
 
-/// If an error accumulated from tick to tick, or the machine parked at another phase, axes would not be where the table has them: at 0°, and at the
-/// shifts of −90, −180 and −270° from there, that is 270°, 180° and 90°. The law rests at both ends, and is 4.2 turns up at the dwell.
+/// If this fails, an error accumulates from tick to tick, or the machine parks at another phase. Axes must be where the table has them: at
+/// 0°, and at the shifts of −90, −180 and −270° from there, that is 270°, 180° and 90°. The law rests at both ends, and is 4.2 turns up at
+/// the dwell.
 #[test]
 fn after_the_run_every_axis_is_on_its_table() {
     let (_, outcome) = run(library::find("electronic-cam").unwrap().text);
@@ -126,13 +127,13 @@ const STEP_M: f64 = LEAD_M / 1600.0;
 /// Shifts of the four axes' tables, turns.
 const SHIFTS: [f64; AXES] = [0.0, -0.25, -0.5, -0.75];
 
-/// Lift of a unit stroke over a unit angle, in the closed form of the literature. The coefficients of the last two are printed with eight digits
-/// in handbooks on cam design, and the skewed cycloid is given by a parameter.
+/// Lift of a unit stroke over a unit angle, in the closed form of the literature. Handbooks on cam design print the coefficients of the
+/// last two laws with eight digits. A parameter gives the skewed cycloid.
 fn closed_form(law: &str, u: f64) -> f64 {
     match law {
         "cycloid" => u - (TAU * u).sin() / TAU,
         "skewed-cycloid" => {
-            // u = (φ − k sin φ)/2π grows with φ: bisection to the last bit.
+            // u = (φ − k sin φ)/2π grows with φ, so bisection finds it to the last bit.
             let k = 1.0 - 3.0_f64.sqrt() / 2.0;
             let (mut low, mut high) = (0.0, TAU);
             for _ in 0..60 {
@@ -209,13 +210,13 @@ fn follows(what: &str, checked: &Checked, lift_m: impl Fn(f64) -> f64, spline_m:
     assert!(above_m < spline_m, "{what}: {above_m:e} m above");
 }
 
-/// If the core's table follower moved a pusher by another curve than the chosen law, a user's product would be handled otherwise than
-/// designed. Each law is compared in its closed form, written here a second time.
+/// If this fails, the core's table follower moves a pusher by another curve than the chosen law, and a user's product is not handled as
+/// designed. Each law is compared with its closed form, written here a second time.
 ///
-/// A cubic spline is off by at most 5/384 h⁴ max|y⁗| between its points (Hall and Meyer, 1976), where y‴ jumps at points only. The return is
-/// the steepest: h/β = 3.75/105, and y⁗ = 84 mm · max|s⁗| / β⁴. The fourth derivatives of the laws are Ca (2π)² for the cycloid and Ca (4π)² where quarter
-/// waves of a period of half the angle stand at the ends. That of the skewed cycloid is 476, found by differences. Four coefficients of
-/// 5e-9 each, the most that eight digits leave, add 2 nm. A pusher on a screw stands at the whole step below its command.
+/// A cubic spline is off by at most 5/384 h⁴ max|y⁗| between its points (Hall and Meyer, 1976), where y‴ jumps at points only. The return
+/// is the steepest: h/β = 3.75/105, and y⁗ = 84 mm · max|s⁗| / β⁴. The fourth derivative is Ca (2π)² for the cycloid. It is Ca (4π)² for
+/// laws with quarter waves, of a period of half the angle, at the ends. That of the skewed cycloid is 476, found by differences. Four
+/// coefficients of 5e-9 each, the most that eight digits leave, add 2 nm. A pusher on a screw stands at the whole step below its command.
 #[test]
 fn each_law_moves_the_pusher_by_its_closed_form() {
     let text = library::find("electronic-cam").unwrap().text;
@@ -242,9 +243,9 @@ fn each_law_moves_the_pusher_by_its_closed_form() {
     }
 }
 
-/// If this fails, points of a user's file are not those that the axis passes, or the curve between them is another. The curve is a harmonic
-/// lift, y = 42 mm (1 − cos x), over the whole turn, in 48 points with nine decimals: the spline is off by at most 5/384 h⁴ · 42 mm with h = 2π/48, and by
-/// rounding of 5e-10 turns, which no spline doubles.
+/// If this fails, the axis does not pass through the points of a user's file, or the curve between them is wrong. The curve is a harmonic
+/// lift, y = 42 mm (1 − cos x), over the whole turn, in 48 points with nine decimals. The spline is off by at most 5/384 h⁴ · 42 mm with h
+/// = 2π/48, and by rounding of 5e-10 turns, which no spline doubles.
 #[test]
 fn a_table_from_a_file_moves_the_pusher_through_its_points() {
     let lift_m = |turns: f64| 0.042 * (1.0 - (TAU * turns).cos());
@@ -278,9 +279,10 @@ const LAWS: [(&str, f64); 4] = [
     ("modified-trapezoid", 4.8881),
 ];
 
-/// If one of the laws were another in a cam table than on a cam, or its table too coarse for it, the pushers of the electronic cam would accelerate otherwise than those of
-/// the shaft, or than published. The errors are those of `pushers_move_as_on_the_cam_shaft`; that of the spline's second derivative grows with the
-/// square of the law's fastest wave, so that it is printed for each law.
+/// If this fails, a law in a cam table differs from the law on a cam, or its table is too coarse. The pushers of the electronic cam then
+/// accelerate differently from those of the shaft, or from the published values. The errors are those of
+/// `pushers_move_as_on_the_cam_shaft`. The error of the spline's second derivative grows with the square of the law's fastest wave, so it
+/// is printed for each law.
 #[test]
 fn each_law_accelerates_the_pusher() {
     for (law, coefficient) in LAWS {

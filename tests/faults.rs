@@ -1,8 +1,8 @@
 //! Effect of a scene's `[[fault]]` and `[noise]` on drives, cranks and sensors, without the controller's reaction.
 //!
-//! Each is looked at on a *kinematic* machine, whose cranks are where their fields are to the last digit, and where that
-//! says another thing on a *phased* one too, whose cranks swing there. The loop is not judged here: what it reports, and when it
-//! stops, are other tests' affair. So faults come early in a long turn at a low speed, and limits are wide.
+//! Each effect is tested on a *kinematic* machine, whose cranks are where their fields are, to the last digit. A *phased*
+//! machine, whose cranks swing, is tested too where it gives another result. The loop is not tested here: other tests check its
+//! reports and its stops. The faults therefore come early in a long turn at a low speed, and limits are wide.
 
 #[path = "faults/backwards.rs"]
 mod backwards;
@@ -59,9 +59,9 @@ ramp_s = 0.1
 hold_s = 1
 "#;
 
-/// Time of the faults: in the first turn, before any index is detected and judged.
+/// Time of the faults: in the first turn, before any index pulse is detected and evaluated.
 const AT_S: f64 = 0.12;
-/// The same as a tick.
+/// The same time as a tick.
 const AT_TICK: u64 = 240;
 const TICK_S: f64 = 5e-4;
 
@@ -69,7 +69,8 @@ fn phased() -> String {
     KINEMATIC.replace("kinematic", "phased")
 }
 
-/// The same with nobody reading the encoders: the loop does not see at once that a motor turns other than commanded, and goes on.
+/// The same machine without encoders for the loop. The loop does not detect at once that a motor turns other than commanded, and
+/// continues.
 fn unread(text: &str) -> String {
     text.replace("encoder = true", "encoder = false")
 }
@@ -78,14 +79,14 @@ fn with(text: &str, fault: &str) -> Samples {
     observe(&scene(&format!("{text}[[fault]]\nat_s = {AT_S}\n{fault}")))
 }
 
-/// The first event that `is` picks: the tick at the beginning of which it was detected.
+/// Returns the tick of the first event that `is` selects. The event was detected at the tick's beginning.
 fn event_tick(samples: &Samples, is: fn(&EventKind) -> bool) -> Option<u64> {
     let mut events = samples.outcome.statistics.events.iter();
     let event = events.find(|event| is(&event.what))?;
     Some((event.t_s / TICK_S).round() as u64)
 }
 
-/// The first fault that was put in: its tick.
+/// Returns the tick of the first fault that was injected.
 #[track_caller]
 fn began(samples: &Samples) -> u64 {
     event_tick(samples, |what| matches!(what, EventKind::Injected(_))).expect("a fault was put in")

@@ -6,7 +6,7 @@ use cophase_tests::{Run, record, scene};
 use host_sim::scene::library;
 use host_sim::trace::{Every, Window};
 
-/// The scene, with each line of it that is named replaced by another.
+/// The scene with each named line replaced by another.
 fn with(changes: &[(&str, &str)]) -> Run {
     let text = library::find("five-bar").unwrap().text;
     let text = text.replacen("hold_s = 40", "hold_s = 21", 1);
@@ -29,7 +29,8 @@ fn hand_m(turns: [f64; 2]) -> [f64; 2] {
     [0.25 * (cos_1 + cos_2), 0.25 * (sin_1 + sin_2)]
 }
 
-/// If this fails, the joints' cam tables do not lead the hand along the line at its speed: 200 mm in 10 s with blends of 0.5 s, there and back.
+/// If this fails, the joints' cam tables do not lead the hand along the line at its speed: 200 mm in 10 s with blends of 0.5 s, there and
+/// back.
 #[test]
 fn the_joints_lead_the_hand_along_the_line() {
     let run = with(&[KINEMATIC]);
@@ -68,8 +69,8 @@ fn the_joints_lead_the_hand_along_the_line() {
     assert!(figure(&run, "table_error_mm") < 2e-3);
 }
 
-/// If this fails, the hand does not press as required, or the suspension has another cost than its side pull: the rope is vertical in the middle of the line,
-/// and pulls by 19.62 N · 0.1 m / 1 m at its ends.
+/// If this fails, the hand does not press as required, or the suspension costs more than its side pull. The rope is vertical in the middle
+/// of the line, and pulls by 19.62 N · 0.1 m / 1 m at its ends.
 #[test]
 fn the_hand_presses_while_it_follows_the_line() {
     let hung = with(&[]);
@@ -77,7 +78,8 @@ fn the_hand_presses_while_it_follows_the_line() {
     // A step of the source's force sensor is 9.58 mN.
     assert!(figure(&hung, "force_error_n") < 0.02);
     let place_mm = figure(&hung, "place_error_mm");
-    // The law's stiffness along the line is its position gain times the mass that the hand feels there; 1.962 N · 0.25 m over both joints.
+    // The law's stiffness along the line is its position gain times the mass that acts at the hand there. The load is 1.962 N · 0.25 m over
+    // both joints.
     assert!((0.3..1.0).contains(&place_mm), "{place_mm} mm");
     let free = with(&[("lift_n = 19.62", "lift_n = 0")]);
     let free_mm = figure(&free, "place_error_mm");
@@ -85,7 +87,7 @@ fn the_hand_presses_while_it_follows_the_line() {
     assert!(free_mm < 0.2 * place_mm);
 }
 
-/// If this fails, the errors do not grow with the joints' friction, which is what the suspension is for.
+/// If this fails, the errors do not grow with the joints' friction. The suspension exists to reduce that friction.
 #[test]
 fn friction_costs_place_and_force() {
     let light = with(&[("lift_n = 19.62", "lift_n = 0")]);
@@ -100,7 +102,7 @@ fn friction_costs_place_and_force() {
     }
 }
 
-/// If this fails, drives with loops of their own do not hold the arm on its path where there is no surface.
+/// If this fails, drives with their own loops do not hold the arm on its path where there is no surface.
 #[test]
 fn without_a_surface_the_drives_hold_the_path() {
     let run = with(&[("contact = { force_n = 5 }", "")]);

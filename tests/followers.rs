@@ -1,4 +1,4 @@
-//! Elastic followers on cams that the control loop turns: what is published of them at constant speed, and what becomes of
+//! Elastic followers on cams that the control loop turns. They are compared with published values at constant speed, and tested with
 //! phase errors, steppers and a method that is too coarse.
 
 use std::f64::consts::TAU;
@@ -52,8 +52,8 @@ fn text(law: &str, damper: &str) -> String {
         .replace("AMAX", &format!("{amax_g:.9}"))
 }
 
-/// The greatest of what followers did in steady turning, from the fourth turn of it on: the slowest mode, which decays by e⁻⁸
-/// in a turn, has forgotten how it came there.
+/// Greatest values of the followers in steady turning, from its fourth turn on. The slowest mode decays by e⁻⁸ in a turn, so its
+/// transient is gone by then.
 #[derive(Default)]
 struct Steady {
     since_turns: Option<f64>,
@@ -111,8 +111,8 @@ fn assert_within(what: &str, found: f64, published: f64, relative: f64) {
     );
 }
 
-/// Were it wrong, the loop would turn the cam otherwise than evenly at the speed that the program amounts to, or the chain in a
-/// scene would be another than the one of the source: item 4 of what must reproduce, its four laws, to 0.1 %.
+/// If this fails, the loop does not turn the cam evenly at the speed that follows from the program. Or the chain in a scene differs
+/// from the source's. This is item 4 of the results to reproduce: its four laws, to 0.1 %.
 #[test]
 fn as_printed_the_published_accelerations() {
     for (law, cam_side, pusher) in [
@@ -134,7 +134,7 @@ fn as_printed_the_published_accelerations() {
     }
 }
 
-/// Item 5: with the shaft's damper at the cam, where it belongs.
+/// Item 5 of the results to reproduce: with the shaft's damper at the cam, where it belongs.
 #[test]
 fn with_the_damper_at_the_cam() {
     let (steady, outcome) = steady(&text("modified-sine", "cam"));
@@ -143,7 +143,7 @@ fn with_the_damper_at_the_cam() {
         assert_within("pusher, m/s²", peaks.pusher_mps2, 340.58, 1e-3);
         assert_within("off, mm", peaks.off_m * 1e3, 0.125, 5e-3);
     }
-    // The whole run, which the report covers, has no greater ones than its greatest speed.
+    // The report covers the whole run. Its peaks are those at its greatest speed.
     for (whole, steady) in outcome.statistics.followers.iter().zip(&steady.peaks) {
         assert_within(
             "whole run, m/s²",
@@ -154,7 +154,8 @@ fn with_the_damper_at_the_cam() {
     }
 }
 
-/// Were it wrong, the model level below would not be the law itself: 307.04 m/s² at the return, 84 mm from bottom to top, nothing off.
+/// If this fails, the kinematic level does not follow the law itself: 307.04 m/s² at the return, 84 mm from bottom to top, no
+/// deviation.
 #[test]
 fn on_the_kinematic_level_the_law_itself() {
     let text = format!("fidelity = \"kinematic\"\n{}", text("modified-sine", "cam"));
@@ -164,15 +165,15 @@ fn on_the_kinematic_level_the_law_itself() {
         assert_within("pusher, m/s²", peaks.pusher_mps2, 307.04, 1e-4);
         assert_eq!(peaks.off_m, 0.0);
     }
-    // What the trace has, sampled every 1.35°: within a sixth of a radian of the law's fastest wave.
+    // The trace samples every 1.35°: within a sixth of a radian of the law's fastest wave.
     assert_within("least accel_mps2", -steady.accel.0, 307.04, 5e-3);
     assert_eq!(steady.places, (0.0, 0.084));
-    // The core's own statement of amax is that of the law.
+    // The core's own value of amax is that of the law.
     assert_within("amax", outcome.statistics.top_amax_mps2, 307.04, 1e-4);
 }
 
-/// Were it wrong, methods would not agree on the same follower: RK4 and SDIRK4 follow every mode, exact discretisation errs by
-/// its input's curvature. 0.03 % is what its step may miss of a peak.
+/// If this fails, methods disagree on the same follower. RK4 and SDIRK4 follow every mode. Exact discretisation errs by its input's
+/// curvature: its step may miss 0.03 % of a peak.
 #[test]
 fn methods_agree() {
     let text = text("modified-sine", "cam");
@@ -189,8 +190,8 @@ fn methods_agree() {
     }
 }
 
-/// Were it wrong, a pusher that goes with its neighbours, but behind them, would not be stopped, or one that lawfully lags by less
-/// would be: the limit is `drift.warp_limit_deg`, in degrees, though the core computes it as a tilt.
+/// If this fails, a pusher that moves with its neighbours, but behind them, is not stopped. Or one whose lag is within the limit is
+/// stopped. The limit is `drift.warp_limit_deg`, in degrees, although the core computes it as a tilt.
 #[test]
 fn cams_too_far_apart_are_stopped() {
     let with = |start_deg: f64| {
@@ -201,7 +202,7 @@ fn cams_too_far_apart_are_stopped() {
         let checked: Checked = scene(&text.replace("[axes]", "[axes]\ntrim_limit_deg = 0"));
         simulate(&checked, &mut (), |_, _| {}).unwrap()
     };
-    // Of two, each is off their mean by half.
+    // Each of two pushers is off their mean by half the difference.
     let lawful = with(-3.8);
     assert!(lawful.fault.is_none(), "{:?}", lawful.fault);
     assert!((lawful.statistics.worst_spread_deg - 3.8).abs() < 1e-6);
@@ -211,8 +212,8 @@ fn cams_too_far_apart_are_stopped() {
     assert_eq!(kind, Some(FaultKind::HomingRangeExceeded));
 }
 
-/// Were it wrong, a cam on steps would not be where its steps put it. At 7.5 rev/s and 2 kHz there are 12 steps of 3200 a tick, so
-/// that it turns evenly here too.
+/// If this fails, a cam on steps is not where its steps put it. At 7.5 rev/s and 2 kHz there are 12 steps of 3200 a tick, so the cam
+/// turns evenly here too.
 #[test]
 fn steppers_drive_cams_as_well() {
     let text = text("modified-sine", "cam")
@@ -222,8 +223,8 @@ fn steppers_drive_cams_as_well() {
     assert_within("pusher, m/s²", steady.peaks[0].pusher_mps2, 340.58, 1e-3);
 }
 
-/// Were it wrong, the feed-forward of a servo would be that of a platform which is not there. With a rotor of 2 g m² at the
-/// scene's acceleration of 20 rev/s² it is 0.25 N·m at most; what the least load of the core adds is below 0.02.
+/// If this fails, the feed-forward of a servo is that of a platform that does not exist. With a rotor of 2 g m² at the scene's
+/// acceleration of 20 rev/s² it is 0.25 N·m at most. The least load of the core adds less than 0.02.
 #[test]
 fn feed_forward_is_the_rotors_alone() {
     struct Torque(f64, f64);

@@ -1,13 +1,12 @@
-//! The patent's four machines shake as hard as their programs say, measured on the platform's way.
+//! The patent's four machines shake as hard as their programs require, measured by the platform's travel.
 //!
-//! At 100 and 200 Hz a control tick is a twentieth or a tenth of a turn: looking for the largest
-//! `accel_mps2`, or differentiating `z_m` twice, misses the peak by percents. What the rows do show to
-//! many digits is where the platform is (`z_m`) and where the cranks are (`actual_turns_i`). So it is
-//! shown first that every row's height is the mechanism's at that crank angle; then the mean speed over
-//! the turns of a hold gives the acceleration amplitude by the mechanism's geometry, differentiated
-//! numerically here. Nothing of `amax_commanded_mps2` or of the law ω = sqrt(amax / (R (1 + λ))) enters.
+//! At 100 and 200 Hz a control tick is a twentieth or a tenth of a turn. The largest `accel_mps2`, or a second derivative of
+//! `z_m`, therefore misses the peak by percents. The rows show to many digits where the platform is (`z_m`) and where the
+//! cranks are (`actual_turns_i`). The test first checks that every row's height is the mechanism's at that crank angle. Then
+//! the mean speed over the turns of a hold gives the acceleration amplitude by the mechanism's geometry, differentiated
+//! numerically here. The test uses neither `amax_commanded_mps2` nor the law ω = sqrt(amax / (R (1 + λ))).
 //!
-//! And they get there from rest, where that law's slope has no end.
+//! The machines also start from rest, where that law's slope has no limit.
 
 use std::f64::consts::TAU;
 
@@ -30,8 +29,8 @@ impl Mechanism {
         self.radius_m * cos + rod
     }
 
-    /// The greatest |d²x/dα²| of a turn, by central differences of fourth order. With h = 0.02 the error
-    /// is h⁴/90 of the sixth derivative, below 1e-7 of the second even at λ = 0.6; rounding is 1e-16 L/h².
+    /// The greatest |d²x/dα²| of a turn, by central differences of fourth order. With h = 0.02 the error is h⁴/90 of the
+    /// sixth derivative. That is below 1e-7 of the second even at λ = 0.6. Rounding is 1e-16 L/h².
     fn greatest_second_derivative_m(self) -> f64 {
         const H: f64 = 0.02;
         let second = |alpha: f64| {
@@ -44,7 +43,7 @@ impl Mechanism {
     }
 }
 
-/// Stretches of rows in which the program asks for one and the same level.
+/// Ranges of rows in which the program requests a constant level.
 fn holds(trace: &Trace) -> Vec<std::ops::Range<usize>> {
     let (program, running) = (trace.column("amax_requested_mps2"), trace.first("run"));
     let mut holds = Vec::new();
@@ -60,8 +59,7 @@ fn holds(trace: &Trace) -> Vec<std::ops::Range<usize>> {
     holds
 }
 
-/// Were it wrong, a machine built by the patent's tables would shake its load harder or softer than
-/// required.
+/// If this fails, a machine built by the patent's tables shakes its load harder or softer than required.
 #[test]
 fn the_patent_machines_hold_their_amax() {
     for name in ["patent-1", "patent-2", "patent-3", "patent-4"] {
@@ -73,8 +71,8 @@ fn the_patent_machines_hold_their_amax() {
         };
         let trace = record(&checked, Every::Ticks(1), Window::FirstMotion).trace();
         let (turns, z_m) = (trace.axis("actual_turns", 0), trace.column("z_m"));
-        // The platforms are below the cranks, so heights are negative. The trace's heights and turns end
-        // at 1e-9: an error of 0.5e-9 turns is 2π R · 0.5e-9 of height, below 0.3e-9 m.
+        // The platforms are below the cranks, so heights are negative. The trace's heights and turns end at 1e-9. An error
+        // of 0.5e-9 turns is 2π R · 0.5e-9 of height, below 0.3e-9 m.
         let offset_m = -z_m[0] - mechanism.travel_m(0.0);
         for row in 0..trace.rows() {
             let off = -z_m[row] - mechanism.travel_m(turns[row] * TAU) - offset_m;
@@ -87,7 +85,7 @@ fn the_patent_machines_hold_their_amax() {
         let holds = holds(&trace);
         assert_eq!(holds.len(), 2, "{name} holds two levels");
         for hold in holds {
-            // The first quarter of a second is the shaft's to come to its speed; then whole turns.
+            // The shaft has the first quarter of a second to reach its speed. Whole turns follow.
             let (from, last) = (hold.start + 500, hold.end - 1);
             let whole = (turns[last] - turns[from]).floor();
             let end = turns[from] + whole;
@@ -107,9 +105,9 @@ fn the_patent_machines_hold_their_amax() {
     }
 }
 
-/// Were it wrong, a motor would be commanded at the start of a ramp to turn faster than it can: the root requires an angular
-/// acceleration without limit there, and for more than the machine's until well after it has begun (`docs/reproduced.md`;
-/// `host-sim/tests/published.rs` has the times).
+/// If this fails, a motor is commanded at the start of a ramp to turn faster than it can. The root requires an angular
+/// acceleration without limit there. It requires more than the machine's until well after the ramp has begun
+/// (`docs/reproduced.md`; `host-sim/tests/published.rs` has the times).
 #[test]
 fn a_ramp_of_one_second_starts_within_limits() {
     for (name, full_g, full_hz, balance_s) in [
@@ -126,7 +124,7 @@ fn a_ramp_of_one_second_starts_within_limits() {
         let running = trace.first("run");
         let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
 
-        // At the time of the balance the root is w sqrt(t), and its slope w / (2 sqrt(t)).
+        // At the time of the balance the root is w sqrt(t), and its slope is w / (2 sqrt(t)).
         let requested = |t: f64| TAU * full_hz * t.sqrt();
         let slope_hz_per_s = requested(balance_s) / (2.0 * balance_s) / TAU;
         assert!(
@@ -134,14 +132,14 @@ fn a_ramp_of_one_second_starts_within_limits() {
             "{name}"
         );
         let at = running.start + (balance_s / tick_s).ceil() as usize;
-        // It comes from the slow turn that found the index pulses.
+        // The shaft starts from the slow turn that found the index pulses.
         let gained = omega[at] - omega[running.start];
         assert!(
             gained < 0.1 * requested(balance_s),
             "{name}: {gained} rad/s"
         );
 
-        // The trace's speeds end at 1e-6 rad/s; a difference of three of them is off by up to four halves of that.
+        // The trace's speeds end at 1e-6 rad/s. A difference of three of them is off by up to four halves of that.
         let rounding = |order: i32| 2.0 * 1e-6 / tick_s.powi(order);
         for row in running.start + 2..running.end {
             let slope = (omega[row] - omega[row - 1]) / tick_s;

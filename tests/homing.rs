@@ -1,4 +1,4 @@
-//! Align on whole machines: where cranks were left, what they are off from each other, and whose lines are whose.
+//! Homing on whole machines: cranks left at different phases, phase errors between cranks, and swapped lines.
 
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_core::units::ONE_TURN;
@@ -7,7 +7,7 @@ use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
 const HOMING_SPEED_HZ: f64 = 2.0;
 
-/// A machine of `count` cranks that stand where `starts_deg` has them, as it begins.
+/// A machine of `count` cranks that stand at `starts_deg` at power-up.
 fn text(count: usize, drive: &str, starts_deg: &[f64], more: &str) -> String {
     let axes: String = starts_deg
         .iter()
@@ -29,8 +29,8 @@ fn text(count: usize, drive: &str, starts_deg: &[f64], more: &str) -> String {
 const STEPPERS: &str = "drive = \"stepper\"\nsteps_per_turn = 3200";
 const SERVOS: &str = "drive = \"servo\"\nsteps_per_turn = 8192\nencoder = true";
 
-/// Observations of a run: how far apart the cranks are as it begins to run and at most after it, where they stand at the end, and how
-/// far the corrections' sum was from zero, at most and at the end.
+/// Observations of a run: the spread of the cranks as it begins to run, and the master's turns until then. The positions of the cranks
+/// at the end. The distance of the corrections' sum from zero, at most and at the end, and the largest correction.
 #[derive(Default)]
 struct Recorded {
     spread_deg: Option<f64>,
@@ -39,7 +39,7 @@ struct Recorded {
     worst_sum: i64,
     last_sum: i64,
     largest_deg: f64,
-    /// Time and master's turns at the end of each tick, and the number of the first that is played with a fault.
+    /// Time and master's turns at the end of each tick, and the number of the first tick that is played with a fault.
     ticks: Vec<(f64, f64)>,
     reported: Option<usize>,
 }
@@ -72,7 +72,7 @@ fn run(text: &str) -> (Recorded, Outcome) {
     let checked = scene(text);
     let mut recorded = Recorded::default();
     let outcome = simulate(&checked, &mut recorded, |_, _| {}).unwrap();
-    // One axis after the other moves by the steps of its slot, two at these rates; in the end all targets are reached.
+    // One axis after the other moves by the steps of its slot, two at these rates. At the end all targets are reached.
     let step = ONE_TURN / 3200;
     let count = recorded.end_turns.len() as i64;
     assert!(recorded.worst_sum <= 2 * step * count, "sum of corrections");
@@ -84,7 +84,7 @@ fn starts(count: usize, of: impl Fn(usize) -> f64) -> Vec<f64> {
     (0..count).map(of).collect()
 }
 
-/// Were it wrong, cranks that stand a little apart would run so, or be moved further apart, or homing would take its time.
+/// If this fails, cranks that stand a little apart run so, or are moved further apart, or homing takes too long.
 #[test]
 fn small_differences_are_trimmed_away_before_it_runs() {
     for count in 2..=6 {
@@ -98,13 +98,13 @@ fn small_differences_are_trimmed_away_before_it_runs() {
                 "{count}"
             );
             let spread = recorded.spread_deg.expect("it runs");
-            // What two readings are off, by 0.05° of noise each and a step.
+            // The error of two readings, by 0.05° of noise each and a step.
             assert!(spread < 0.5, "{count} cranks {spread}° apart");
-            // A turn to find them and one to look again, each with its margin, and the time that trims need.
+            // One turn finds the cranks and one checks them, each with its margin. The trims need additional time.
             let most = 2.0 * 1.1 + HOMING_SPEED_HZ * (2.0 * 1.5 / 20.0 + 0.2);
             assert!(recorded.turns < most, "{count}: {} turns", recorded.turns);
             assert!(recorded.largest_deg < 3.0);
-            // And the report says so.
+            // The report states it too.
             let reported = &outcome.statistics;
             assert!(
                 reported.correction_deg.iter().any(|deg| deg.abs() > 0.5),
@@ -120,7 +120,7 @@ fn small_differences_are_trimmed_away_before_it_runs() {
     }
 }
 
-/// Were it wrong, a machine that was switched off where it was parked would not start, or park elsewhere from then on.
+/// If this fails, a machine that was switched off where it was parked does not start, or parks elsewhere from then on.
 #[test]
 fn wherever_the_cranks_were_left_they_park_at_the_parking_phase() {
     for drive in [STEPPERS, SERVOS] {
@@ -143,7 +143,7 @@ fn wherever_the_cranks_were_left_they_park_at_the_parking_phase() {
     }
 }
 
-/// Were it wrong, a platform would be bent straight by its motors, or a crank that is far out be driven along with the others.
+/// If this fails, motors force a tilted platform straight, or a crank that is far out is driven along with the others.
 #[test]
 fn exceeded_homing_range_is_refused_by_axis() {
     for count in 2..=6 {
@@ -153,7 +153,7 @@ fn exceeded_homing_range_is_refused_by_axis() {
         let (recorded, outcome) = run(&text);
         let fault = outcome.fault.expect("it is refused");
         assert_eq!(fault.kind, FaultKind::HomingRangeExceeded, "{count}");
-        // Of two cranks nobody knows which is out.
+        // With two cranks it is undecided which one is out.
         assert!(count == 2 || fault.axis == Some(out), "{count}: {fault:?}");
         assert_eq!(outcome.state, State::Fault);
         assert!(recorded.spread_deg.is_none(), "it ran");
@@ -161,7 +161,7 @@ fn exceeded_homing_range_is_refused_by_axis() {
     }
 }
 
-/// Were it wrong, lines that are swapped would be found out by a wrong correction, at speed; or right ones refused.
+/// If this fails, swapped lines are detected only by a wrong correction at speed, or correct lines are refused.
 #[test]
 fn swapped_wiring_is_refused_for_every_pair_and_right_wiring_is_not() {
     const PROVES: &str = "[correction]\ngain =  0.5\nprove_wiring = true\n";
@@ -222,8 +222,8 @@ fn noise_of_encoders_near_a_limit_does_not_end_homing() {
     }
 }
 
-/// Were it wrong, a correction that reads two cranks' sensors the wrong way round would drive them apart, up to its limit, faster and
-/// faster; or one that only fixes what it should would be taken for such.
+/// If this fails, a correction that reads two cranks' sensors the wrong way round drives the cranks apart, up to its limit, faster and
+/// faster. Or a correct correction is taken for such a one.
 #[test]
 fn a_correction_that_drives_cranks_apart_is_stopped_as_swapped_wiring() {
     for count in 2..=6 {
@@ -255,8 +255,8 @@ fn a_correction_that_drives_cranks_apart_is_stopped_as_swapped_wiring() {
     }
 }
 
-/// Were it wrong, a crank that lost its steps in homing would be corrected with what it was before, be checked for three turns more,
-/// or be driven up to speed. In whatever step of homing they are lost, from the first pulse on to the last check.
+/// If this fails, a crank that loses steps in homing is corrected by its error before the loss, is checked for three more turns, or is
+/// driven up to speed. The steps are lost in every stage of homing, from the first pulse to the last check.
 #[test]
 fn steps_lost_in_homing_are_reported_within_a_turn() {
     const WATCHED: &str = "drive = \"stepper\"\nsteps_per_turn = 3200\nencoder = true";
@@ -268,7 +268,7 @@ fn steps_lost_in_homing_are_reported_within_a_turn() {
             let homing_turns = homed.turns;
             let until = homed.ticks.iter().find(|tick| tick.1 >= homing_turns);
             let (until_s, _) = *until.expect("it runs");
-            // All have been detected at a place of 40°.
+            // All flags have been detected, at 40°.
             for part in [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
                 let at_s = 0.25 + part * (until_s - 0.25);
                 let lost = format!(
@@ -279,13 +279,13 @@ fn steps_lost_in_homing_are_reported_within_a_turn() {
                 let reported = recorded.reported.expect("it is reported");
                 let was = recorded.ticks.iter().position(|tick| tick.0 > at_s);
                 let was = recorded.ticks[was.expect("it was on its way")].1;
-                // What is played in a tick was made of the one two before.
+                // The output that is played in a tick was computed from the input of two ticks before.
                 let turns = recorded.ticks[reported - 3].1 - was;
                 assert!(
                     turns <= 1.0,
                     "{drive}, {prove}: lost at {at_s} s, reported {turns} turns later"
                 );
-                // Where an index alone watches, a machine that turns at homing speed may stand before the crank is detected again.
+                // With an index alone, a machine at homing speed may stand before the crank is detected again.
                 let is_named = fault.kind == FaultKind::LostSteps
                     || drive == STEPPERS && fault.kind == FaultKind::IndexTimeout;
                 assert!(
@@ -297,8 +297,8 @@ fn steps_lost_in_homing_are_reported_within_a_turn() {
     }
 }
 
-/// Servos with an integral, on rods that bend: each swings where its rods let go, more in every turn. The drives' integrals wind up
-/// against the rods. More than four bend rods more, and stand less far apart.
+/// Servos with an integral, on rods that bend. The drives' integrals wind up against the rods. Each crank swings where its rods let go,
+/// more in every turn. More than four cranks bend the rods more, so they stand less far apart.
 fn integral(count: usize, seed: u32, more: &str) -> String {
     let axes: String = (0..count)
         .map(|i| {
@@ -324,8 +324,8 @@ fn integral(count: usize, seed: u32, more: &str) -> String {
     )
 }
 
-/// Were errors compared where cranks swing, a machine that is wired rightly would be refused; were they not compared, a wrong one would
-/// run.
+/// If this fails, the loop compares errors while cranks swing and refuses a machine with correct wiring. Or it does not compare them
+/// and runs a machine with wrong wiring.
 #[test]
 fn servos_with_an_integral_are_homed_on_rods_that_bend() {
     for count in 4..=6 {
@@ -352,8 +352,8 @@ fn servos_with_an_integral_are_homed_on_rods_that_bend() {
     }
 }
 
-/// Were it wrong, soft servos that bent rods pull together would be refused: once they are brought together, the rods let go, and each
-/// is elsewhere than its command alone would have it.
+/// If this fails, soft servos that bent rods pull together are refused. Once they are levelled, the rods let go, and each crank is
+/// elsewhere than its command alone would place it.
 #[test]
 fn soft_servos_are_brought_together_twice() {
     let scene = |seed: u32, more: &str| {

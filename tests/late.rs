@@ -1,7 +1,8 @@
-//! A loop that wakes late: what is to be unchanged, what is to be reported, and what is to stop it.
+//! A loop that wakes late: results that must not change, events that must be reported, and delays that must
+//! stop the machine.
 //!
-//! A tick is 500 µs here. What the loop writes at one deadline plays from the next on, so that a deadline
-//! missed at `LATE_S` leaves the drives without pulses from a tick after that.
+//! A tick is 500 µs here. The output that the loop submits at one deadline plays from the next on. A
+//! deadline missed at `LATE_S` therefore leaves the drives without pulses from a tick after that.
 
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_tests::{Tick, Watched, record, scene, watch};
@@ -58,7 +59,7 @@ fn commanded(watched: &Watched) -> Vec<Tick> {
     watched.ticks.iter().map(timeless).collect()
 }
 
-/// Gaps between ticks, as (where the drives had nothing to play, for how many ticks).
+/// Gaps between ticks, as (time at which the drives had nothing to play, number of ticks).
 fn gaps(watched: &Watched) -> Vec<(u64, u64)> {
     let gap = |pair: &[Tick]| {
         let (end_ns, next_ns) = (pair[0].start_ns + TICK_NS, pair[1].start_ns);
@@ -67,7 +68,7 @@ fn gaps(watched: &Watched) -> Vec<(u64, u64)> {
     watched.ticks.windows(2).filter_map(gap).collect()
 }
 
-/// Were it wrong, ordinary jitter of the processor would reach the cranks.
+/// If this fails, ordinary jitter of the processor reaches the cranks.
 #[test]
 fn less_than_a_tick_late_changes_nothing_but_the_count() {
     let punctual = watch(&scene(SCENE));
@@ -86,8 +87,8 @@ fn less_than_a_tick_late_changes_nothing_but_the_count() {
     assert_eq!(report["late_deadlines"], 1);
 }
 
-/// Were it wrong, a missed deadline would cost steps, or make some axes stand and not others, or be made
-/// up for by a burst. (That all axes are together at every tick is asserted by `watch`.)
+/// If this fails, a missed deadline costs steps, makes some axes stand and not others, or is made up for by
+/// a burst. (`watch` asserts that all axes are together at every tick.)
 #[test]
 fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
     let punctual = watch(&scene(SCENE));
@@ -96,7 +97,7 @@ fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
         let late = watch(&checked);
         assert_eq!(late.last().missed, missed, "{by_us} µs");
         assert_eq!(late.outcome.fault, None, "{by_us} µs");
-        // The program and all that follows from it is the same, to the bit, only later.
+        // The program and all its results are the same, to the bit, only later.
         assert_eq!(commanded(&late), commanded(&punctual), "{by_us} µs");
         let stand_ns = (LATE_S * 1e9) as u64 + TICK_NS;
         assert_eq!(gaps(&late), [(stand_ns, u64::from(missed))], "{by_us} µs");
@@ -105,7 +106,7 @@ fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
             punctual.last().start_ns + u64::from(missed) * TICK_NS
         );
 
-        // Nothing moves meanwhile, on any wire; and the report says so.
+        // Meanwhile nothing moves on any wire, and the report says so.
         let run = record(&checked, Every::Ticks(1), Window::All);
         let until_ns = stand_ns + u64::from(missed) * TICK_NS;
         for axis in [0, 1] {
@@ -137,15 +138,15 @@ fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
     }
 }
 
-/// Were it wrong, a processor that hangs would leave the machine running on without a program; or would
-/// cut the drives off, and let each crank run out for itself, though the loop is back.
+/// If this fails, a processor that hangs leaves the machine running without a program. Or it cuts the drives
+/// off and each crank coasts by itself, although the loop is back.
 #[test]
 fn three_missed_in_a_row_stop_the_machine_in_phase() {
     for (by_us, missed) in [(1500.0, 3), (5000.0, 10)] {
         let late = watch(&scene(&late_by(by_us)));
         let fault = late.outcome.fault.expect("an overrun is a fault");
         assert_eq!(fault.kind, FaultKind::Overrun);
-        // Ticks are those that the loop has played: the missed ones are none of them.
+        // These are the ticks that the loop has played, without the missed ones.
         assert_eq!(fault.tick, (LATE_S * 2000.0) as u64);
         assert_eq!(late.last().missed, missed, "{by_us} µs");
         assert_eq!(
@@ -170,7 +171,7 @@ fn three_missed_in_a_row_stop_the_machine_in_phase() {
     }
 }
 
-/// The scene, with so many deadlines missed, one every so many ticks.
+/// The scene with `times` missed deadlines, one every `ticks` ticks.
 fn missing_one_in(ticks: u32, times: u32) -> Watched {
     let late: String = (0..times)
         .map(|i| {
@@ -181,15 +182,15 @@ fn missing_one_in(ticks: u32, times: u32) -> Watched {
     watch(&scene(&format!("{SCENE}{late}")))
 }
 
-/// Were it wrong, a loop with more to do than a tick has time for would go on for ever, at a fraction of its
-/// speed, all axes in phase and nothing but a counter to report it.
+/// If this fails, a loop with more work than a tick has time for runs on without end, at a fraction of its
+/// speed. All axes stay in phase, and only a counter reports it.
 #[test]
 fn a_loop_that_misses_again_and_again_is_a_fault() {
     for (ticks, misses_before_the_fault) in [(2, 3), (3, 3), (5, 4)] {
         let watched = missing_one_in(ticks, 40);
         let fault = watched.outcome.fault.expect("an overrun is a fault");
         assert_eq!(fault.kind, FaultKind::Overrun, "one in {ticks}");
-        // A tick that is missed is none of those that the fault counts.
+        // The fault's tick does not count missed ticks.
         let passed = fault.tick - (LATE_S * 2000.0) as u64;
         let most = u64::from(ticks * misses_before_the_fault);
         assert!(passed < most, "one in {ticks}: {passed} ticks");
@@ -199,8 +200,8 @@ fn a_loop_that_misses_again_and_again_is_a_fault() {
     assert_eq!(watched.last().missed, 60);
 }
 
-/// Were it wrong, an index pulse that came while deadlines were missed would be compared with a phase that
-/// was never played then, and one axis be taken to be off: with sensors that stand apart, at some times.
+/// If this fails, an index pulse that comes while deadlines are missed is compared with a phase that was
+/// never played. One axis is then taken to be off: with sensors that stand apart, at some times.
 #[test]
 fn a_missed_deadline_is_no_tilt_wherever_the_index_sensors_stand() {
     let apart = SCENE

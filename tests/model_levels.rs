@@ -1,11 +1,11 @@
-//! The loop on cranks that torque moves: where they settle, when they slip, and what the model levels say of each other.
+//! The loop on cranks that torque moves: where they settle, when they slip, and whether the model levels agree.
 
 use cophase_tests::{Run, record, scene};
 use host_sim::scene::{Checked, load};
 use host_sim::sim::simulate;
 use host_sim::trace::{Every, Window};
 
-/// Four steppers. Electrical cycles a turn: 50. Parked at 90°, where the load pulls on every crank.
+/// Four steppers with 50 electrical cycles a turn. They are parked at 90°, where the load pulls on every crank.
 const SCENE: &str = r#"
 name = "torque"
 fidelity = "phased"
@@ -47,10 +47,10 @@ fn ahead(run: &Run, axis: usize) -> f64 {
     last(run, &format!("actual_turns_{axis}")) - last(run, &format!("command_turns_{axis}"))
 }
 
-/// Were it wrong, a motor's spring would not carry what gravity puts on its crank.
+/// If this fails, a motor's spring does not carry the load of gravity on its crank.
 ///
-/// At 90° the load of m g pushes on N cranks with levers of R each (s = 1), so that T sin(p δ) = m g R / N. A platform
-/// above its cranks leads them on, one below holds them back.
+/// At 90° the load of m g pushes on N cranks with levers of R each (s = 1), so that T sin(p δ) = m g R / N. A platform above its cranks
+/// pushes them ahead, one below holds them back.
 #[test]
 fn a_parked_crank_hangs_in_its_motors_spring() {
     for (platform, sign) in [("above", 1.0), ("below", -1.0)] {
@@ -58,14 +58,14 @@ fn a_parked_crank_hangs_in_its_motors_spring() {
             "load_kg = 8\n",
             &format!("load_kg = 8\nplatform = \"{platform}\"\n"),
         );
-        // What a run goes on for at rest, 50 ms, is then twenty of its time constants.
+        // A run continues at rest for 50 ms. With this damping, that is twenty of its time constants.
         let text = text.replace("damping_nms = 0.2", "damping_nms = 1");
         let run = run(&text);
         let torque_nm: f64 = 8.0 * 9.80665 * 0.010 / 4.0;
         let lag_turns = (torque_nm / 20.0).asin() / 50.0 / std::f64::consts::TAU;
         for axis in 0..4 {
             let found = ahead(&run, axis);
-            // The crank is not quite at 90° then, but its lever there has its maximum nearly: 1e-3 of the lag.
+            // The crank is then not exactly at 90°, but its lever there is nearly at its maximum: 1e-3 of the lag.
             assert!(
                 (found - sign * lag_turns).abs() < 1e-3 * lag_turns,
                 "{platform}, axis {axis}: {found}, not {}",
@@ -75,7 +75,7 @@ fn a_parked_crank_hangs_in_its_motors_spring() {
     }
 }
 
-/// Were it wrong, the one model level would say another thing than the other where both know all there is to know.
+/// If this fails, the rigid and the phased level disagree where both describe the machine completely.
 #[test]
 fn equal_cranks_move_as_one_shaft() {
     let phased = run(SCENE);
@@ -87,17 +87,17 @@ fn equal_cranks_move_as_one_shaft() {
         .iter()
         .zip(other.column("actual_turns_3"))
         .map(|(a, b)| (a - b).abs());
-    // Steps of both resolve the fastest mode of each; their errors differ, and are of the order of 1e-3 of the lag, which is
-    // at most some 1e-4 turns.
+    // The steps of both resolve the fastest mode of each. Their errors differ, and are of the order of 1e-3 of the lag, which is at most
+    // some 1e-4 turns.
     let worst = pairs.fold(0.0, f64::max);
     assert!(worst < 1e-6, "{worst} turns apart");
     assert!(phased.outcome.statistics.worst_spread_deg < 1e-6);
 }
 
-/// Were it wrong, a motor that is too weak would lag a little more, for ever, and never lose a step.
+/// If this fails, a motor that is too weak lags a little more, without end, and never loses a step.
 #[test]
 fn a_weak_motor_slips_by_whole_cycles() {
-    // Three: a fourth would have rods bend, and no motor holds against that.
+    // Three cranks: a fourth would bend the rods, and no motor holds against that.
     let three = SCENE.replace("count = 4", "count = 3");
     let weak = format!("{three}[[axis]]\nnumber = 2\nfriction_nm = 6\npull_out_scale = 0.2\n");
     let run = run(&weak);
@@ -106,8 +106,8 @@ fn a_weak_motor_slips_by_whole_cycles() {
     for axis in [0, 1] {
         assert_eq!(slipped[axis], 0, "axis {axis}");
     }
-    // Its friction is more than its motor has: once it has stopped, it stands, wherever its field is. What stands turns by less than
-    // a turn in a hundred seconds, and these are ten milliseconds.
+    // Its friction exceeds its motor's torque. Once the crank has stopped, it stands, wherever its field is. A crank that stands turns by
+    // less than a turn in a hundred seconds, and this interval is ten milliseconds.
     let trace = run.trace();
     let row = trace.first("fault").start - 2;
     let actual = trace.column("actual_turns_2");
@@ -115,7 +115,7 @@ fn a_weak_motor_slips_by_whole_cycles() {
     assert!(moved < 1e-4, "{moved} turns");
 }
 
-/// Were it wrong, a servo would leave its load to its position loop, though the torque to give is commanded to it.
+/// If this fails, a servo leaves its load to its position loop, although it receives the torque as a command.
 #[test]
 fn a_servo_with_torque_feed_forward_lags_less() {
     let servo = SCENE
@@ -133,7 +133,7 @@ fn a_servo_with_torque_feed_forward_lags_less() {
     );
     let lags = actual.iter().zip(command).map(|(a, c)| (a - c).abs());
     let worst = lags.fold(0.0, f64::max);
-    // Its share of the load at 15 g, by the stiffness alone: m (a + g) R max(s) / N / k.
+    // The lag under its share of the load at 15 g, by the stiffness alone: m (a + g) R max(s) / N / k.
     let alone = 8.0 * 16.0 * 9.80665 * 0.010 * 1.03 / 4.0 / 1000.0 / std::f64::consts::TAU;
     assert!(
         worst < 0.5 * alone,
@@ -147,7 +147,7 @@ fn refused(text: &str) -> String {
     error.to_string()
 }
 
-/// Were it wrong, a model level that knows no torque would be run with none.
+/// If this fails, a model level that needs torques runs on a scene without them.
 #[test]
 fn what_torque_needs_is_required() {
     for model_level in ["rigid", "phased"] {
@@ -167,7 +167,7 @@ fn what_torque_needs_is_required() {
     }
 }
 
-/// Were it wrong, a method would be run where it is unstable, and its rubbish be looked at as the machine's.
+/// If this fails, a method runs where it is unstable, and its wrong results are taken for the machine's.
 #[test]
 fn a_method_is_not_run_where_it_is_unstable() {
     let with = |method: &str| SCENE.replace("[machine]", &format!("[method]\n{method}\n[machine]"));
@@ -196,8 +196,8 @@ fn a_method_is_not_run_where_it_is_unstable() {
     }
 }
 
-/// Were it wrong, a run would go on with cranks that turn as no machine does, or a drive without a torque limit be taken for a
-/// method with too long a step.
+/// If this fails, a run continues with cranks that turn as no machine does. Or a drive without a torque limit is taken for a method with
+/// too long a step.
 #[test]
 fn what_runs_away_is_ended_and_its_cause_named() {
     let text = SCENE
@@ -216,7 +216,7 @@ fn what_runs_away_is_ended_and_its_cause_named() {
     let why = run.outcome.diverged.as_deref().expect("it runs away");
     assert!(why.contains("crank 1"), "{why}");
     assert!(why.contains("shorter steps give the same speed"), "{why}");
-    // Ended at once: at its end no crank is farther than ten times the greatest speed and 50 rev/s more take it in a tick.
+    // The run ends at once. At its end no crank is farther than ten times the greatest speed and 50 rev/s more take it in a tick.
     for axis in 0..4 {
         let column = run.trace().column(&format!("actual_turns_{axis}")).to_vec();
         let steps = column.windows(2).map(|pair| (pair[1] - pair[0]).abs());
@@ -224,7 +224,7 @@ fn what_runs_away_is_ended_and_its_cause_named() {
     }
 }
 
-/// Were it wrong, cranks that stand apart would be put at one angle on one shaft, and be taken to have slipped there.
+/// If this fails, cranks that stand apart are put at one angle on one shaft, and are taken to have slipped there.
 #[test]
 fn cranks_apart_are_not_put_on_one_shaft() {
     let rigid = SCENE.replace("phased", "rigid");
@@ -242,7 +242,7 @@ fn cranks_apart_are_not_put_on_one_shaft() {
     }
 }
 
-/// Were it wrong, a motor that is stronger at speed than at rest would be stepped as if it were soft.
+/// If this fails, the method's steps for a motor that is stronger at speed than at rest are those for a soft motor.
 #[test]
 fn steps_are_for_where_a_motor_is_stiffest() {
     let rising = SCENE
@@ -263,8 +263,8 @@ fn steps_are_for_where_a_motor_is_stiffest() {
     );
 }
 
-/// Were it wrong, cranks apart by design would shake the platform as if they were in phase: three, a third of a turn apart, hardly
-/// lift it.
+/// If this fails, cranks that are apart by design shake the platform as if they were in phase. Three cranks, a third of a turn apart,
+/// hardly lift it.
 #[test]
 fn a_platform_on_cranks_apart_hardly_heaves() {
     let apart = SCENE
@@ -279,13 +279,13 @@ fn a_platform_on_cranks_apart_hardly_heaves() {
             .iter()
             .fold(0.0_f64, |most, a| most.max(a.abs()))
     };
-    // Of the harmonics of h only those in threes are left: at λ = 0.25 the sixth, below 1e-3 of the first.
+    // Only multiples of the third harmonic of h remain: at λ = 0.25 the sixth, below 1e-3 of the first.
     let amax = 15.0 * 9.80665;
     assert!(most("accel_mps2") < 2e-3 * amax, "{}", most("accel_mps2"));
     assert!(most("tilt_x_mrad") > 1.0);
 }
 
-/// Were it wrong, a machine with strong friction could not come to rest with an implicit method: its equations level off beside
+/// If this fails, a machine with strong friction does not come to rest with an implicit method. The method's equations level off beside
 /// standstill, where whole corrections jump from one side to the other.
 #[test]
 fn implicit_methods_find_standstill() {
@@ -311,7 +311,8 @@ fn implicit_methods_find_standstill() {
     }
 }
 
-/// Were it wrong, a crank that friction is to hold would shake by the method's step. Its index would pass early, and homing end a turn sooner.
+/// If this fails, a crank that friction should hold shakes by the method's step. Its index then passes early, and homing ends a turn
+/// sooner.
 #[test]
 fn friction_near_standstill_is_followed_by_the_chosen_method() {
     let stiff = host_sim::scene::library::find("stiff-bearing").expect("a built-in scene");

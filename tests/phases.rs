@@ -1,8 +1,9 @@
-//! Whatever happens in a run, every axis is commanded to exactly where the master's way puts it.
+//! Every axis is commanded to exactly the phase that follows from the master's travel, whatever
+//! happens in a run.
 //!
-//! Random small scenes run through the whole path. At every tick the axes' phases and steps are
-//! computed anew from nothing but the sum of the master's speeds, in integers of 128 bits, and the
-//! edges of the pulses are counted as a drive counts them.
+//! Random small scenes run through the whole path. At every tick the test computes the axes' phases
+//! and steps from the sum of the master's speeds alone, in integers of 128 bits. It counts the edges
+//! of the pulses as a drive counts them.
 
 #[path = "support/random.rs"]
 mod random;
@@ -15,32 +16,32 @@ use host_sim::sim::{Moment, Observer, simulate};
 use proptest::prelude::*;
 use random::{Axis, any_plan};
 
-/// Returns the expected position of an axis, from the travel of the master.
+/// Expected position of an axis, from the travel of the master.
 impl Axis {
     /// ⌊master · p / q⌋, 2⁻⁴⁸ turn.
     fn travelled(&self, master: i128) -> i128 {
         (master * i128::from(self.ratio.0)).div_euclid(i128::from(self.ratio.1))
     }
 
-    /// The phase after that, wrapped as the core's wraps: 16 bits of turns, 48 of their fraction.
+    /// The phase after that travel, wrapped as in the core: 16 bits of turns, 48 of their fraction.
     fn phase(&self, travelled: i128) -> Phase {
         let offset = i128::from(self.offset_eighths) * i128::from(ONE_TURN / 8);
         Phase::from_turns(Turns::from_bits((offset + travelled) as i64))
     }
 
-    /// Whole steps in that way.
+    /// Whole steps in that travel.
     fn steps(&self, travelled: i128) -> i64 {
         ((travelled * i128::from(self.steps_per_turn)) >> FRACTION_BITS) as i64
     }
 }
 
-/// Sums up the master's way and compares.
+/// Sums the master's travel and compares.
 struct Exact<'a> {
     axes: &'a [Axis],
     master: i128,
-    /// Levels of each axis's STEP and DIR, and what the edges came to.
+    /// Levels of each axis's STEP and DIR, and the count of the edges.
     counters: Vec<(bool, bool, i64)>,
-    /// Ticks in which anything moved; and whether the drives were off meanwhile.
+    /// Ticks in which anything moved, and whether the drives were off meanwhile.
     moved: u64,
     off_while_moving: bool,
 }
@@ -121,8 +122,9 @@ fn run(checked: &Checked, axes: &[Axis]) -> u64 {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Were one count lost or made up anywhere (a gear's rest, a planner's fraction, an edge at a
-    /// change of direction or across a missed deadline), cranks would drift apart for ever.
+    /// If this fails, a count is lost or added, and cranks drift apart without limit. The place may be
+    /// a gear's remainder, a planner's fraction, or an edge at a change of direction or across a
+    /// missed deadline.
     #[test]
     fn every_axis_is_where_the_master_puts_it(plan in any_plan()) {
         let checked = scene(&plan.text());
@@ -131,8 +133,8 @@ proptest! {
     }
 }
 
-/// The four patent machines and the default one; were their axes to differ by one step, or the scenes'
-/// sense of rotation to reach the phase, it would show here without chance.
+/// If this fails, the axes of the four patent machines or the default one differ by one step, or the
+/// scenes' sense of rotation affects the phase. No chance is involved here.
 #[test]
 fn built_in_machines_are_in_phase_to_the_count() {
     for name in ["default", "patent-1", "patent-2", "patent-3", "patent-4"] {

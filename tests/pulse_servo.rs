@@ -1,8 +1,8 @@
-//! Servo drives on STEP and DIR: what they count, how they follow, and when they raise their alarm.
+//! Servo drives on STEP and DIR: the edges that they count, how they follow, and when they raise their alarm.
 //!
-//! The judges are independent of the simulation: edges are counted in `steps.vcd`, and following errors are those of the loop's
-//! transfer function. With the position gain g, the velocity gain k and the share f of velocity feed-forward, the drive gives the
-//! torque T = k (f φ′ + g (φ − α) − α′). At a steady speed ω the error is therefore φ − α = (1 − f) ω/g + T/(k g).
+//! The references are independent of the simulation: edges are counted in `steps.vcd`, and following errors are those of the
+//! loop's transfer function. With the position gain g, the velocity gain k and the share f of velocity feed-forward, the drive
+//! gives the torque T = k (f φ′ + g (φ − α) − α′). At a steady speed ω the error is therefore φ − α = (1 − f) ω/g + T/(k g).
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use host_sim::scene::{Checked, library, load};
 use host_sim::trace::{Every, Window};
 
 const SCENE: &str = "pulse-servo";
-/// Counts to a turn, and control tick, of that scene.
+/// Counts per turn, and control tick, of that scene.
 const COUNTS: f64 = 4000.0;
 const TICK_S: f64 = 5e-4;
 /// Its gains: position, 1/s, and velocity, N·m·s.
@@ -54,7 +54,7 @@ fn refusal(text: &str) -> String {
         .to_string()
 }
 
-/// Command less crank of an axis in each row, turns.
+/// Command minus actual position of an axis in each row, turns.
 fn following_turns(run: &Run, axis: usize) -> Vec<f64> {
     let trace = run.trace();
     let command = trace.axis("command_turns", axis);
@@ -62,7 +62,7 @@ fn following_turns(run: &Run, axis: usize) -> Vec<f64> {
     command.iter().zip(actual).map(|(c, a)| c - a).collect()
 }
 
-/// If this were wrong, a drive would count other edges than the wires have, and its crank be off for ever.
+/// If this fails, a drive does not count the edges on its wires, and its crank is off permanently.
 #[test]
 fn cranks_stand_at_the_end_where_the_edges_have_brought_them() {
     let checked = built_in(SCENE);
@@ -70,7 +70,7 @@ fn cranks_stand_at_the_end_where_the_edges_have_brought_them() {
     let (trace, edges) = (run.trace(), run.edges());
     assert_parked(&run);
     assert_eq!(run.report["faults"].as_array().map(Vec::len), Some(0));
-    // Friction of 0.1 N·m is less than what the integral holds; by when it has settled, a hundredth of that is left.
+    // The integral holds the friction of 0.1 N·m. When it has settled, a hundredth of the error under that friction is left.
     let settled_turns = 0.01 * 0.1 / (K_NMS * G_PER_S) / TAU;
     for axis in 0..3 {
         let counts = edges.steps(axis, axis == 2);
@@ -78,13 +78,13 @@ fn cranks_stand_at_the_end_where_the_edges_have_brought_them() {
         let last = |name| *trace.axis(name, axis).last().expect("a row");
         assert_eq!(last("steps") as i64, counts, "axis {axis}");
         let off = last("actual_turns") - counts as f64 / COUNTS;
-        // The command between two edges is the phase that they are made of: up to a count from the last edge.
+        // The edges are made from the commanded phase. Between two edges the command is up to a count from the last edge.
         assert!(
             off.abs() < 1.0 / COUNTS + settled_turns,
             "axis {axis}: {off} turns"
         );
     }
-    // Where cranks are where they are commanded, counts and edges are equal.
+    // Where cranks are at their commanded positions, counts and edges are equal.
     let kinematic = self::run(&on("kinematic", ""));
     for axis in 0..3 {
         let counts = kinematic.edges().steps(axis, axis == 2);
@@ -94,8 +94,7 @@ fn cranks_stand_at_the_end_where_the_edges_have_brought_them() {
     }
 }
 
-/// If this were wrong, a scene could not say how far its cranks lag, or `drift.lag_us` could not be computed from the drive's
-/// parameters.
+/// If this fails, a scene cannot give the lag of its cranks, or `drift.lag_us` cannot be computed from the drive's parameters.
 #[test]
 fn the_following_error_at_a_steady_speed_is_that_of_the_loop() {
     for feed_forward in [0.0, 0.5, 0.9, 1.0] {
@@ -107,14 +106,14 @@ fn the_following_error_at_a_steady_speed_is_that_of_the_loop() {
                 .replace("velocity_feed_forward = 0.9", &share)
                 .replace(kept, if integral { kept } else { "" })
                 .replace("following_error_deg = 15", "following_error_deg = 90")
-                // By up to 54°: no limit of the loop is for such cranks.
+                // The cranks lag by up to 54°. No limit of the loop is made for such cranks.
                 .replace("index_width_deg = 6", "index = false")
-                // The load's torque oscillates about zero twice a turn; a light one leaves the mean to the loop.
+                // The load's torque oscillates about zero twice a turn. With a light load, the mean is the loop's.
                 .replace("load_kg = 8", "load_kg = 0.5");
             let run = self::run(&text);
             assert_parked(&run);
             let trace = run.trace();
-            // The last 0.4 s of the upper level, and of these whole turns, so that the load's torque averages out.
+            // The last 0.4 s of the upper level, and only whole turns of it, so that the load's torque averages out.
             let requested = trace.column("amax_requested_mps2");
             let most = requested.iter().copied().fold(0.0, f64::max);
             let held = requested.iter().rposition(|&amax| amax == most);
@@ -125,18 +124,18 @@ fn the_following_error_at_a_steady_speed_is_that_of_the_loop() {
             let errors = &following_turns(&run, 1)[from..to];
             let mean_rad = TAU * errors.iter().sum::<f64>() / errors.len() as f64;
 
-            // The speed is that of the edges.
+            // The edges give the speed.
             let between = (from as u64 * 500_000)..(to as u64 * 500_000);
             let edges = run.edges();
             let rises = edges.wire("step_1").rises();
             let counted = rises.filter(|at| between.contains(at)).count();
             let omega = TAU * counted as f64 / COUNTS / ((to - from) as f64 * TICK_S);
             assert!(omega > 80.0, "{omega} rad/s");
-            // Friction is 0.1 N·m, and an integral gives all of it.
+            // Friction is 0.1 N·m, and an integral supplies all of it.
             let friction_nm = if integral { 0.0 } else { 0.1 };
             let expected_rad =
                 (1.0 - feed_forward) * omega / G_PER_S + friction_nm / (K_NMS * G_PER_S);
-            // An edge more or less in 0.4 s, and that whole turns end within a tick: 1e-3 of the lag, and 1e-4 rad.
+            // One edge more or less in 0.4 s, and whole turns that end within a tick: 1e-3 of the lag, and 1e-4 rad.
             assert!(
                 (mean_rad - expected_rad).abs() < 1e-3 * expected_rad + 1e-4,
                 "{share}, integral: {integral}: {mean_rad} rad, not {expected_rad}"
@@ -145,16 +144,16 @@ fn the_following_error_at_a_steady_speed_is_that_of_the_loop() {
     }
 }
 
-/// The row in which an axis first follows by more than the window, by the trace alone.
+/// The row in which the following error of an axis first exceeds the window, by the trace alone.
 fn first_beyond(run: &Run, axis: usize, window_deg: f64) -> Option<usize> {
     let errors = following_turns(run, axis);
     errors.iter().position(|e| e.abs() > window_deg / 360.0)
 }
 
-/// If this were wrong, the alarm would come before the window or after it, or for another axis.
+/// If this fails, the alarm comes before the window or after it, or for another axis.
 ///
-/// A crank that is stuck stays behind by what its command goes on; one that is overloaded is dragged off. The alarm is read with
-/// the end of the tick in which the error passes the window.
+/// A stuck crank stays behind by the travel of its command. An overloaded crank is dragged off. The alarm is read with the end of
+/// the tick in which the error passes the window.
 #[test]
 fn the_alarm_comes_at_the_window() {
     let stuck = "[[fault]]\nat_s = 1.5\nkind = \"stuck\"\naxis = 1\n";
@@ -183,14 +182,14 @@ fn the_alarm_comes_at_the_window() {
     }
 }
 
-/// A lasting load T is held by an error of T/(k g) where the loop has no integral. If this were wrong, a window just above that
-/// would raise the alarm, or one just below would not.
+/// If this fails, a window just above the error of a lasting load raises the alarm, or one just below does not. A lasting load T
+/// is held by an error of T/(k g) where the loop has no integral.
 #[test]
 fn a_load_within_the_window_raises_no_alarm() {
     let torque_nm = 6.0;
     let error_deg = torque_nm / (K_NMS * G_PER_S) / TAU * 360.0;
-    // Far from resonance: the loop's damping ratio is above 1, so that the step of load overshoots nowhere. A light load, at
-    // a low speed, adds less than half a degree, friction a tenth.
+    // The loop is far from resonance: its damping ratio is above 1, so the step of load overshoots nowhere. A light load at a low
+    // speed adds less than half a degree, friction a tenth.
     for (window_deg, is_beyond) in [(error_deg + 1.0, false), (error_deg - 1.0, true)] {
         let fault = format!(
             "[[fault]]\nat_s = 0.8\nkind = \"load-step\"\naxis = 1\ntorque_nm = {torque_nm}\nfor_s = 0.2\n"
@@ -217,8 +216,8 @@ fn a_load_within_the_window_raises_no_alarm() {
     }
 }
 
-/// If this were wrong, one axis would stop while the others go on, or the drives be cut while the machine turns; or an alarm would
-/// stay on for ever.
+/// If this fails, one axis stops while the others go on, the drives are cut while the machine turns, or an alarm stays on without
+/// end.
 #[test]
 fn an_alarm_stops_all_axes_in_phase() {
     let fault = "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 13\nfor_s = 0.05\n\
@@ -243,7 +242,8 @@ fn an_alarm_stops_all_axes_in_phase() {
             );
         }
     }
-    // All have followed by the time the drives go off: the lag of the last ticks, and what the load has left.
+    // All cranks have followed by the time the drives go off. The remaining error is the lag of the last ticks and the rest of the
+    // load's effect.
     for axis in 0..3 {
         let off = following_turns(&run, axis)[stop.end - 1] * 360.0;
         assert!(off.abs() < 1.0, "axis {axis} stands {off}° off");
@@ -261,7 +261,7 @@ fn an_alarm_stops_all_axes_in_phase() {
     assert_parked(&run);
 }
 
-/// If this were wrong, a drive that was cut at speed would jump back by what its crank coasted, as soon as it is on again.
+/// If this fails, a drive that was cut at speed jumps back by the distance that its crank coasted, as soon as it is on again.
 #[test]
 fn a_drive_that_was_off_counts_on_from_where_its_crank_stands() {
     let cut = "[[fault]]\nat_s = 1.5\nkind = \"enable-loss\"\nfor_s = 1\n\
@@ -280,14 +280,15 @@ fn a_drive_that_was_off_counts_on_from_where_its_crank_stands() {
             let actual = trace.axis("actual_turns", axis);
             let coasted = actual[at(2.9)] - trace.axis("command_turns", axis)[at(2.9)];
             assert!(coasted.abs() > 0.1, "axis {axis}: {coasted} turns");
-            // It has nearly come to rest; on, it moves no more than that for the 20 ms that the drives settle.
+            // The crank has nearly come to rest. With the drive on, it moves no more than that in the 20 ms in which the drives
+            // settle.
             let moved = actual[at(3.118)] - actual[at(3.1)];
             assert!(moved.abs() < 1e-3, "axis {axis} jumps by {moved} turns");
         }
     }
 }
 
-/// If this were wrong, a crank of a servo would be reported to have lost steps, which its drive does not.
+/// If this fails, a crank of a servo is reported to have lost steps, although a servo drive does not lose steps.
 #[test]
 fn a_crank_that_slips_by_an_electrical_cycle_of_a_stepper_slips() {
     // 7.2°, four full steps of 1.8°, in one tick.
@@ -304,7 +305,7 @@ fn a_crank_that_slips_by_an_electrical_cycle_of_a_stepper_slips() {
     assert_eq!(named(&stepper).as_deref(), Some("lost-steps"));
 }
 
-/// If this were wrong, a scene would promise what such a drive does not do.
+/// If this fails, a scene accepts settings and faults that do not apply to such a drive.
 #[test]
 fn what_does_not_apply_is_refused_by_name() {
     let lost = on(
@@ -334,7 +335,7 @@ fn what_does_not_apply_is_refused_by_name() {
     }
 }
 
-/// If this were wrong, the board would refuse the drives that this scene shows; or accept encoders, which it has no pins for.
+/// If this fails, the board refuses the drives that this scene shows, or accepts encoders, for which it has no pins.
 #[test]
 fn the_board_accepts_the_scene_and_refuses_encoders() {
     use cophase_link::board::{Rp2040, Unfit, check};

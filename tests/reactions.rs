@@ -1,4 +1,4 @@
-//! The table of reactions in docs/faults.md is the one that the loop goes by.
+//! The table of reactions in docs/faults.md is the one that the loop uses.
 
 use cophase_core::supervisor::Reaction;
 use cophase_core::supervisor::reaction::REACTIONS;
@@ -15,7 +15,7 @@ const fn word(reaction: Reaction) -> &'static str {
     }
 }
 
-/// Were it another, who reads it would wire, and trust, a machine that reacts otherwise.
+/// If this fails, a reader of the table wires, and trusts, a machine that reacts differently.
 #[test]
 fn the_table_that_is_read_is_the_one_that_is_run() {
     let begin = "<!-- reactions -->\n";

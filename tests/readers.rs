@@ -1,8 +1,8 @@
-//! Other people's readers make of the files what the run made of them.
+//! Independent readers get the run's own values from its files.
 //!
-//! `steps.vcd` goes through sigrok's stepper motor decoder, `trace.csv` through Python's `csv` module.
-//! Where one of these is not installed, its test says so and passes, unless `COPHASE_REQUIRE_READERS=1`
-//! is set: then it fails, so that nobody takes a test for made that was not.
+//! `steps.vcd` goes through sigrok's stepper motor decoder, `trace.csv` through Python's `csv` module. If
+//! one of these is not installed, its test says so and passes. With `COPHASE_REQUIRE_READERS=1` the test
+//! fails, so that a skipped test is not taken for a passed one.
 
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use cophase_tests::{Run, record, scene};
 use host_sim::trace::{Every, Window};
 
-/// Under two seconds of motion; axis 1 is reversed, axis 2 has its own gear and steps, and axis 0 is
+/// Under two seconds of motion. Axis 1 is reversed, and axis 2 has its own gear and steps. Axis 0 is
 /// trimmed against its sense, so that its direction line changes.
 const SHORT: &str = r#"
 name = "for readers"
@@ -57,14 +57,14 @@ fn short_run() -> Run {
     record(&scene(SHORT), Every::Ticks(1), Window::All)
 }
 
-/// Says whether to go on without a reader: yes, unless they are required.
+/// Reports a missing reader. Panics if readers are required.
 fn missing(reader: &str) {
     let required = std::env::var("COPHASE_REQUIRE_READERS").is_ok_and(|value| value == "1");
     assert!(
         !required,
         "{reader} is not installed, and COPHASE_REQUIRE_READERS=1"
     );
-    // Past the test harness, which keeps what a passing test prints to itself.
+    // The test harness hides the output of a passing test. This line bypasses it.
     let _ = writeln!(std::io::stderr(), "NOT TESTED: {reader} is not installed");
 }
 
@@ -81,7 +81,7 @@ fn is_installed(reader: &str) -> bool {
     found
 }
 
-/// A line of sigrok's decoder: from one rising edge, ns since power-up, to the next, and the position.
+/// A line of sigrok's decoder: from one rising edge to the next, ns since power-up, and the position.
 fn decoded(line: &str) -> (u64, u64, i64) {
     let (samples, words) = line.split_once(' ').expect("samples, then words");
     let (from, to) = samples.split_once('-').expect("first-last");
@@ -94,10 +94,10 @@ fn decoded(line: &str) -> (u64, u64, i64) {
     (ns(from), ns(to), position.parse().expect("whole steps"))
 }
 
-/// Were it wrong, someone with a logic analyser's software would see another motion than the trace shows.
+/// If this fails, a logic analyser's software shows another motion than the trace.
 ///
-/// The decoder starts from 0 and counts each rising edge by DIR's level at it; it prints the position
-/// after a step, from that step to the next, when it sees the next.
+/// The decoder starts from 0 and counts each rising edge by DIR's level at that edge. When it detects the
+/// next step, it prints the position between the two steps.
 #[test]
 fn sigrok_decodes_the_positions_of_the_trace() {
     if !is_installed("sigrok-cli") {
@@ -139,7 +139,7 @@ fn sigrok_decodes_the_positions_of_the_trace() {
         assert!(lines.len() > 1000, "axis {axis} moves");
 
         let steps = trace.axis("steps", axis);
-        // DIR high counts up in the decoder; at the pin of a reversed axis that is backwards.
+        // DIR high counts up in the decoder. At the pin of a reversed axis that is backwards.
         let sense = if axis == 1 { -1 } else { 1 };
         let (mut compared, mut back, mut last) = (0, 0, 0);
         for (i, &(from_ns, to_ns, position)) in lines.iter().enumerate() {
@@ -150,7 +150,7 @@ fn sigrok_decodes_the_positions_of_the_trace() {
             );
             back += u32::from(sense * (position - last) < 0);
             last = position;
-            // Where a tick ends between the two steps, the trace has a row to compare with.
+            // If a tick ends between the two steps, the trace has a row to compare with.
             let row = trace.row_at(from_ns as f64 * 1e-9);
             let t_ns = (trace.column("t_s")[row] * 1e9).round() as u64;
             if (from_ns..to_ns).contains(&t_ns) {
@@ -167,7 +167,7 @@ fn sigrok_decodes_the_positions_of_the_trace() {
     }
 }
 
-/// Reads a trace from its standard input and prints each field: a number by all the bits that it has.
+/// Reads a trace from its standard input and prints each field. It prints a number by all its bits.
 const PYTHON: &str = r"
 import csv, struct, sys
 rows = csv.reader(sys.stdin)
@@ -179,7 +179,7 @@ for row in rows:
         print(field if name == 'state' else struct.pack('>d', float(field)).hex())
 ";
 
-/// Were it wrong, a spreadsheet or a notebook would work with other numbers than the trace's.
+/// If this fails, a spreadsheet or a notebook gets other numbers than the trace's.
 #[test]
 fn python_reads_the_numbers_that_rust_reads() {
     if !is_installed("python3") {

@@ -1,24 +1,24 @@
-//! Every way on from a standstill, through scenes: resume, start again, reset.
+//! Every way to continue from a standstill, through scenes: resume, start again, reset.
 //!
-//! That all axes are in phase, to the bit, at every tick of every one of these runs is asserted by
-//! [`cophase_tests::watch`]; that the shaft keeps its limits, by [`scripted`].
+//! [`cophase_tests::watch`] asserts at every tick of every one of these runs that all axes are in phase, to the bit. [`scripted`] asserts
+//! that the shaft keeps its limits.
 
 use cophase_core::supervisor::FaultKind;
 use cophase_core::supervisor::State::{Fault, Homing, Idle, Parked, Run, Stop};
 use cophase_tests::Tick;
 use cophase_tests::scripted::{command, program, scripted, stands_at_park_phase};
 
-/// Were it wrong, a hold would lose a piece of the program, or not hold.
+/// If this fails, a hold loses a piece of the program, or does not hold.
 #[test]
 fn a_hold_keeps_the_speed_and_the_place_in_the_program() {
     let plain = scripted("");
-    // Amid the way up, below the band; and in a steady hold.
+    // During the ramp up, below the band, and in a steady hold.
     for (at_s, amid_ramp) in [(0.75, true), (2.1, false)] {
         let held = scripted(&(command(at_s, "hold") + &command(at_s + 0.7, "resume")));
         assert_eq!(program(&held), program(&plain), "{at_s} s");
         let holding: Vec<&Tick> = held.ticks.iter().filter(|tick| tick.holding).collect();
         assert_eq!(holding.len(), 1400, "{at_s} s");
-        // Once the acceleration is let go, the speed stands.
+        // Once the acceleration has ended, the speed is constant.
         let steady = holding[700].speed;
         assert!(steady > 0 && holding[700..].iter().all(|tick| tick.speed == steady));
         let before = plain.at(at_s);
@@ -36,7 +36,7 @@ fn a_hold_keeps_the_speed_and_the_place_in_the_program() {
     stands_at_park_phase(stopped.last());
 }
 
-/// Were it wrong, a program would have to be played from its start after each stop, or skip a piece.
+/// If this fails, a program is played from its start after each stop, or skips a piece.
 #[test]
 fn a_start_after_a_stop_goes_on_and_after_the_end_begins_again() {
     let plain = scripted("");
@@ -71,7 +71,7 @@ fn a_start_after_a_stop_goes_on_and_after_the_end_begins_again() {
     );
 }
 
-/// Were it wrong, a fault could be ridden over, or would need the power switched off.
+/// If this fails, the machine runs on in spite of a fault, or a fault needs the power switched off.
 #[test]
 fn a_reset_after_a_fault_lets_the_machine_start_again() {
     let late = "[[late]]\nat_s = 1.1\nby_us = 5000\n";
@@ -83,7 +83,7 @@ fn a_reset_after_a_fault_lets_the_machine_start_again() {
         Some(FaultKind::Overrun)
     );
 
-    // A reset while it still stops is too early, and does nothing.
+    // A reset during the stop is too early and has no effect.
     let early = scripted(&(starts.clone() + late + &command(1.2, "reset")));
     assert_eq!(early.states(), unreset.states());
 
@@ -102,7 +102,8 @@ fn a_reset_after_a_fault_lets_the_machine_start_again() {
     );
 }
 
-/// Were it forgotten that a crank stands on the wrong side, the next homing would tilt the platform by it until all indices are detected.
+/// If this fails, the fact that a crank stands on the wrong side is lost. The next homing then tilts the platform by it until all indices
+/// are detected.
 #[test]
 fn a_crank_that_is_known_to_be_far_off_is_not_moved_by_the_next_start() {
     let stuck = "[drift]\ntilt_limit_mrad = 3\n\
@@ -117,7 +118,7 @@ fn a_crank_that_is_known_to_be_far_off_is_not_moved_by_the_next_start() {
     );
     assert_eq!(refused.last().phase, refused.at(4.9).phase, "nothing moves");
 
-    // Who resets that, and has not turned the crank back, is refused once more: now by what homing finds.
+    // After a reset without turning the crank back, the start is refused once more, now by the result of homing.
     let again = twice + &command(7.0, "reset") + &command(8.0, "start");
     let homed = scripted(&(stuck.to_owned() + &again));
     assert_eq!(

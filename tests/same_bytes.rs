@@ -1,6 +1,6 @@
-//! The same scene gives the same run, byte for byte, whoever looks on and however closely.
+//! The same scene gives the same run, byte for byte, with any observer and at any resolution.
 //!
-//! (That the command's own files are the same too is tested beside the command.)
+//! (A test beside the command checks that the command's own files are the same too.)
 
 use cophase_tests::{Run, built_in, record, scene, watch};
 use host_sim::trace::{Every, Window};
@@ -62,7 +62,7 @@ fn assert_same(one: &Run, other: &Run) {
     );
 }
 
-/// Were it wrong, a golden file would be worth nothing, and a fault that occurred once might never be reproduced.
+/// If this fails, a golden file is useless, and a fault that occurred once may never be reproduced.
 #[test]
 fn twice_the_same() {
     for checked in [scene(SHORT), built_in("lost-steps")] {
@@ -71,15 +71,15 @@ fn twice_the_same() {
     }
 }
 
-/// Were it wrong, virtual time or something else would be shared between threads, and a campaign that
-/// uses all cores would be another one than on one core.
+/// If this fails, threads share virtual time or other data. A campaign that uses all cores then differs from one
+/// on a single core.
 #[test]
 fn side_by_side_the_same() {
     let scenes = [scene(SHORT), built_in("lost-steps"), built_in("patent-3")];
     let run = |i: usize| record(&scenes[i], Every::Fitting, Window::FirstMotion);
     let alone: Vec<Run> = (0..3).map(run).collect();
     let together: Vec<Run> = std::thread::scope(|threads| {
-        // Each scene on two threads at once, in another order.
+        // Each scene runs on two threads at once, in another order.
         let spawned: Vec<_> = [0, 1, 2, 2, 0, 1]
             .map(|i| threads.spawn(move || run(i)))
             .into();
@@ -93,8 +93,7 @@ fn side_by_side_the_same() {
     }
 }
 
-/// Were it wrong, thinning a trace or moving the window would change what happens in it: the observer
-/// would be part of the experiment.
+/// If this fails, thinning a trace or moving the window changes the run: the observer is part of the experiment.
 #[test]
 fn a_closer_view_shows_more_of_the_same() {
     let checked = scene(SHORT);
@@ -106,8 +105,8 @@ fn a_closer_view_shows_more_of_the_same() {
     let rows = lines(&all);
     let edges = all.edges();
     assert!(rows.len() > 4000);
-    // In the middle of motion, and with no change of any wire at its ends; from power-up; and reaching
-    // beyond the run's end.
+    // The windows lie in the middle of motion with no change of any wire at their ends, at power-up, and across
+    // the run's end.
     let windows = [
         (900_000_000, 1_250_500_000),
         (0, 300_000_000),
@@ -140,7 +139,7 @@ fn a_closer_view_shows_more_of_the_same() {
         assert_eq!((window.from_ns, window.to_ns), (from_ns, to_ns));
         for (name, wire) in &edges.wires {
             let mut shown = window.wire(name).clone();
-            // A wire that changes at the window's very start is shown at its old level first.
+            // A wire that changes at the window's very start first shows its old level.
             shown.changes.retain(|&(at, _)| at < to_ns);
             assert_eq!(
                 shown,
@@ -151,7 +150,7 @@ fn a_closer_view_shows_more_of_the_same() {
     }
 }
 
-/// Were it wrong, watching the loop instead of recording it would change it.
+/// If this fails, watching the loop instead of recording it changes it.
 #[test]
 fn an_observer_changes_nothing() {
     let checked = built_in("patent-4");

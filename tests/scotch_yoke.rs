@@ -1,5 +1,5 @@
-//! A Scotch yoke moves its platform as the cosine of the crank angle, as hard as the program says, and loads its motors with what
-//! the lever at that angle carries.
+//! A Scotch yoke moves its platform as the cosine of the crank angle, as hard as the program requests. It loads its motors by the
+//! lever at that angle.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use host_sim::trace::{Every, Window};
 
 const RADIUS_M: f64 = 0.02;
 
-/// Were it wrong, a yoke would be simulated as a slider-crank, or shake its load harder or softer than required.
+/// If this fails, a yoke is simulated as a slider-crank, or shakes its load harder or softer than required.
 #[test]
 fn the_platform_is_at_the_cosine_and_holds_its_amax() {
     let run = record(
@@ -36,13 +36,13 @@ fn the_platform_is_at_the_cosine_and_holds_its_amax() {
             z_m[row]
         );
     }
-    // A hold at 10 g: from its turns in half a second follows ω, and R ω² from that.
+    // A hold at 10 g. Its turns in half a second give ω, and ω gives R ω².
     let requested = trace.column("amax_requested_mps2");
     let top_mps2 = 98.0665;
     let hold: Vec<usize> = (0..trace.rows())
         .filter(|&row| (requested[row] - top_mps2).abs() < 1e-3)
         .collect();
-    // The first fifth of a second is the shaft's to come to its speed.
+    // The shaft has the first fifth of a second to reach its speed.
     let (from, to) = (hold[400], hold[hold.len() - 1]);
     assert!(to > from + 600, "{from} to {to}");
     let seconds = trace.column("t_s")[to] - trace.column("t_s")[from];
@@ -55,8 +55,8 @@ fn the_platform_is_at_the_cosine_and_holds_its_amax() {
     );
 }
 
-/// Were it wrong, gravity would have another lever on a yoke than its radius at 90°: a load of m g pushes on N cranks, so that
-/// T sin(p δ) = m g R / N in each motor's spring. A platform above its cranks leads them on, one below holds them back.
+/// If this fails, gravity has another lever on a yoke than its radius at 90°. A load of m g pushes on N cranks, so that T sin(p
+/// δ) = m g R / N in each motor's spring. A platform above its cranks pushes them ahead, one below holds them back.
 #[test]
 fn a_parked_yoke_hangs_in_its_motors_spring() {
     for model_level in ["rigid", "phased"] {

@@ -12,7 +12,7 @@ const MASS_KG: f64 = 2900.0 + 2.0 * 83.0;
 const MOMENT_KGM: f64 = 2.0 * 83.0 * 0.08727;
 const STIFFNESS_N_PER_M: f64 = 1285.5e3;
 
-/// The scene with torque, and with each line of it that is named replaced by another.
+/// The scene with torque, and with each named line replaced by another.
 fn with(changes: &[(&str, &str)]) -> Run {
     let text = library::find("screen").unwrap().text;
     let text = text.replacen("[screen]", "fidelity = \"phased\"\n[screen]", 1);
@@ -48,8 +48,8 @@ fn the_resonance_is_crossed_and_not_dwelt_in() {
     );
 }
 
-/// If this fails, the box moves by something else than what its blocks throw. What the run-up has left of free motion decays with ζ ω = 1.43 per
-/// second, so that two seconds of hold leave 6 % of it.
+/// If this fails, the box does not move by the throw of its blocks. Free motion left from the run-up decays with ζ ω = 1.43 per second, so
+/// that two seconds of hold leave 6 % of it.
 #[test]
 fn the_box_moves_by_its_throw() {
     let run = with(&[("hold_s = 1", "hold_s = 4")]);
@@ -72,9 +72,9 @@ fn the_box_moves_by_its_throw() {
     );
 }
 
-/// If this fails, a screen that hangs in its resonance looks like one that works: without sensors nothing stops it, and the report must name
-/// the capture. With index sensors or encoders the controller must stop it, and name the capture too. Motors of 90 N·m run it up at 1 rev/s²
-/// until the resonance takes their torque.
+/// If this fails, a screen that hangs in its resonance looks like one that works. Without sensors nothing stops it, and the report must
+/// name the capture. With index sensors or encoders the controller must stop it, and name the capture too. Motors of 90 N·m run it up at 1
+/// rev/s² until the resonance takes their torque.
 #[test]
 fn capture_is_reported_and_stopped() {
     let weak = ("limit_nm = 700, following_error_deg = 30", "limit_nm = 100");
@@ -122,8 +122,8 @@ fn kinds(run: &Run) -> Vec<String> {
     faults.iter().map(kind).collect()
 }
 
-/// If this fails, one crank that failed while the shafts crossed the resonance is taken for a capture, and its cause is looked for in the wrong
-/// place. Flags stand at one angle and at several, as that decides when the others are known to follow.
+/// If this fails, one crank that failed while the shafts crossed the resonance is taken for a capture, and its cause is searched in the
+/// wrong place. Flags stand at one angle and at several. Their angles decide when the other cranks are confirmed to follow.
 #[test]
 fn one_failed_crank_of_four_is_no_capture() {
     let band_hz = {
@@ -136,7 +136,7 @@ fn one_failed_crank_of_four_is_no_capture() {
     let encoders = format!("{stepper}\nencoder = true");
     let at_one_angle = "[[program]]";
     let apart = "[[axis]]\nnumber = 0\nindex_deg = 90\n[[axis]]\nnumber = 1\nindex_deg = -160\n[[axis]]\nnumber = 2\nindex_deg = -50\n[[program]]";
-    // A slip that goes on may show as whole cycles in one of its turns.
+    // A slip that goes on may appear as whole cycles in one of its turns.
     let failures: [(&str, &str, &[&str], &[&str]); 3] = [
         ("lost-steps", "cycles = 3", &["lost-steps"], &["lost-steps"]),
         (
@@ -182,7 +182,7 @@ fn one_failed_crank_of_four_is_no_capture() {
     }
 }
 
-/// If this fails, two shafts that nothing but the controller couples are not kept in phase where their friction differs.
+/// If this fails, two shafts that only the controller couples are not kept in phase where their friction differs.
 #[test]
 fn the_controller_keeps_two_shafts_in_phase() {
     let unequal = (
@@ -207,6 +207,6 @@ fn one_shaft_runs() {
     ]);
     assert!(run.report["faults"].as_array().unwrap().is_empty());
     let working = run.report["machine_figures"]["displacement_working_mm"].as_f64();
-    // Throw of 4.725 mm, and what the run-up has left of free motion.
+    // A throw of 4.725 mm, and the free motion left from the run-up.
     assert!((4.7..8.0).contains(&working.unwrap()), "{working:?}");
 }

@@ -1,4 +1,4 @@
-//! Setpoints of servo drives, against the phase that they come from and the mechanics of the machine.
+//! Setpoints of servo drives, compared with the phase that they come from and with the mechanics of the machine.
 
 use cophase_core::units::{Phase, Turns};
 use cophase_tests::scene;
@@ -9,7 +9,7 @@ use host_sim::units::{speed_hz, turns};
 const AXES: usize = 6;
 const HZ: u32 = 2000;
 
-/// Compares every tick's setpoints as they are made.
+/// Compares the setpoints in every tick.
 struct Compare {
     rotor_inertia_kgm2: f64,
     reversed: usize,
@@ -25,7 +25,7 @@ impl Observer for Compare {
         let acceleration =
             speed_hz(telemetry.motion.acceleration, HZ) * f64::from(HZ) * std::f64::consts::TAU;
         let alpha = turns(telemetry.phase.within_turn()) * std::f64::consts::TAU;
-        // Independent of the core: floating point, and the exact kinematics that `design` uses.
+        // The reference is independent of the core: floating point, and the exact kinematics that `design` uses.
         let share_nm = moment
             .machine
             .platform
@@ -53,7 +53,7 @@ impl Observer for Compare {
     }
 }
 
-/// Were it wrong, drives would push against the platform, or a reversed one against the others.
+/// If this fails, drives push against the platform, or a reversed drive pushes against the others.
 #[test]
 fn torque_position_and_speed_are_those_of_the_machine() {
     let patent = library::find("patent-1").expect("a built-in scene").text;
@@ -82,8 +82,8 @@ fn torque_position_and_speed_are_those_of_the_machine() {
     );
 }
 
-/// Were it wrong, a servo would be given the torque of a gentler stop, or one whose number had overflowed, just when a fault
-/// requires the hardest: it may be ten times as hard as any other ramp.
+/// If this fails, a servo gets the torque of a gentler stop, or of an overflowed number, when a fault requires the hardest
+/// stop. That stop may be ten times as hard as any other ramp.
 #[test]
 fn torque_in_a_faults_stop_is_that_of_the_machine() {
     let text = r#"

@@ -1,4 +1,4 @@
-//! A board reads the settings file that the host writes, and its format does not change.
+//! A board reads the settings file that the host writes, and the file's format does not change.
 
 use std::path::Path;
 
@@ -10,10 +10,10 @@ use cophase_link::{Header, decode};
 use cophase_tests::built_in;
 use host_sim::scene::library::SCENES;
 
-/// The default scene as a settings file, as it was when its format got its version.
+/// The default scene as a settings file, from when its format got its version.
 const GOLDEN: &[u8] = include_bytes!("../firmware/link/golden/default.settings");
 
-/// Returns the file that `cophase settings SCENE` writes, whether a board takes it or not.
+/// Returns the file that `cophase settings SCENE` writes, even if no board accepts it.
 fn settings(scene: &str) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("it.settings");
@@ -26,7 +26,8 @@ fn settings(scene: &str) -> Vec<u8> {
     std::fs::read(file).expect("a file")
 }
 
-/// Were it wrong, a board would take a settings file of another format for one of its own: both have its version.
+/// If this fails, a board takes a settings file of another format for one of its own, because both have the same
+/// version.
 #[test]
 fn the_format_changes_only_with_its_version() {
     let header = Header::read(GOLDEN).expect("a settings file");
@@ -43,7 +44,7 @@ fn the_format_changes_only_with_its_version() {
 
 const RENEW: &str = "renew it: cargo sim settings default -o firmware/link/golden/default.settings";
 
-/// Were it wrong, the loop on a board would be another than the one that was simulated.
+/// If this fails, the settings of the loop on a board differ from those of the simulation.
 #[test]
 fn a_board_gets_the_settings_of_the_simulation() {
     for scene in SCENES {

@@ -1,15 +1,15 @@
 //! The shortest stop, on whole machines: two to six axes, steppers, servos and both.
 //!
-//! That all axes are in phase, exactly, at every tick of these runs, is asserted by [`cophase_tests::watch`]. How
-//! long a stop may take is computed here, from the speed and acceleration before it: see `shaft/tests/shortest.rs` in
-//! the core for why that is the least.
+//! [`cophase_tests::watch`] asserts that all axes are in phase, exactly, at every tick of these runs. The permitted
+//! duration of a stop is computed here, from the speed and acceleration before it. `shaft/tests/shortest.rs` in the core
+//! shows why that is the least.
 
 use cophase_core::supervisor::FaultKind;
 use cophase_core::supervisor::State::{Fault, Homing, Parked, Run, Stop};
 use cophase_tests::scripted::{HZ, ONE_TURN, command};
 use cophase_tests::{Tick, Watched, scene, watch};
 
-/// Limits of a fault's stop, rev/s² and rev/s³: harder than the usual 40 and 800.
+/// Limits of a fault's stop, rev/s² and rev/s³. They are harder than the usual 40 and 800.
 const HARD: (f64, f64) = (160.0, 12_800.0);
 const USUAL: (f64, f64) = (40.0, 800.0);
 
@@ -63,7 +63,7 @@ fn alarm(at_s: f64, axis: usize) -> String {
     format!("[[fault]]\nat_s = {at_s}\nkind = \"drive-alarm\"\naxis = {axis}\n")
 }
 
-/// The least time to stand, ticks, from a speed and an acceleration, both per tick.
+/// The least time to standstill, ticks, from a speed and an acceleration, both per tick.
 fn least_ticks(limits: (f64, f64), speed: f64, acceleration: f64) -> f64 {
     let (most, jerk) = (
         limits.0 / HZ.powi(2) * ONE_TURN,
@@ -74,8 +74,8 @@ fn least_ticks(limits: (f64, f64), speed: f64, acceleration: f64) -> f64 {
     (acceleration + 2.0 * peak) / jerk + (room - peak * peak / jerk) / peak
 }
 
-/// The last tick before a fault latched, and the speed before that; then how long the machine went on moving, over the
-/// least time.
+/// Returns the last tick before a fault latched, and how many ticks longer than the least time the machine moved after
+/// it.
 fn stop_of(watched: &Watched) -> (Tick, f64) {
     let ticks = &watched.ticks;
     let at = ticks.iter().position(|tick| tick.fault.is_some());
@@ -95,7 +95,8 @@ fn stop_of(watched: &Watched) -> (Tick, f64) {
     (last, count as f64 - least)
 }
 
-/// Two ticks over at most; two under are those in which speed, then acceleration, are zero already.
+/// Asserts that a stop takes at most two ticks over the least time. In up to two ticks of that time, speed and then
+/// acceleration are already zero.
 fn assert_shortest(watched: &Watched, what: &str) -> Tick {
     let (last, over) = stop_of(watched);
     assert!(
@@ -113,7 +114,7 @@ fn each_machine(check: impl Fn(usize, &str)) {
     }
 }
 
-/// Were it wrong, a fault at speed would leave some axis turning when others stand, or all turning for too long.
+/// If this fails, a fault at speed leaves some axis turning while others stand, or all turning for too long.
 #[test]
 fn a_fault_stops_all_axes_in_the_least_time() {
     each_machine(|axes, drive| {
@@ -130,7 +131,7 @@ fn a_fault_stops_all_axes_in_the_least_time() {
     });
 }
 
-/// Were it wrong, a fault in a resonance would be met by going through it.
+/// If this fails, the machine goes through a resonance after a fault in it.
 #[test]
 fn a_fault_while_crossing_a_band_stops_in_the_least_time() {
     each_machine(|axes, drive| {
@@ -146,7 +147,7 @@ fn a_fault_while_crossing_a_band_stops_in_the_least_time() {
     });
 }
 
-/// Were it wrong, a fault before the cranks are homed would go ignored, or be met by a stop at a phase that nobody knows.
+/// If this fails, a fault before the cranks are homed is ignored, or leads to a stop at an unknown phase.
 #[test]
 fn a_fault_during_homing_stops_in_the_least_time() {
     each_machine(|axes, drive| {
@@ -158,8 +159,8 @@ fn a_fault_during_homing_stops_in_the_least_time() {
     });
 }
 
-/// Were it wrong, a machine that is parking would finish that first; and of two faults at once the second would restart
-/// the stop, or be reported instead of the first.
+/// If this fails, a machine that is parking finishes that first. Or the second of two faults at once restarts the stop,
+/// or is reported instead of the first.
 #[test]
 fn a_fault_during_another_stop_and_two_at_once_stop_in_the_least_time() {
     each_machine(|axes, drive| {
@@ -187,7 +188,7 @@ fn a_fault_during_another_stop_and_two_at_once_stop_in_the_least_time() {
     });
 }
 
-/// Were it wrong, a machine commanded to park would pass the phase at which all its cranks could already stand.
+/// If this fails, a machine commanded to park passes the phase at which all its cranks could already stand.
 #[test]
 fn a_stop_at_a_phase_is_at_the_first_passage() {
     let park = (33.3 / 360.0 * ONE_TURN).round();
@@ -202,7 +203,7 @@ fn a_stop_at_a_phase_is_at_the_first_passage() {
             let speed = last.speed as f64;
             let moved = ticks[at..].iter().take_while(|tick| tick.speed > 0).count();
             let ramp = least_ticks(USUAL, speed, 0.0);
-            // The nearest place that can be reached, and the first passage after that.
+            // The nearest phase that can be reached, and the first passage after that.
             let distance = speed * (ramp / 2.0 - 1.0);
             let ahead = (park - last.phase.within_turn().to_bits() as f64).rem_euclid(ONE_TURN);
             let first = ahead + ((distance - ahead) / ONE_TURN).ceil() * ONE_TURN;
@@ -215,7 +216,7 @@ fn a_stop_at_a_phase_is_at_the_first_passage() {
                 (end.state, end.phase.within_turn().to_bits() as f64),
                 (Parked, park)
             );
-            // Nearer than a ramp of whole ticks can reach, it is the next passage.
+            // If that phase is nearer than a ramp of whole ticks can reach, the stop is at the next passage.
             let late = if spare <= 2.0 { ONE_TURN / speed } else { 0.0 };
             assert!(
                 (-2.01..=2.01 + late).contains(&over),

@@ -1,7 +1,7 @@
 //! Phase differences of cranks at a steady speed: servos with cross-coupling and steppers with index correction, each with noise and
 //! uneven load.
 //!
-//! The default is a short time. For ten minutes of each, as in docs/faults.md:
+//! The default is a short time. This runs ten minutes of each, as in docs/faults.md:
 //!
 //!     COPHASE_STEADY_S=600 cargo test --release -p cophase-tests spread -- --nocapture
 
@@ -9,7 +9,7 @@ use cophase_core::supervisor::State;
 use cophase_tests::scene;
 use host_sim::sim::{Moment, Observer, simulate};
 
-/// Returns the scene of both machines: four cranks, two of them turning the other way, at 60 rev/s, with different bearings.
+/// Returns the scene of both machines. It has four cranks at 60 rev/s with different bearings, and two of them turn the other way.
 fn text(hold_s: f64, motors: &str, more: &str) -> String {
     let counts = if motors.contains("encoder") {
         "encoder_counts = 1"
@@ -34,7 +34,7 @@ fn steady_s() -> f64 {
     requested.map_or(10.0, |requested| requested.parse().expect("seconds"))
 }
 
-/// Returns the phase differences of cranks at a steady speed, degrees.
+/// Phase differences of cranks at a steady speed, degrees.
 #[derive(Default)]
 struct Steady {
     worst_deg: f64,
@@ -50,7 +50,7 @@ impl Steady {
 
 impl Observer for Steady {
     fn tick(&mut self, moment: &Moment<'_>) {
-        // From the moment at which the ramp is over.
+        // The measurement starts when the ramp is over.
         if moment.telemetry.state != State::Run || moment.telemetry.program_ticks < 6_500 {
             return;
         }
@@ -74,7 +74,7 @@ fn run(text: &str) -> Steady {
     steady
 }
 
-/// Were the coupling weaker, or noise of the index brought in by it, the cranks would be further apart than is promised.
+/// If this fails, the coupling is too weak, or adds the noise of the index, and the cranks are further apart than documented.
 #[test]
 fn servos_stay_together_within_a_twentieth_of_a_degree() {
     let motors = "drive = \"servo\"\nencoder = true\nsteps_per_turn = 32768\n\
@@ -93,11 +93,12 @@ fn servos_stay_together_within_a_twentieth_of_a_degree() {
         alone.rms_deg()
     );
     assert!(steady.rms_deg() <= 0.05);
-    // What the load does while it comes and goes; what stays, index correction takes away in either.
+    // The coupling reduces the effect of the load while it comes and goes. Index correction removes a lasting error in both runs.
     assert!(steady.worst_deg < 0.5 * alone.worst_deg);
 }
 
-/// Were the correction unsteady, or homing left what it had to correct, steppers would be further apart than a microstep.
+/// If this fails, the correction is unsteady, or homing leaves errors that it should correct. Steppers are then further apart than a
+/// microstep.
 #[test]
 fn steppers_stay_together_within_a_microstep() {
     let motors = "drive = \"stepper\"\nsteps_per_turn = 3200\ndamping_nms = 0.3\n\

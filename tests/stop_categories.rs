@@ -1,5 +1,5 @@
-//! State of the drives after a fault, by stop category of IEC 60204-1: they hold (2), are cut at rest (1), or are disabled at once
-//! (0). Machines are on the phased level, where a platform without drives falls.
+//! State of the drives after a fault, by stop category of IEC 60204-1: they hold (2), are cut at rest (1), or are disabled at once (0).
+//! The machines are on the phased level, where a platform without drives falls.
 
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_tests::scene;
@@ -15,7 +15,7 @@ const SERVOS: &str = "drive = \"servo\"\nencoder = true\nservo = { position_gain
 /// Time of the faults: at a steady speed of 11 rev/s.
 const AT_S: f64 = 2.2;
 
-/// By then the stop is over.
+/// The stop is over by this time.
 const HELD_S: f64 = 4.0;
 
 const LIMIT_MRAD: f64 = 3.0;
@@ -54,7 +54,7 @@ fn fault(kind: &str, at_s: f64, more: &str) -> String {
     format!("[[fault]]\nkind = \"{kind}\"\nat_s = {at_s}\n{more}\n")
 }
 
-/// A crank that falls 7.2° behind: a stepper by an electrical cycle, a servo as its coupling slips.
+/// A crank that falls 7.2° behind: a stepper by an electrical cycle, a servo by a slip of its coupling.
 fn behind(axes: &str) -> String {
     if axes.starts_with(STEPPERS) {
         fault("lost-steps", AT_S, "axis = 1")
@@ -63,7 +63,7 @@ fn behind(axes: &str) -> String {
     }
 }
 
-/// The drives with index flags at other places: an index shows the fault, so that the stop ends at other phases.
+/// The drives with index flags at other places. An index shows the fault, so the stop ends at other phases.
 fn each_phase(axes: &str) -> impl Iterator<Item = String> {
     (0..6).map(move |part: i32| format!("{axes}index_deg = {}\n", 60 * part - 150))
 }
@@ -115,14 +115,14 @@ impl Run {
         *self.ticks.last().expect("ticks")
     }
 
-    /// The first tick in the fault state, after which every tick is in it.
+    /// The first tick in the fault state. Every tick after it is in that state.
     #[track_caller]
     fn stopped(&self) -> usize {
         let place = |tick: &Tick| tick.state == State::Fault;
         self.ticks.iter().position(place).expect("it is stopped")
     }
 
-    /// Latched fault, with its best name.
+    /// Latched fault, with its most exact name.
     #[track_caller]
     fn kind(&self) -> FaultKind {
         let events = self.outcome.statistics.events.iter();
@@ -133,7 +133,7 @@ impl Run {
         latched.next_back().expect("a fault")
     }
 
-    /// Ticks of the standstill or motion between the fault and the end of its stop.
+    /// Ticks between the fault and the end of its stop.
     fn stopping(&self) -> &[Tick] {
         let from = self.ticks.iter().position(|tick| tick.state == State::Stop);
         from.map_or(&[], |from| &self.ticks[from..self.stopped()])
@@ -164,7 +164,7 @@ fn braked(axes: &str) -> String {
     format!("{axes}brake = true\n")
 }
 
-/// If drives that are sound were switched off, the platform would fall, many times its limit of tilt.
+/// If this fails, sound drives are switched off, and the platform falls, many times its limit of tilt.
 #[test]
 fn category_2_holds_and_the_platform_tilts_no_further() {
     for axes in DRIVES {
@@ -193,7 +193,7 @@ fn category_2_holds_and_the_platform_tilts_no_further() {
     }
 }
 
-/// If a fault that cuts left the drives on, a drive with an alarm would be trusted to hold.
+/// If this fails, a fault that should cut the drives leaves them on, and a drive with an alarm is trusted to hold.
 #[test]
 fn category_1_cuts_the_drives_once_all_stand() {
     for axes in DRIVES {
@@ -208,7 +208,7 @@ fn category_1_cuts_the_drives_once_all_stand() {
     }
 }
 
-/// If the drives stayed on during a stop, the axis that runs away would go on against the others.
+/// If this fails, the drives stay on during a stop, and the axis that runs away turns against the others.
 #[test]
 fn category_0_disables_the_drives_in_the_same_tick() {
     for axes in DRIVES {
@@ -223,8 +223,8 @@ fn category_0_disables_the_drives_in_the_same_tick() {
     }
 }
 
-/// If a brake were not obeyed, the drives would hold against it, or a machine without one would fall. The simulated machine
-/// has no brake, and so shows how far a platform falls that nothing holds.
+/// If this fails, the brake setting is not obeyed. The drives then hold against a brake, or a machine without one falls. The simulated
+/// machine has no brake, so the test shows how far a platform falls that nothing holds.
 #[test]
 fn with_a_brake_the_same_fault_cuts() {
     for axes in DRIVES {
@@ -245,7 +245,7 @@ fn with_a_brake_the_same_fault_cuts() {
     }
 }
 
-/// If these did not end a hold, drives would stay on that an operator, or their own alarm, wants off.
+/// If this fails, these events do not end a hold, and drives stay on although an operator, or their own alarm, requires them off.
 #[test]
 fn a_hold_ends_with_enable_an_alarm_or_a_reset_and_with_nothing_else() {
     let axes = STEPPERS;
@@ -277,7 +277,7 @@ fn a_hold_ends_with_enable_an_alarm_or_a_reset_and_with_nothing_else() {
         let last = run.last();
         assert_eq!((last.state, last.drives), (state, holds), "{happens}");
         assert_eq!(run.kind(), FaultKind::LostSteps, "the first fault stays");
-        // Off in the tick, and on until then.
+        // The drives are off in that tick, and on until then.
         for tick in &run.ticks[run.stopped()..] {
             let before = tick.t_s < HELD_S - 1e-9;
             assert_eq!(tick.drives, before || holds, "{happens}: {tick:?}");
@@ -288,7 +288,7 @@ fn a_hold_ends_with_enable_an_alarm_or_a_reset_and_with_nothing_else() {
     }
 }
 
-/// If a crank that leaves its command while it is held kept its drive, it would tilt the platform against the others.
+/// If this fails, a crank that leaves its command while it is held keeps its drive, and tilts the platform against the others.
 #[test]
 fn an_axis_that_moves_although_it_is_held_is_a_runaway_and_disables() {
     let runaway = fault("runaway", HELD_S, "axis = 2\nspeed_hz = 2");
@@ -320,7 +320,7 @@ fn an_axis_that_moves_although_it_is_held_is_a_runaway_and_disables() {
     }
 }
 
-/// If pulses of a parked axis without an encoder did not count, its drive could turn it for hours.
+/// If this fails, the pulses of a parked axis without an encoder do not count, and its drive can turn it for hours.
 #[test]
 fn a_parked_axis_by_index_alone_is_let_go_within_two_turns() {
     let commands = [(0.0, "start"), (3.0, "stop"), (12.0, "reset")];
@@ -337,7 +337,7 @@ fn a_parked_axis_by_index_alone_is_let_go_within_two_turns() {
     assert!((1.0..2.01).contains(&travel), "{travel} turns");
 }
 
-/// If a jammed crank were held, its drive would press it with its full torque.
+/// If this fails, a jammed crank is held, and its drive presses it with its full torque.
 #[test]
 fn a_jammed_crank_is_not_pressed_after_the_stop() {
     let run = run(SERVOS, &fault("stuck", AT_S, "axis = 1"));
@@ -345,13 +345,13 @@ fn a_jammed_crank_is_not_pressed_after_the_stop() {
     assert!(!run.last().drives);
 }
 
-/// If the first pulse were not enough, an axis without an encoder would make another turn against those that are held. The tick in which
-/// a pulse comes is read in the next one, and the one after that plays the output.
+/// If this fails, the first pulse is not enough, and an axis without an encoder makes another turn against those that are held. A pulse
+/// in one tick is read in the next one, and the tick after that plays the output.
 #[test]
 fn an_index_alone_shows_within_a_turn_that_an_axis_moves_although_it_is_held() {
     let speed_hz = 2.0;
     let bound_turns = 1.0 + 4.0 / 2000.0 * speed_hz;
-    // The axis that the machine was stopped for, and another one.
+    // The axis that caused the stop, and another one.
     for axis in [1, 2] {
         let runaway = format!("axis = {axis}\nspeed_hz = {speed_hz}");
         let happens = behind(STEPPERS) + &fault("runaway", HELD_S, &runaway);

@@ -1,7 +1,7 @@
 //! Every way to stop, through scenes.
 //!
-//! That all axes are in phase, to the bit, at every tick of every one of these runs is asserted by
-//! [`cophase_tests::watch`]; that the shaft keeps its limits, by [`scripted`].
+//! [`cophase_tests::watch`] asserts at every tick of every one of these runs that all axes are in phase,
+//! to the bit. [`scripted`] asserts that the shaft keeps its limits.
 
 use cophase_core::supervisor::FaultKind;
 use cophase_core::supervisor::State::{Fault, Homing, Parked, Run, Stop};
@@ -28,7 +28,7 @@ fn amid_band(watched: &Watched) -> f64 {
     first.start_ns as f64 * 1e-9 + ticks as f64 / 2.0 / HZ
 }
 
-/// Were it wrong, a machine would not come to rest by itself, or would do so elsewhere than commanded.
+/// If this fails, a machine does not come to rest by itself, or comes to rest elsewhere than commanded.
 #[test]
 fn a_program_ends_parked_at_the_phase_to_park_at() {
     let watched = scripted("");
@@ -38,7 +38,7 @@ fn a_program_ends_parked_at_the_phase_to_park_at() {
     assert_eq!(program(&watched).len(), 3300 * 2);
 }
 
-/// Were it wrong, a stop that comes while the shaft accelerates would jerk it, or miss the phase.
+/// If this fails, a stop that comes while the shaft accelerates jerks it, or misses the phase.
 #[test]
 fn a_stop_amid_a_ramp_parks() {
     for at_s in [0.7, 0.9, 1.1, 2.6, 3.0] {
@@ -55,7 +55,8 @@ fn a_stop_amid_a_ramp_parks() {
     }
 }
 
-/// Were it wrong, a stop would leave the shaft dwelling at a resonance, or take it up through it first.
+/// If this fails, a stop leaves the shaft dwelling at a resonance, or takes it up through the resonance
+/// first.
 #[test]
 fn a_stop_amid_a_band_leaves_it_downwards_at_once() {
     let plain = scripted("");
@@ -69,9 +70,9 @@ fn a_stop_amid_a_band_leaves_it_downwards_at_once() {
         stopping().skip(crossing).all(|tick| !tick.crossing),
         "the band is entered again"
     );
-    // Letting go the acceleration gains at most a²/2J = 1 rev/s; the band is 2 rev/s wide and the stop
-    // came half way up, so the shaft turns round in it. Down from there at 40 rev/s² and 800 rev/s³ takes
-    // a/J to let go, a/J to brake, and 2 rev/s / a: 150 ms.
+    // Until the acceleration has ended, the speed gains at most a²/2J = 1 rev/s. The band is 2 rev/s wide
+    // and the stop came half way up, so the speed turns round in it. From there it falls at 40 rev/s² and
+    // 800 rev/s³. That takes a/J to end the acceleration, a/J to brake, and 2 rev/s / a: 150 ms.
     assert!(crossing as f64 / HZ < 0.15, "{crossing} ticks in the band");
     let top = stopping().map(|tick| tick.speed).max().expect("ticks");
     assert!(
@@ -80,7 +81,7 @@ fn a_stop_amid_a_band_leaves_it_downwards_at_once() {
     );
 }
 
-/// Were it wrong, a stop that comes anywhere about a band could wait there for the phase to park at.
+/// If this fails, a stop that comes near a band may wait there for the phase to park at.
 #[test]
 fn no_stop_dwells_in_a_band() {
     let amid_s = amid_band(&scripted(""));
@@ -91,7 +92,7 @@ fn no_stop_dwells_in_a_band() {
         let even = |pair: &&[Tick]| {
             pair[1].state == Stop && pair[1].crossing && pair[0].speed == pair[1].speed
         };
-        // Where the shaft turns round, its acceleration may be zero for a tick.
+        // Where the speed turns round, the acceleration may be zero for a tick.
         let waited = watched.ticks.windows(2).filter(even).count();
         assert!(
             waited <= 1,
@@ -100,7 +101,7 @@ fn no_stop_dwells_in_a_band() {
     }
 }
 
-/// Were it wrong, a stop that comes before the first index would be lost.
+/// If this fails, a stop that comes before the first index pulse is lost.
 #[test]
 fn a_stop_while_homing_parks() {
     for at_s in [0.01, 0.1, 0.2] {
@@ -120,7 +121,7 @@ fn a_stop_while_homing_parks() {
     }
 }
 
-/// Were it wrong, the stop button would do something else than the command, or let a start through.
+/// If this fails, the stop button acts differently from the command, or lets a start through.
 #[test]
 fn the_stop_input_stops_like_the_command_and_keeps_the_machine_stopped() {
     let commanded = scripted(&command(1.0, "stop"));
@@ -151,7 +152,7 @@ fn the_stop_input_stops_like_the_command_and_keeps_the_machine_stopped() {
     stands_at_park_phase(freed.last());
 }
 
-/// Were it wrong, the drives would push on after their enable was taken away, or come back by themselves.
+/// If this fails, the drives push on after their enable is removed, or come back by themselves.
 #[test]
 fn enable_lost_at_speed_cuts_the_drives_the_same_tick() {
     let lost_s = 2.0;
@@ -184,7 +185,7 @@ fn enable_lost_at_speed_cuts_the_drives_the_same_tick() {
     assert_eq!(watched.last().fault, Some(fault), "it is latched");
 }
 
-/// Were it wrong, an idle machine's trim would be stepped into drives that are off, and be lost on them.
+/// If this fails, an idle machine's trim is stepped into drives that are off, and is lost there.
 #[test]
 fn drives_that_are_off_get_no_pulses() {
     let trimmed = "[[axis]]\nnumber = 0\ntrim_deg = 2\n";

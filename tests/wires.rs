@@ -1,10 +1,10 @@
-//! STEP and DIR as drives see them: the times that the scene asks for hold on the wires of `steps.vcd`.
+//! STEP and DIR at the inputs of the drives: the wires of `steps.vcd` keep the times that the scene requires.
 
 use cophase_tests::{record, scene};
 use host_sim::trace::{Every, Window};
 
-/// Axis 0 is trimmed against its sense faster than the shaft starts, so that it turns round. Hold, set-up and width
-/// are as slow drives ask for them, all different.
+/// Axis 0 is trimmed against its sense faster than the shaft starts, so that it turns backwards for a time. Hold,
+/// set-up and width are those of slow drives, all different.
 const TURNING: &str = r#"
 name = "turning round"
 [machine]
@@ -41,7 +41,7 @@ ramp_s = 0.5
 hold_s = 0.3
 "#;
 
-/// Were it wrong, a drive would count a step the wrong way, and its crank be two steps off for ever.
+/// If this fails, a drive counts a step in the wrong direction, and its crank is two steps off permanently.
 #[test]
 fn direction_lines_keep_their_times() {
     let run = record(&scene(TURNING), Every::Ticks(1), Window::All);

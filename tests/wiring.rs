@@ -1,7 +1,7 @@
-//! The wiring diagram is of the pins that the firmware uses.
+//! The wiring diagram shows the pins that the firmware uses.
 //!
-//! Whoever solders goes by `docs/wiring.md`; were it out of step with the table in the code, they would find
-//! out with a drive.
+//! `docs/wiring.md` is the guide for soldering. If it differs from the table in the code, the error shows only on a
+//! connected drive.
 
 use std::collections::BTreeMap;
 
@@ -30,7 +30,8 @@ fn in_code() -> BTreeMap<u8, String> {
     names
 }
 
-/// Returns the names of pins from the page: in the diagram, a pin's name is beside it, outside; in the text, after it.
+/// Returns the names of pins from the page. In the diagram, a pin's name is beside it, outside. In the text, the name
+/// is after the pin.
 fn in_docs() -> BTreeMap<u8, String> {
     let page =
         std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/wiring.md")).unwrap();
@@ -65,7 +66,7 @@ fn the_diagram_shows_the_pins_of_the_code() {
     assert_eq!(in_docs(), in_code());
 }
 
-/// The index inputs are sampled as neighbours, and all must be pins that the chip has.
+/// If this fails, the firmware uses a pin that the chip does not have. The index inputs are sampled as neighbours.
 #[test]
 fn every_pin_is_one_of_the_chips() {
     assert!(in_code().keys().all(|&pin| pin < 30));

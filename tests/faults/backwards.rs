@@ -1,4 +1,4 @@
-//! Drives that turn their cranks back while they are commanded ahead, and encoders that show it.
+//! Drives that turn their cranks back while they are commanded ahead, and encoders that detect it.
 
 use cophase_core::supervisor::FaultKind;
 use cophase_tests::scene;
@@ -54,7 +54,8 @@ at_s = {AT_S}
     )
 }
 
-/// A stop would let the others come to rest in phase while this crank goes on against them.
+/// If this fails, the loop stops the machine and keeps the drive on. The others then come to rest in phase while this crank turns
+/// against them.
 #[test]
 fn a_crank_that_turns_back_is_named_reversed_and_its_drive_is_off() {
     for level in ["kinematic", "phased"] {
@@ -79,8 +80,8 @@ fn a_crank_that_turns_back_is_named_reversed_and_its_drive_is_off() {
                     .iter()
                     .find(|sample| sample.tick as f64 * TICK_S > AT_S && !sample.enabled);
                 let after_s = off.expect("its drive is off").tick as f64 * TICK_S - AT_S;
-                // It has gone back by an electrical cycle, 1/50 turn, and two windows of four ticks are over. A rotor swings in its
-                // field before it turns with it.
+                // The crank has gone back by an electrical cycle, 1/50 turn, and two windows of four ticks are over. A rotor swings
+                // in its field before it turns with it.
                 let swings_s = if level == "phased" { 0.02 } else { 0.0 };
                 let most_s = 0.02 / -speed_hz + 8.0 * TICK_S + swings_s;
                 assert!(after_s < most_s, "{after_s} s, {case}");

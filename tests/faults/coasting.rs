@@ -1,4 +1,5 @@
-//! Cranks that nothing drives any more: a run is not over before they stand, and what they do then is reported apart.
+//! Cranks without drive torque: a run ends only when they stand, and their motion after the drives are off is reported
+//! separately.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +8,7 @@ use host_sim::trace::{Every, Window};
 
 use super::{AT_S, KINEMATIC, Samples, TICK_S, observe, phased, scene};
 
-/// Drives that are cut while cranks turn at a homing speed of 5 rev/s, with so much friction on each.
+/// The drives are cut while cranks turn at a homing speed of 5 rev/s, with this friction on each.
 fn cut(text: &str, friction_nm: f64) -> host_sim::scene::Checked {
     let text = text.replace(
         "[axes]\n",
@@ -18,7 +19,7 @@ fn cut(text: &str, friction_nm: f64) -> host_sim::scene::Checked {
     ))
 }
 
-/// Turns that crank 0 made after the drives were off, and in the last 50 ms of the run.
+/// Returns the turns of crank 0 after the drives were off, and in the last 50 ms of the run.
 fn coasted(samples: &Samples) -> (f64, f64) {
     let off = samples
         .ticks
@@ -30,10 +31,11 @@ fn coasted(samples: &Samples) -> (f64, f64) {
     (place(last) - place(off), place(last) - place(last - 100))
 }
 
-/// Were a run cut off 50 ms after its drives, as it once was, what cranks do that swing on would be left out: here 1.6 rad of it.
+/// If this fails, a run ends 50 ms after its drives are off, as in an earlier version. The motion of cranks that swing on is then
+/// left out: here 1.6 rad of it.
 ///
-/// Dry friction T takes N T of energy a radian. There is N J ω²/2 of it in the rotors, up to m v²/2 in the platform, and what its
-/// weight gives or takes is at most m g 2 R.
+/// Dry friction T takes N T of energy per radian. The rotors have N J ω²/2 of energy, the platform up to m v²/2, and its weight
+/// gives or takes at most m g 2 R.
 #[test]
 fn a_run_goes_on_until_cranks_that_are_let_go_stand() {
     let friction_nm = 0.05;
@@ -50,14 +52,14 @@ fn a_run_goes_on_until_cranks_that_are_let_go_stand() {
         "{turned}"
     );
     assert!(at_last.abs() * 360.0 < 0.36, "{at_last}");
-    // Nor does a motor that is off slip.
+    // A motor that is off does not slip.
     assert_eq!(samples.outcome.statistics.slipped_cycles, [0; 3]);
     let coast = &samples.outcome.statistics.coast;
     assert!(!coast.is_on() && coast.turned_s > 0.1, "{}", coast.turned_s);
 }
 
-/// Were there no end to it, a machine without friction would run for ever; were that not said, its last tilt would pass for
-/// the last.
+/// If this fails, a machine without friction runs without end, or a run that is cut off does not say so. Its last tilt is then
+/// taken for the final one.
 #[test]
 fn what_turns_on_for_ever_is_ended_and_said() {
     let checked = cut(&phased(), 0.0);
@@ -78,8 +80,8 @@ fn what_turns_on_for_ever_is_ended_and_said() {
     assert!(summary(&checked, &samples.outcome, None, 1.0).contains("turned on for 5.0"));
 }
 
-/// Were what happens with the drives off mixed into what happens with them on, nobody could see what the loop let happen. One
-/// crank of the three is stuck as its drives are cut: the platform tilts by what the others go on.
+/// If this fails, the report mixes motion with the drives off into motion with the drives on, and hides what the loop allowed.
+/// One crank of the three is stuck as its drives are cut. The platform tilts by the motion of the others.
 #[test]
 fn tilts_with_drives_on_and_off_are_apart() {
     let stuck = format!(
@@ -93,11 +95,11 @@ fn tilts_with_drives_on_and_off_are_apart() {
         number("tilt_worst_mrad").unwrap(),
         number("tilt_worst_off_mrad").unwrap(),
     );
-    // By one stroke, 20 mm on a circle of 250 mm: two thirds of it is what one of three corners tilts.
+    // A stroke is 20 mm, on a circle of 250 mm. One of three corners tilts the platform by two thirds of that.
     assert!(on < 1.0 && (10.0..=54.0).contains(&off), "{on}, {off}");
     assert!(number("coasted_s").unwrap() > 0.05);
 
-    // What stays on, or stands where it is left, has nothing of that.
+    // Drives that stay on, and cranks that stand where they are left, add no such values.
     for text in [phased(), KINEMATIC.to_owned()] {
         let run = cophase_tests::record(&scene(&text), Every::Fitting, Window::FirstMotion);
         assert!(run.report.get("tilt_worst_off_mrad").is_none());

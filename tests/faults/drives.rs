@@ -9,14 +9,13 @@ use super::{AT_TICK, KINEMATIC, TICK_S, began, latched, observe, phased, unread,
 /// A cycle of 256 of 12800 steps, turns.
 const CYCLE: f64 = 0.02;
 
-/// Largest distance of a crank from its field at homing speed on the phased model level: at a quarter of a cycle it would
-/// slip.
+/// Largest distance of a crank from its field at homing speed on the phased model level. It slips at a quarter of a cycle.
 const SWING: f64 = CYCLE / 4.0;
 
 /// Largest difference between a command in whole microsteps and its phase.
 const STEP: f64 = 1.0 / 12800.0;
 
-/// Were it wrong, steps would be lost by another number, or come back by themselves.
+/// If this fails, a wrong number of steps is lost, or lost steps come back by themselves.
 #[test]
 fn lost_steps_are_whole_cycles_at_once_and_for_good() {
     for (cycles, text, off) in [
@@ -39,14 +38,14 @@ fn lost_steps_are_whole_cycles_at_once_and_for_good() {
             assert!((ahead + lost).abs() < off, "{cycles}: {ahead} at {tick}");
             assert!(samples.ahead(0, tick).abs() < off);
         }
-        // A motor's encoder sees it.
+        // The motor's encoder measures the lost steps.
         let counts = samples.at(AT_TICK + 50).encoder[2];
         let turns = f64::from(counts) / 12800.0;
         assert!((turns - samples.at(AT_TICK + 50).actual[2]).abs() <= STEP);
     }
 }
 
-/// Were it wrong, a slip would be another rate, or be detected by an encoder on the motor, which it is not.
+/// If this fails, a slip has a wrong rate, or an encoder on the motor detects it, which is not possible.
 #[test]
 fn a_slip_walks_and_the_motor_does_not_see_it() {
     for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
@@ -55,7 +54,7 @@ fn a_slip_walks_and_the_motor_does_not_see_it() {
             "kind = \"slip\"\naxis = 1\nrate_deg_per_s = 360\nfor_s = 0.02\n",
         );
         for (after, slipped) in [(10, 10.0), (39, 39.0), (80, 40.0)] {
-            // A turn a second, from the tick in which it begins.
+            // A turn a second, from the tick in which the slip begins.
             let expected = -slipped * TICK_S;
             let found = samples.ahead(1, AT_TICK + after - 1);
             assert!((found - expected).abs() < off, "{found}, not {expected}");
@@ -66,7 +65,7 @@ fn a_slip_walks_and_the_motor_does_not_see_it() {
     }
 }
 
-/// Were it wrong, what nothing moves would be moved by the others through the platform, or stand for ever.
+/// If this fails, the other cranks move a stuck crank through the platform, or it never moves again after its release.
 #[test]
 fn a_stuck_crank_stands_and_a_stepper_is_caught_again_cycles_off() {
     for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
@@ -77,7 +76,7 @@ fn a_stuck_crank_stands_and_a_stepper_is_caught_again_cycles_off() {
             assert!(moved.abs() < 1e-12, "{moved} at {tick}");
             assert!(samples.distance(1, tick) > 0.0);
         }
-        // It was commanded to make 0.15 turns meanwhile: seven and a half cycles.
+        // Meanwhile it was commanded to make 0.15 turns: seven and a half cycles.
         let cycles = samples.ahead(0, AT_TICK + 100) / CYCLE;
         assert!((cycles - cycles.round()).abs() * CYCLE < off, "{cycles}");
         assert!((-8.6..=-6.4).contains(&cycles), "{cycles}");
@@ -87,7 +86,7 @@ fn a_stuck_crank_stands_and_a_stepper_is_caught_again_cycles_off() {
     assert_eq!(last.actual[0], for_good.at(AT_TICK).actual[0]);
 }
 
-/// Were it wrong, a drive that runs away would still obey the loop, or run on when it is switched off.
+/// If this fails, a runaway drive still obeys the loop, or runs on when it is switched off.
 #[test]
 fn a_runaway_turns_at_its_own_speed() {
     for speed_hz in [9.0, -4.0] {
@@ -103,7 +102,7 @@ fn a_runaway_turns_at_its_own_speed() {
         }
         let phased = with(&phased(), &fault);
         let distance = phased.at(AT_TICK + 60).actual[2] - phased.at(AT_TICK + 20).actual[2];
-        // Its rotor is brought to that speed within twenty ticks, or has swung by a quarter of a cycle at either end.
+        // Its rotor reaches that speed within twenty ticks, or has swung by a quarter of a cycle at either end.
         assert!(
             (distance - speed_hz * 40.0 * TICK_S).abs() < 2.0 * SWING,
             "{distance}"
@@ -111,7 +110,7 @@ fn a_runaway_turns_at_its_own_speed() {
     }
 }
 
-/// Were it wrong, a motor that is wired the other way round would turn as commanded.
+/// If this fails, a motor that is wired the other way round turns as commanded.
 #[test]
 fn a_reversed_motor_turns_backward_from_the_start() {
     for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
@@ -124,7 +123,7 @@ fn a_reversed_motor_turns_backward_from_the_start() {
     }
 }
 
-/// Were it wrong, drives would still follow their own lines. Two axes with different commands show it: one turns half as fast.
+/// If this fails, drives still follow their own lines. Two axes with different commands show it: one turns half as fast.
 #[test]
 fn swapped_drive_lines_move_the_other_crank() {
     let apart = "[[axis]]\nnumber = 1\nratio = [1, 2]\n[[axis]]\nnumber = 2\nreversed = true\n";
@@ -136,7 +135,7 @@ fn swapped_drive_lines_move_the_other_crank() {
         let sample = samples.at(AT_TICK);
         assert!((sample.actual[0] - sample.command[1]).abs() < off);
         assert!((sample.actual[1] - sample.command[0]).abs() < off);
-        // One of a pair that is mounted the other way round gets a direction that is reversed for it.
+        // If one axis of the pair is mounted the other way round, each axis receives a reversed direction.
         let turned = with(
             &format!("{text}{apart}"),
             "kind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"drive\"\n",
@@ -147,7 +146,7 @@ fn swapped_drive_lines_move_the_other_crank() {
     }
 }
 
-/// Were it wrong, step hardware that underruns would cost nothing, or not be reported.
+/// If this fails, an underrun of the step hardware costs no steps, or is not reported.
 #[test]
 fn a_fifo_underrun_costs_half_a_tick_of_steps() {
     let samples = with(KINEMATIC, "kind = \"step-fifo-underrun\"\naxis = 1\n");
@@ -159,19 +158,19 @@ fn a_fifo_underrun_costs_half_a_tick_of_steps() {
     assert!(latched(&samples, FaultKind::StepFifoUnderrun));
 }
 
-/// Were it wrong, a load would not hold its crank back by what its motor's spring gives: T sin(p δ).
+/// If this fails, a load does not hold its crank back by the angle that the motor's spring gives: T sin(p δ).
 #[test]
 fn a_load_step_holds_its_crank_back() {
     let samples = with(&phased(), "kind = \"load-step\"\naxis = 0\ntorque_nm = 8\n");
     let without = observe(&scene(&phased()));
     let mean = |axis| {
-        // Over a whole turn the machine's own load comes to the same on all axes.
+        // Over a whole turn, the machine's own load has the same mean on all axes.
         let ticks = AT_TICK + 200..AT_TICK + 600;
         let off = ticks.map(|tick| samples.ahead(axis, tick) - without.ahead(axis, tick));
         off.sum::<f64>() / 400.0
     };
     let spring = -(8.0_f64 / 20.0).asin() / 50.0 / std::f64::consts::TAU;
-    // What it swings about that, and the others with it, has died away but for a part in a hundred.
+    // Its oscillation about that angle, and that of the other cranks, has decayed to one part in a hundred.
     assert!(
         (mean(0) - spring).abs() < 0.05 * spring.abs(),
         "{}",
@@ -180,7 +179,7 @@ fn a_load_step_holds_its_crank_back() {
     assert!(mean(1).abs() < 0.05 * spring.abs(), "{}", mean(1));
 }
 
-/// Were it wrong, a scene in which nothing goes wrong yet would run otherwise than one in which nothing ever does.
+/// If this fails, a scene whose fault has not begun yet runs differently from a scene without faults.
 #[test]
 fn before_a_fault_begins_cranks_are_where_they_would_be() {
     for text in [KINEMATIC.to_owned(), phased()] {
@@ -189,14 +188,15 @@ fn before_a_fault_begins_cranks_are_where_they_would_be() {
         for tick in 2..AT_TICK {
             for axis in 0..3 {
                 let off = samples.at(tick).actual[axis] - plain.at(tick).actual[axis];
-                // Steps have their own times in the one, and are read at ticks in the other.
+                // Steps have their own times in the one run, and are read at ticks in the other.
                 assert!(off.abs() <= STEP, "{off} at {tick}");
             }
         }
     }
 }
 
-/// Were it wrong, one shaft would need a crank of its own, or a torque be given where none moves anything.
+/// If this fails, a scene can move one crank of a single shaft by itself, or give a torque on a level where torque moves
+/// nothing.
 #[test]
 fn levels_that_cannot_show_a_fault_are_not_run() {
     let refused = |text: String| {
@@ -218,7 +218,7 @@ fn levels_that_cannot_show_a_fault_are_not_run() {
         said.contains("noise.load_nm") && said.contains("\"phased\""),
         "{said}"
     );
-    // What chooses a model level by itself does not choose that one.
+    // The automatic choice of a model level does not choose that level.
     let auto = KINEMATIC
         .replace("\"kinematic\"", "\"auto\"")
         .replace("[control]", "[questions]\ntorque_percent = 1\n[control]");

@@ -1,4 +1,4 @@
-//! `[noise]`: of the size that the scene says, and the same for the same seed.
+//! `[noise]` has the size that the scene gives, and is the same for the same seed.
 
 use cophase_tests::{record, scene};
 use host_sim::trace::{Every, Window};
@@ -6,9 +6,9 @@ use host_sim::trace::{Every, Window};
 use super::samples::readings;
 use super::{KINEMATIC, observe, phased};
 
-/// A hold of 40 turns, at which no noise of these sizes trips anything.
+/// A hold of 40 turns. No noise of these sizes trips a limit in it.
 fn long(noise: &str) -> String {
-    // Not where cranks stand at power-up: noise would have some there pass a flag, and others not.
+    // The flags are not where cranks stand at power-up. With noise, some cranks there would pass a flag and others would not.
     let text = KINEMATIC
         .replace("hold_s = 1\n", "hold_s = 8\n")
         .replace("encoder = true", "encoder = true\nindex_deg = 40");
@@ -23,8 +23,8 @@ fn spread(values: &[f64]) -> (f64, f64) {
     (mean, square.sqrt())
 }
 
-/// That values have that deviation about 0. Of n draws a mean is off by σ/√n and a deviation by σ/√2n: four of those are exceeded
-/// once in 10,000 seeds.
+/// Asserts that values have that deviation about 0. With n draws, a mean is off by σ/√n and a deviation by σ/√2n. Four of those
+/// are exceeded once in 10,000 seeds.
 #[track_caller]
 fn assert_normal(values: &[f64], sigma: f64) {
     let n = values.len() as f64;
@@ -34,7 +34,7 @@ fn assert_normal(values: &[f64], sigma: f64) {
     assert!(off < 4.0 / (2.0 * n).sqrt(), "{found}, not {sigma}");
 }
 
-/// Were it wrong, a run with noise could not be run again, or another seed would be the same noise.
+/// If this fails, a run with noise cannot be repeated, or another seed gives the same noise.
 #[test]
 fn one_seed_is_one_noise() {
     let noise = "index_deg = 0.05\nindex_us = 2\nencoder_counts = 1.5\nload_nm = 0.5";
@@ -46,12 +46,12 @@ fn one_seed_is_one_noise() {
     assert!(one.csv != other.csv && one.vcd != other.vcd);
 }
 
-/// Were it wrong, edges would be off by more, or less, than a scene says; by their place, or by their time.
+/// If this fails, the noise of index edges is larger or smaller than the scene gives, in place or in time.
 #[test]
 fn index_edges_are_off_by_the_requested_noise() {
     let plain = observe(&scene(&long("")));
     for (seed, noise, sigma_us) in [
-        // At 7 rev/s, whatever it truly is in the hold, an edge off by a place is off by a time.
+        // Speed is 7 rev/s, or whatever it truly is in the hold. There, an edge that is off by a place is off by a time.
         (1, "index_deg = 0.3", None),
         (2, "index_us = 20", Some(20.0)),
     ] {
@@ -60,7 +60,7 @@ fn index_edges_are_off_by_the_requested_noise() {
         for axis in 0..3 {
             let (plain, noisy) = (plain.rises_us(axis), noisy.rises_us(axis));
             assert_eq!(plain.len(), noisy.len(), "no pulse is lost or doubled");
-            // In the hold, where a turn always takes the same time.
+            // In the hold, a turn always takes the same time.
             let turns = 10..plain.len() - 6;
             off.extend(turns.clone().map(|turn| noisy[turn] - plain[turn]));
         }
@@ -73,7 +73,7 @@ fn index_edges_are_off_by_the_requested_noise() {
     }
 }
 
-/// Were it wrong, encoders would all be off alike, or one sensor's noise change with another's.
+/// If this fails, encoders are all off alike, or one sensor's noise changes with another's.
 #[test]
 fn encoders_are_off_by_the_requested_noise() {
     let checked = scene(&long("seed = 3\nencoder_counts = 30"));
@@ -87,7 +87,7 @@ fn encoders_are_off_by_the_requested_noise() {
         assert_normal(&of(axis), 30.0);
     }
     let product: Vec<f64> = of(0).iter().zip(of(1)).map(|(a, b)| a * b).collect();
-    // Of two that have nothing to do with each other the mean product is off 0 by σ²/√n.
+    // For two independent sensors the mean product is off 0 by σ²/√n.
     assert!(spread(&product).0.abs() < 4.0 * 900.0 / 4000.0_f64.sqrt());
     let both = scene(&long("seed = 3\nencoder_counts = 30\nindex_us = 5"));
     for (one, other) in said.iter().zip(readings(&both, 0..4000)) {
@@ -95,7 +95,7 @@ fn encoders_are_off_by_the_requested_noise() {
     }
 }
 
-/// Were it wrong, a load that changes every tick would shake no crank, or all alike.
+/// If this fails, a load that changes every tick shakes no crank, or shakes all cranks alike.
 #[test]
 fn load_noise_shakes_each_crank_by_itself() {
     let plain = observe(&scene(&phased()));
@@ -106,8 +106,8 @@ fn load_noise_shakes_each_crank_by_itself() {
         ticks.map(off).collect()
     };
     let (_, deviation) = spread(&off(0));
-    // A spring of 1000 N·m/rad under 2 N·m at rest is off by 2 mrad; what comes anew each tick is mostly borne by inertia, and
-    // swings it up near its own frequency instead.
+    // A spring of 1000 N·m/rad under 2 N·m at rest is off by 2 mrad. Inertia takes most of a load that changes every tick. The
+    // load excites the crank near its own frequency instead.
     let still = 2.0 / 1000.0 / std::f64::consts::TAU;
     assert!(
         (0.05 * still..5.0 * still).contains(&deviation),

@@ -1,4 +1,4 @@
-//! A run, as its cranks and lines were at every tick.
+//! Samples of a run: its cranks and lines at every tick.
 
 use cophase_core::signals::Feedback;
 use host_sim::scene::Checked;
@@ -35,7 +35,7 @@ impl Samples {
         found.unwrap_or_else(|| panic!("nothing was played in tick {tick}"))
     }
 
-    /// By how much crank `axis` was ahead of its command at a tick's end, turns.
+    /// Returns the distance of crank `axis` ahead of its command at a tick's end, turns.
     #[track_caller]
     pub fn ahead(&self, axis: usize, tick: u64) -> f64 {
         let sample = self.at(tick);
@@ -75,7 +75,7 @@ impl Observer for Recorder {
     }
 }
 
-/// Runs a scene and looks.
+/// Runs a scene and records its samples.
 pub fn observe(checked: &Checked) -> Samples {
     let mut recorder = Recorder(Vec::new());
     let outcome = simulate(checked, &mut recorder, |_, _| {}).expect("a checked scene runs");

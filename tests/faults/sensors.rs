@@ -12,14 +12,14 @@ fn at(fault: &str) -> host_sim::scene::Checked {
     scene(&format!("{KINEMATIC}[[fault]]\nat_s = {AT_S}\n{fault}"))
 }
 
-/// Were it wrong, pulses would stay away from another axis, or come back too early or never.
+/// If this fails, pulses are missing on another axis, or come back too early or never.
 #[test]
 fn missing_pulses_are_as_many_as_requested() {
     for text in [KINEMATIC.to_owned(), phased()] {
         let all = observe(&scene(&text));
         let first = with(&text, "kind = \"index-missing\"\naxis = 1\ncount = 1\n");
         let never = with(&text, "kind = \"index-missing\"\naxis = 1\n");
-        // Up to where the loop makes anything of it both run alike: a turn and a half.
+        // Both runs are equal until the loop reacts: for a turn and a half.
         let until =
             |rises: Vec<f64>| -> Vec<f64> { rises.into_iter().filter(|&us| us < 0.3e6).collect() };
         assert_eq!(until(all.rises_us(1)).len(), 1);
@@ -27,7 +27,7 @@ fn missing_pulses_are_as_many_as_requested() {
         assert!(never.rises_us(1).is_empty());
         assert_eq!(until(first.rises_us(0)), until(all.rises_us(0)));
     }
-    // Whether the loop waits for the one after is its affair; the layer has so many stay away, and no more.
+    // The loop's reaction to the next pulse is tested elsewhere. The fault layer suppresses this many pulses, and no more.
     let mut faults = Faults::new(&at("kind = \"index-missing\"\naxis = 1\ncount = 2\n"));
     let passes = |faults: &mut Faults| std::array::from_fn(|_| faults.misses(1));
     faults.extra((AT_TICK - 1) * 500);
@@ -37,7 +37,7 @@ fn missing_pulses_are_as_many_as_requested() {
     assert_eq!(passes(&mut faults), [true, true, false, false]);
 }
 
-/// Were it wrong, extra pulses would come at another time, or not at the same phase of the next turn.
+/// If this fails, extra pulses come at a wrong time, or not at the same phase of the next turn.
 #[test]
 fn extra_pulses_come_at_their_time_and_a_turn_after() {
     for text in [KINEMATIC.to_owned(), phased()] {
@@ -57,20 +57,20 @@ fn extra_pulses_come_at_their_time_and_a_turn_after() {
     }
 }
 
-/// Were it wrong, wires would be swapped for the drives, or for one kind of sensor alone.
+/// If this fails, the fault swaps wires of the drives, or of one kind of sensor alone.
 #[test]
 fn swapped_sensors_speak_of_the_other_axis() {
     let own = "[[axis]]\nnumber = 0\nindex_deg = 90\n";
     let fault = "kind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"sensors\"\n";
     let plain = observe(&scene(&format!("{KINEMATIC}{own}")));
     let swapped = with(&format!("{KINEMATIC}{own}"), fault);
-    // The first pulse of each, before anything is made of it.
+    // The first pulse of each axis, before the loop reacts to it.
     assert_eq!(swapped.rises_us(0)[0], plain.rises_us(2)[0]);
     assert_eq!(swapped.rises_us(2)[0], plain.rises_us(0)[0]);
     assert_eq!(swapped.rises_us(1)[0], plain.rises_us(1)[0]);
 }
 
-/// Were it wrong, a glitch would hit another encoder, or last for another time.
+/// If this fails, a glitch affects another encoder, or lasts for a wrong time.
 #[test]
 fn a_glitch_is_off_by_its_counts_while_it_lasts() {
     let glitch = at("kind = \"encoder-glitch\"\naxis = 1\ncounts = -700\nfor_s = 0.01\n");
@@ -85,7 +85,7 @@ fn a_glitch_is_off_by_its_counts_while_it_lasts() {
     assert_eq!(readings(&for_good, 10_000..10_001)[0].encoder[1], 9);
 }
 
-/// Were it wrong, an alarm or an input would be another's, or not go away again.
+/// If this fails, an alarm or an input acts on a wrong axis or line, or does not end.
 #[test]
 fn alarms_and_inputs_are_on_while_they_last() {
     let during = AT_TICK..AT_TICK + 20;
@@ -103,7 +103,7 @@ fn alarms_and_inputs_are_on_while_they_last() {
     assert_eq!(latched_in(&samples), Some(AT_TICK));
 }
 
-/// Were it wrong, an overrun would miss another number of deadlines, and be a fault or none by that.
+/// If this fails, an overrun misses a wrong number of deadlines, which decides whether it is a fault.
 #[test]
 fn an_overrun_misses_its_deadlines() {
     for count in [1, 3] {
@@ -113,7 +113,7 @@ fn an_overrun_misses_its_deadlines() {
     }
 }
 
-/// Were it wrong, an encoder would count another way than its motor turns.
+/// If this fails, an encoder does not count in the direction in which its motor turns.
 #[test]
 fn encoders_count_in_their_motors_sense() {
     for text in [KINEMATIC.to_owned(), phased()] {
@@ -130,7 +130,8 @@ fn encoders_count_in_their_motors_sense() {
     }
 }
 
-/// Were it wrong, a flag's length would shift the pulse of a crank that turns forward, or not that of one turning backward.
+/// If this fails, a flag's length shifts the pulse of a crank that turns forward, or does not shift that of a crank that
+/// turns backward.
 #[test]
 fn a_flag_with_a_length_is_met_at_either_end() {
     let long = KINEMATIC.replace(
@@ -143,12 +144,12 @@ fn a_flag_with_a_length_is_met_at_either_end() {
     let backward = with(&unread(&long), "kind = \"reversed\"\naxis = 1\n");
     let us = backward.rises_us(1)[0];
     let tick = backward.at((us / 500.0) as u64);
-    // Going down from 0, the end at 50° is met at -310°; a tick there is 0.9°.
+    // From 0 downwards, the crank meets the end at 50° at -310°. A tick there is 0.9°.
     let place = tick.actual[1] * 360.0;
     assert!((-310.9..=-309.1).contains(&place), "{place}");
 }
 
-/// Were it wrong, a sensor that answers late would answer in time, or lose what falls into the next tick.
+/// If this fails, a sensor with a delay answers in time, or loses edges that fall into the next tick.
 #[test]
 fn a_late_line_is_late_by_its_delay() {
     let first = |text: &str| observe(&scene(text)).rises_us(1)[0];
@@ -157,7 +158,7 @@ fn a_late_line_is_late_by_its_delay() {
     assert!((off - 700.0).abs() < 0.01, "{off}");
 }
 
-/// Were it wrong, a reader of the report would not know what was put in, or what was reported.
+/// If this fails, the report does not show which faults were injected, or which were reported.
 #[test]
 fn the_report_lists_what_was_put_in() {
     let run = record(

@@ -21,11 +21,10 @@ fn servos(model_level: &str) -> String {
 const KINEMATIC_LEVEL: &str = "\"kinematic\"";
 const PHASED: &str = "\"phased\"";
 
-/// Lag of a servo of 200 N·m/rad under its share of 5 kg at 25 m/s² and a lever of 10.3 mm, turns; twice that, for its
-/// oscillation.
+/// Lag of a servo of 200 N·m/rad under its share of 5 kg at 25 m/s² and a lever of 10.3 mm, turns. Its oscillation doubles it.
 const LAG: f64 = 2.0 * 5.0 * 35.0 * 0.0103 / 3.0 / 200.0 / std::f64::consts::TAU;
 
-/// Were it wrong, a reversed servo would follow its setpoint, or one that slips would take its crank along.
+/// If this fails, a reversed servo follows its setpoint, or a servo that slips takes its crank along.
 #[test]
 fn reversed_and_slipping_servos() {
     for (model_level, off) in [(KINEMATIC_LEVEL, 1e-9), (PHASED, LAG)] {
@@ -42,24 +41,25 @@ fn reversed_and_slipping_servos() {
     }
 }
 
-/// Were it wrong, a servo let go would take its whole way at once where nothing has inertia, or not come after it where all has.
+/// If this fails, a released servo jumps its whole distance at once on the kinematic level, or does not catch up on the phased
+/// level.
 #[test]
 fn a_servo_that_was_stuck_goes_on() {
     let fault = "kind = \"stuck\"\naxis = 2\nfor_s = 0.02\n";
     let samples = with(&servos(KINEMATIC_LEVEL), fault);
     let behind = samples.ahead(2, AT_TICK + 39);
     assert!(behind < -0.05, "{behind}");
-    // From there on it goes as far as commanded in each tick.
+    // From there on, it moves as far as commanded in each tick.
     assert!((samples.ahead(2, AT_TICK + 60) - behind).abs() < 1e-9);
     let samples = with(&servos(PHASED), fault);
     let before = samples.at(AT_TICK - 1).actual[2];
     assert_eq!(samples.at(AT_TICK + 39).actual[2], before);
     assert!(samples.ahead(2, AT_TICK + 39) < -0.05);
-    // Ten time constants of its position loop, 5 ms each, after it was let go.
+    // Ten time constants of its position loop, 5 ms each, after its release.
     assert!(samples.ahead(2, AT_TICK + 140).abs() < LAG);
 }
 
-/// Were it wrong, a servo would have to lose steps, or a cam shaft to stand where it is not commanded to.
+/// If this fails, a scene can make a servo lose steps, or hold a cam shaft away from its command.
 #[test]
 fn what_a_scene_has_not_is_not_broken_in_it() {
     let refused = |text: &str| {
@@ -82,7 +82,7 @@ fn what_a_scene_has_not_is_not_broken_in_it() {
         said.contains("fault[0].kind") && said.contains("[machine]"),
         "{said}"
     );
-    // What moves no cam is put in there too.
+    // Faults that move no cam are accepted there too.
     let alarmed = scene(&format!("{cams}\n{}", fault("drive-alarm")));
     assert_eq!(alarmed.fidelity, built_in("wrapper").fidelity);
     let run = cophase_tests::record(&alarmed, Every::Fitting, Window::FirstMotion);

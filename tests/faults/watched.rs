@@ -11,7 +11,7 @@ use host_sim::sim::simulate;
 
 use super::{AT_S, AT_TICK, KINEMATIC, TICK_S, observe, unread};
 
-/// A tilt limit, mrad, instead of one that nothing passes.
+/// A tilt limit, mrad, in place of the scene's limit that nothing passes.
 fn limited(mrad: f64) -> String {
     KINEMATIC.replace(
         "tilt_limit_mrad = 100",
@@ -46,8 +46,7 @@ fn verdict((checked, observation): &(Checked, Observation)) -> Verdict {
     .verdict
 }
 
-/// Were it wrong, a campaign would take the wrong tick for the one in which a fault became dangerous, or the wrong tilt for the
-/// largest.
+/// If this fails, a campaign takes the wrong tick for the one in which a fault became dangerous, or the wrong tilt for the largest.
 ///
 /// One crank of three that is e behind tilts the platform by 2/3 e s R/ρ at the phase where s is largest: 1.031 at λ = 0.25.
 #[test]
@@ -65,7 +64,8 @@ fn a_limit_is_passed_when_the_cranks_pass_it() {
     assert_eq!(beyond_tick(&passed), Some(AT_TICK + 1)); // at the end of the tick in which it began
     assert_eq!(beyond_tick(&watched(&limited(mrad(3.1)), fault).1), None);
 
-    // A walk passes it when it has come so far: two cycles at a turn a second, from the tick's end in which it begins.
+    // A slip passes the limit when it has reached this distance: two cycles at a turn a second, from the end of the tick in which it
+    // begins.
     let slip = "kind = \"slip\"\naxis = 0\nrate_deg_per_s = 360\nfor_s = 0.045\n";
     let beyond_limit =
         beyond_tick(&watched(&limited(mrad(2.0)), slip).1).expect("2.25 cycles are slipped");
@@ -75,8 +75,8 @@ fn a_limit_is_passed_when_the_cranks_pass_it() {
     );
 }
 
-/// Were cranks that the loop has let go held against it, no stop would be soon enough: one is stuck as the drives are cut, and the
-/// others swing on, far beyond a limit of 3 mrad.
+/// If this fails, motion of cranks without drives counts against the loop, and no stop is soon enough. Here one crank is stuck as the
+/// drives are cut, and the others swing on, far beyond a limit of 3 mrad.
 #[test]
 fn what_cranks_do_without_drives_is_ignored() {
     let stuck = format!(
@@ -88,10 +88,10 @@ fn what_cranks_do_without_drives_is_ignored() {
     assert_eq!(observation.beyond_limit, None);
 }
 
-/// Were it wrong, an axis that is left running while another stands would be overlooked, or one be reported where all stop.
+/// If this fails, an axis that is left running while another stands is overlooked, or one is reported where all stop.
 #[test]
 fn who_is_left_running_is_known() {
-    // The machine is commanded to stop, and does; but one motor runs on, and its drive is on.
+    // The machine is commanded to stop, and stops. One motor runs on with its drive on.
     let alone = format!(
         "kind = \"stop-input\"\n[[fault]]\nat_s = {}\nkind = \"runaway\"\naxis = 1\nspeed_hz = 9\nfor_s = 0.5\n",
         AT_S + 0.01
@@ -111,8 +111,8 @@ fn who_is_left_running_is_known() {
     );
 }
 
-/// If a stop were seen where none is, or where the twin stops too, a campaign would take anything for a detection. If it were seen late,
-/// a loop that is in time would seem late.
+/// If this fails, a stop is reported where there is none, or where the twin stops too. A campaign then takes anything for a detection.
+/// If a stop is reported late, a loop that is in time seems late.
 #[test]
 fn the_outputs_show_a_stop_drives_that_go_off_and_nothing_else() {
     let response = |fault: &str| {
@@ -122,7 +122,8 @@ fn the_outputs_show_a_stop_drives_that_go_off_and_nothing_else() {
             (stopped.response, tick - AT_TICK)
         })
     };
-    // An input that changes at a deadline is read at that one, and the output is played from the next one on. Drives go off at once.
+    // An input that changes at a deadline is read at that deadline, and the output is played from the next one on. Drives go off at
+    // once.
     assert_eq!(
         response("kind = \"drive-alarm\"\naxis = 1\n"),
         Some((Response::Stop, 1))
@@ -137,8 +138,8 @@ fn the_outputs_show_a_stop_drives_that_go_off_and_nothing_else() {
     );
 }
 
-/// Were its place taken from what the loop made of it, a campaign would take the loop's word for what it is to judge; were a pulse
-/// at the flag's own place called missed, what nobody can see, and what matters to nobody, would be held against the loop.
+/// If this fails, a campaign takes the place of an extra pulse from the loop that it judges. Or it counts a pulse at the flag's own
+/// place as missed, although it cannot be detected and has no effect.
 #[test]
 fn a_pulse_is_extra_by_where_its_crank_truly_was() {
     let flags = observe(&scene(KINEMATIC)).rises_us(1);
@@ -150,7 +151,7 @@ fn a_pulse_is_extra_by_where_its_crank_truly_was() {
             "kind = \"index-extra\"\naxis = 1\ncount = 1\n",
         )
     };
-    // At 12 rev/s at most and 5 at least a millisecond is 1.8 to 4.3 degrees; the gate is 4 (0.25 + 2 steps) = 1.23.
+    // At 12 rev/s at most and 5 at least, a millisecond is 1.8 to 4.3 degrees. The gate is 4 (0.25 + 2 steps) = 1.23.
     for (late_ms, verdict_is) in [(0.25, Verdict::Within), (5.0, Verdict::Right)] {
         let observation = after(late_ms);
         let off_deg = observation.1.extra.expect("a pulse was put in").off_turns * 360.0;

@@ -14,7 +14,7 @@ pub struct Wire {
 }
 
 impl Wire {
-    /// Its level at a time, changes at that very time included.
+    /// Its level at a time. A change at exactly that time is included.
     pub fn level_at(&self, ns: u64) -> bool {
         let after = self.changes.partition_point(|&(at, _)| at <= ns);
         after

@@ -1,8 +1,8 @@
 //! Helpers of the tests that cross crates: running a scene, and reading its files.
 //!
-//! The files are read by other code than wrote them: [`Trace`] by the `csv` crate's reader, [`Edges`]
-//! by the `vcd` crate's, the report by `serde_json`. [`watch`] keeps what the loop itself knew, tick by
-//! tick and to the bit, for what no file has the digits for.
+//! Other code reads the files than writes them: [`Trace`] uses the `csv` crate's reader, [`Edges`] the
+//! `vcd` crate's, and the report `serde_json`. [`watch`] keeps the loop's own values, tick by tick and
+//! to the bit, for checks that need more digits than a file has.
 #![forbid(unsafe_code)]
 
 mod edges;
@@ -24,7 +24,7 @@ use host_sim::trace::{Every, Format, Recorder, ScopeData, ScopeFrame, Window};
 /// A scene from its text.
 ///
 /// # Panics
-/// If the text is no scene; with the message that a user would get.
+/// If the text is no scene, with the message that a user would get.
 pub fn scene(text: &str) -> Checked {
     let scene = load::parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
     Checked::new(scene).unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -39,7 +39,7 @@ pub fn built_in(name: &str) -> Checked {
     scene(built_in.text)
 }
 
-/// A run with what it left behind, in memory.
+/// A run with its results, in memory.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// End of the run.
@@ -65,7 +65,7 @@ impl Run {
         Edges::read(&self.vcd)
     }
 
-    /// `report.json` without what is allowed to differ between two runs of a scene, and, if
+    /// `report.json` without the fields that may differ between two runs of a scene, and, if
     /// `any_written`, between two ways to write one.
     pub fn lasting_report(&self, any_written: bool) -> serde_json::Value {
         let mut report = self.report.clone();
@@ -80,7 +80,8 @@ impl Run {
         report
     }
 
-    /// Time spans, s, of the report's events whose words contain `what`: each event says for how long.
+    /// Time spans, s, of the report's events whose words contain `what`. Each event states its
+    /// duration.
     pub fn spans(&self, what: &str) -> Vec<(f64, f64)> {
         let events = self.report["events"].as_array().expect("a list of events");
         let about = events.iter().filter(|event| {

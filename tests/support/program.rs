@@ -1,12 +1,12 @@
-//! amax(t) as a scene's text defines it (docs of the scene's keys), in f64 and in seconds: nothing of
-//! the core's program, its ticks or its fixed point has a part in it.
+//! amax(t) as a scene's text defines it (docs of the scene's keys), in f64 and in seconds. It uses
+//! nothing of the core's program, its ticks or its fixed point.
 
 use host_sim::scene::file::{Segment, Shape};
 
 /// The unit of `amax_g`, m/s².
 const GRAVITY_MPS2: f64 = 9.80665;
 
-/// A level, the way to it, the time at it.
+/// A level, the ramp to it, and the time at it.
 #[derive(Clone, Copy, Debug)]
 struct Leg {
     amax_mps2: f64,
@@ -20,7 +20,7 @@ struct Leg {
 pub struct Program(Vec<Leg>);
 
 impl Program {
-    /// From a scene's entries.
+    /// Makes a program from a scene's entries.
     pub fn new(entries: &[Segment]) -> Self {
         let mut legs = Vec::new();
         write_out(entries, &mut legs);
@@ -55,8 +55,8 @@ impl Program {
         from
     }
 
-    /// ∫ f(t) dt by Simpson's rule between the corners of the program, 2,000 intervals each: f is as
-    /// smooth as a polynomial's root there, and the rule's error below 1e-12.
+    /// ∫ f(t) dt by Simpson's rule between the corners of the program, 2,000 intervals each. There f
+    /// is as smooth as a polynomial's root, and the rule's error is below 1e-12.
     pub fn integral(&self, from_s: f64, to_s: f64, f: impl Fn(f64) -> f64) -> f64 {
         const INTERVALS: u32 = 2000;
         let mut corners = vec![from_s];

@@ -11,7 +11,7 @@ use proptest::prelude::*;
 pub struct Axis {
     /// Crank turns per master turn.
     pub ratio: (u32, u32),
-    /// In eighths of a turn, which is exact in binary.
+    /// In eighths of a turn, which are exact in binary.
     pub offset_eighths: i64,
     /// Steps or counts.
     pub steps_per_turn: u32,
@@ -21,7 +21,7 @@ pub struct Axis {
     pub servo: bool,
 }
 
-/// Percent of the greatest speed, ramp in ms, hold in ms, whether the ramp is linear.
+/// Percent of the greatest speed, ramp in ms, hold in ms, and true if the ramp is linear.
 type Level = (u32, u32, u32, bool);
 
 /// Number of repeats, and the repeated levels.
@@ -171,7 +171,7 @@ fn any_axis() -> impl Strategy<Value = Axis> {
         )
 }
 
-/// Any scene that the checks let through; short, as its cases are many.
+/// Any scene that the checks accept. It is short, because there are many cases.
 pub fn any_plan() -> impl Strategy<Value = Plan> {
     let level = (0_u32..=98, 0_u32..=600, 20_u32..=300, any::<bool>());
     let block = (1_u32..=3, prop::collection::vec(level, 1..=2));

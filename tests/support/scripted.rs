@@ -1,11 +1,11 @@
-//! One machine to which things happen, for what the supervisor makes of them.
+//! One machine with scripted events, for tests of the supervisor's reactions.
 
 use cophase_core::supervisor::State;
 use cophase_core::units::Amax;
 
 use crate::{Tick, Watched, scene, watch};
 
-/// Four mixed axes; a band is crossed on the way up and on the way down.
+/// Four mixed axes. They cross a band on the way up and on the way down.
 pub const SCENE: &str = r#"
 name = "stops"
 [machine]
@@ -47,7 +47,7 @@ pub const HZ: f64 = 2000.0;
 /// A turn in the units of [`Tick::speed`].
 pub const ONE_TURN: f64 = (1_u64 << 48) as f64;
 
-/// Plays the scene with what happens in it, and checks every tick against the limits.
+/// Plays the scene with the events in `happens`, and checks every tick against the limits.
 ///
 /// # Panics
 /// If the axes are apart, or a limit is broken while the drives are on.
@@ -58,7 +58,7 @@ pub fn scripted(happens: &str) -> Watched {
     let mut last = (0, 0);
     for tick in &watched.ticks {
         let acceleration = tick.speed - last.0;
-        // Without drives nothing moves, and limits mean nothing.
+        // Without drives nothing moves, and the limits do not apply.
         if tick.drives_enabled {
             let at = tick.start_ns;
             assert!(
@@ -106,7 +106,7 @@ pub fn stands_at_park_phase(tick: &Tick) {
     );
 }
 
-/// Amplitude that the program requested, tick by tick, while its time went on.
+/// Amplitude that the program requested, tick by tick, while its time advanced.
 pub fn program(watched: &Watched) -> Vec<Amax> {
     let playing = watched
         .ticks

@@ -34,7 +34,7 @@ pub struct Tick {
     pub late: u32,
 }
 
-/// A run, watched.
+/// A watched run.
 #[derive(Clone, Debug)]
 pub struct Watched {
     /// Its ticks, in order.
@@ -73,7 +73,7 @@ impl Watched {
 /// Runs a scene in which all axes are alike (but for their sense of rotation), and watches it.
 ///
 /// # Panics
-/// If at any tick the axes' commanded phases or steps differ, from each other or from the master's.
+/// If the axes' commanded phases or steps differ at any tick, from each other or from the master's.
 pub fn watch(checked: &Checked) -> Watched {
     let mut eyes = Eyes(Vec::new());
     let outcome = simulate(checked, &mut eyes, |_, _| {}).expect("a checked scene runs");

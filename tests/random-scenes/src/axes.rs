@@ -36,7 +36,7 @@ pub fn other_drive(source: &mut Source, common: Drive) -> Option<Drive> {
     source.maybe(10, |source| source.one_of(&others))
 }
 
-/// Crank turns per master turn: mostly one.
+/// Crank turns per master turn, in most scenes one.
 pub fn ratio(source: &mut Source, kind: Kind) -> (u32, u32) {
     if kind == Kind::Screws || !source.percent(15) {
         return (1, 1);
@@ -93,7 +93,7 @@ pub fn axes(
     }
 }
 
-/// Full steps, and steps, of a turn: as many as the drives can make at their greatest speed.
+/// Full steps and steps per turn: as many as the drives can make at their greatest speed.
 fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> (u32, u32) {
     let full_steps = source.one_of(&[200, 200, 200, 400, 48, 4]);
     let settings = PulseSettings {
@@ -123,7 +123,7 @@ fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> 
     (full_steps, (steps / full_steps).max(1) * full_steps)
 }
 
-/// Overrides of single axes.
+/// Overrides of individual axes.
 pub fn apart(
     source: &mut Source,
     basis: &Basis,
@@ -162,7 +162,7 @@ fn one(
         number,
         reversed: source.percent(30),
         drive,
-        // Fewer are made where more are.
+        // A drive that can make the common number of steps can make fewer.
         steps_per_turn: source.maybe(15, |source| {
             let part = 1 + source.below(4) as u32;
             let full = axes.full_steps_per_turn;

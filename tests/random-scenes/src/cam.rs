@@ -15,7 +15,8 @@ const LAWS: [LawName; 4] = [
     LawName::ModifiedTrapezoid,
 ];
 
-/// A cam, with masses on springs in half of the scenes, and always where there are questions.
+/// A cam, with masses on springs in more than half of the scenes, and always in scenes with
+/// questions.
 pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> CamShaft {
     let is_on_screws = kind == Kind::Screws;
     let has_links = !is_on_screws && (kinds.has_questions || source.percent(60));
@@ -23,7 +24,7 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
         std::array::from_fn(|_| source.usual(usual, range))
     };
     let has_zeta = source.percent(50);
-    // What swings makes some radians a tick at most, but for a few scenes.
+    // An oscillation makes some radians a tick at most, except in a few scenes.
     let most_n_per_mm = (10.0 * f64::from(tick_hz)).powi(2) * 1e-3;
     let mut shaft = CamShaft {
         law: source.one_of(&LAWS),
@@ -39,7 +40,7 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
         zeta: (has_links && has_zeta).then(|| source.usual((0.01, 0.5), (0.0, 2.0))),
         damper: source.one_of(&[Damper::Cam, Damper::Ground]),
     };
-    // The cam accelerates as a crank does that the loop is made for.
+    // The cam accelerates like a crank for which the loop is designed.
     let unit = CamShaft {
         rise_mm: 1.0,
         ..shaft.clone()
@@ -59,7 +60,7 @@ pub fn mechanism(shaft: Option<&CamShaft>) -> AnyMechanism {
     AnyMechanism::of(&yoke, shaft.map_or(0.0, |shaft| shaft.cam().peak_m()))
 }
 
-/// Cam tables, where axes follow such, and the file of one of them.
+/// Cam tables, if axes follow them, and the file of one of them.
 pub fn tables(
     source: &mut Source,
     basis: &Basis,
@@ -82,7 +83,7 @@ pub fn tables(
 fn from_segments(source: &mut Source, name: &str, shaft: Option<&CamShaft>) -> CamTable {
     let net_turns = source.one_of(&[0, 0, 0, 1, -1, 3]);
     let turns = match shaft {
-        // What the mechanical cam does.
+        // The stroke of the mechanical cam.
         Some(shaft) if source.percent(50) => {
             (shaft.rise_mm / shaft.screw_lead_mm.unwrap_or(1.0)).clamp(0.01, 20.0)
         }
@@ -113,7 +114,7 @@ fn from_segments(source: &mut Source, name: &str, shaft: Option<&CamShaft>) -> C
     }
 }
 
-/// A table that rises by one turn everywhere, with a wave on it that is flat enough for that.
+/// A table that rises by one turn everywhere. The wave on it is flat enough for that.
 fn from_file(source: &mut Source) -> (CamTable, String) {
     let count = if source.percent(50) {
         source.one_of(&[LEAST_CAM_POINTS, MAX_CAM_POINTS])
@@ -146,7 +147,8 @@ fn from_file(source: &mut Source) -> (CamTable, String) {
     (table, file)
 }
 
-/// Upper estimate of the turns of an axis per turn of the master; 1 of one that follows no table.
+/// Upper estimate of the turns of an axis per turn of the master. It is 1 for an axis that follows
+/// no table.
 pub fn steepest(tables: &[CamTable]) -> f64 {
     // No law is steeper than 2, and a spline goes somewhat beyond.
     const LAW: f64 = 2.2;

@@ -11,7 +11,7 @@ use host_sim::scene::file::{
 use crate::source::Source;
 use crate::{Basis, Kind};
 
-/// A tick rate: each of those whose tick is a whole number of microseconds, the default most often.
+/// A tick rate whose tick is a whole number of microseconds. The default is drawn most often.
 pub fn tick_hz(source: &mut Source) -> u32 {
     let all: Vec<u32> = (500..=10_000).filter(|hz| 1_000_000 % hz == 0).collect();
     if source.percent(40) {
@@ -21,7 +21,7 @@ pub fn tick_hz(source: &mut Source) -> u32 {
     }
 }
 
-/// Greatest speed: mostly one at which the platform's acceleration is one that a program can ask for.
+/// Greatest speed. In most scenes a program can request the platform's acceleration at that speed.
 pub fn speed_hz(source: &mut Source, mechanism: &AnyMechanism, tick_hz: u32) -> f64 {
     const MOST_AMAX_MPS2: f64 = 10_000.0;
     let most = mechanism.speed_for_amax_rad_s(MOST_AMAX_MPS2) / TAU;
@@ -35,7 +35,7 @@ pub fn ramp_s(source: &mut Source, tick_hz: u32) -> f64 {
     source.usual((0.05, 1.5), (1.0 / f64::from(tick_hz), 3.0))
 }
 
-/// Homing speed; a turn at the least one would take 100 s.
+/// Homing speed. A turn at the least one takes 100 s.
 pub fn homing_hz(source: &mut Source, speed_hz: f64) -> f64 {
     let most_hz = speed_hz.min(10.0);
     if source.percent(2) {
@@ -90,7 +90,7 @@ pub fn limits(source: &mut Source, basis: &Basis) -> Limits {
     let speed_hz = basis.speed_hz;
     let acceleration_hz_per_s = (speed_hz / basis.ramp_s).clamp(0.01, speed_hz * hz);
     let round_s = source.usual((0.05 * basis.ramp_s, basis.ramp_s), (1.0 / hz, 2.0));
-    // What a tick can resolve, at any tick rate, is below this.
+    // The lower bound exceeds the jerk that a tick can resolve, at any tick rate.
     let jerk_hz_per_s2 = (acceleration_hz_per_s / round_s).clamp(0.3, speed_hz * hz * hz);
     let harder = source.maybe(40, |source| source.log_between(1.0, 20.0));
     Limits {
@@ -122,7 +122,7 @@ fn bands(source: &mut Source, basis: &Basis) -> Vec<Band> {
         from_hz: edge[0],
         to_hz: edge[1],
     });
-    // Neighbours that are too close for the shaft are left out.
+    // Neighbouring bands that are too close for the shaft are left out.
     let mut below = 0.0;
     bands
         .filter(|band| {
@@ -134,7 +134,7 @@ fn bands(source: &mut Source, basis: &Basis) -> Vec<Band> {
 }
 
 pub fn pulse(source: &mut Source, tick_hz: u32) -> Pulse {
-    // A change of direction takes about their sum, and has a quarter of a tick.
+    // A change of direction takes about the sum of these times, and has a quarter of a tick.
     let most_ns = 0.05 * 1e9 / f64::from(tick_hz);
     if source.percent(60) {
         return Pulse::default();
@@ -153,7 +153,7 @@ pub fn index(source: &mut Source, tick_hz: u32) -> Index {
     }
 }
 
-/// Limits of the monitor: a lag that servos have by their nature is subtracted in most scenes.
+/// Limits of the monitor. In most scenes the natural lag of servos is subtracted.
 pub fn drift(source: &mut Source, basis: &Basis, axes: &Axes) -> Drift {
     let default = Drift::default();
     let lag_us = axes.servo.filter(|_| source.percent(80)).map(|servo| {

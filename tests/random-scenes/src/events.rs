@@ -31,7 +31,8 @@ pub fn events(source: &mut Source, basis: &Basis) -> Events {
     }
 }
 
-/// Commands in any order, and a stop at the end: a machine that is on hold would run on for two minutes.
+/// Commands in any order, and a stop at the end. Without it, a machine on hold would run on for two
+/// minutes.
 fn commands(source: &mut Source, basis: &Basis) -> Vec<CommandAt> {
     if !source.percent(30) {
         return Vec::new();
@@ -76,7 +77,7 @@ fn inputs(source: &mut Source, basis: &Basis) -> Vec<InputAt> {
         .collect()
 }
 
-/// Deadlines met late; a second is the most.
+/// Deadlines met late, by a second at most.
 fn late(source: &mut Source, basis: &Basis) -> Vec<LateAt> {
     if !source.percent(15) {
         return Vec::new();

@@ -125,7 +125,7 @@ impl Machine<'_> {
                 fault.counts = Some(if counts == 0 { 1 } else { counts });
             }
             FaultName::Overrun => {
-                // A million missed deadlines would be minutes.
+                // A million missed deadlines would take minutes.
                 fault.count =
                     source.maybe(70, |source| source.usual((1.0, 10.0), (1.0, 2000.0)) as u32);
             }
@@ -156,7 +156,7 @@ impl Machine<'_> {
         Some(fault)
     }
 
-    /// An axis that a kind can befall, if there is one.
+    /// An axis that can have a fault of this kind, if there is one.
     fn axis(&self, source: &mut Source, kind: FaultName) -> Option<usize> {
         let can = |axis: &usize| match kind {
             FaultName::LostSteps => self.drive(*axis) == Drive::Stepper,

@@ -32,7 +32,7 @@ pub fn level(source: &mut Source, kind: Kind, kinds: Kinds, has_links: bool) -> 
     (level, has_torque && kind == Kind::Cranks)
 }
 
-/// Questions where the level is left open and can be chosen for them.
+/// Questions, if the level is left open and can be chosen for them.
 pub fn questions(
     source: &mut Source,
     basis: &Basis,
@@ -69,14 +69,14 @@ pub fn questions(
     }
 }
 
-/// A method: mostly the chosen one.
+/// A method. In most scenes it is left to the automatic choice.
 pub fn method(source: &mut Source, basis: &Basis, axes: &Axes) -> Method {
     let is_integrated = basis.fidelity.moves_by_torque() || basis.fidelity == Fidelity::Auto;
     if !is_integrated || source.percent(60) {
         return Method::default();
     }
     let has_integral = axes.servo.is_some_and(|servo| servo.integral_s.is_some());
-    // Explicit Euler makes hundreds of steps a tick where there is little damping.
+    // Explicit Euler makes hundreds of steps a tick with little damping.
     let of_positions = [
         MethodName::ExplicitEuler,
         MethodName::SymplecticEuler,
@@ -95,7 +95,7 @@ pub fn method(source: &mut Source, basis: &Basis, axes: &Axes) -> Method {
         Kind::Cranks if !has_integral && source.percent(30) => source.one_of(&of_positions),
         _ => source.one_of(&of_all),
     };
-    // Steps of the scene's own are stable at once only where few are needed.
+    // Steps that the scene sets itself are stable at once only where few are needed.
     let steps_per_tick = source.maybe(30, |source| source.usual((4.0, 40.0), (1.0, 200.0)) as u32);
     Method {
         name,

@@ -1,14 +1,14 @@
-//! Random valid scenes over all documented keys and ranges, their ends included.
+//! Random valid scenes over all documented keys and ranges, including the ends of the ranges.
 //!
 //! [`scene`] draws one from a seed alone: the same seed gives the same text on every host. Each file here draws a table or two of
-//! the scene (`docs/scenes.md`). A scene is made as a [`Scene`] and then written out, so that a key that is added to the file
-//! format does not compile here until it is drawn.
+//! the scene (`docs/scenes.md`). A scene is made as a [`Scene`] and then written out. A key that is added to the file format
+//! therefore does not compile here until it is drawn.
 //!
-//! Numbers are mostly drawn evenly over the logarithm of their range, and now and then exactly at one of its ends. Where keys
-//! depend on each other, they are mostly drawn so that they fit: steps that the pulses allow, levels that the speed limit
-//! reaches, motors that can move their load. Some scenes are refused all the same; the test counts them.
+//! Most numbers are drawn evenly over the logarithm of their range, and some exactly at one of its ends. Keys that depend on each
+//! other are mostly drawn so that they fit: steps that the pulses allow, levels that the speed limit reaches, motors that can
+//! move their load. Some scenes are refused all the same. The test counts them.
 //!
-//! Times are not drawn over their whole ranges, as a scene of 10⁶ s would run for days: a program lasts some seconds.
+//! Times are not drawn over their whole ranges, because a scene of 10⁶ s would run for days: a program lasts some seconds.
 
 mod axes;
 mod cam;
@@ -31,12 +31,12 @@ use host_sim::scene::{Checked, SceneError, load};
 
 use source::Source;
 
-/// Which scenes are drawn.
+/// Kinds of the scenes that are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kinds {
     /// Some scenes have faults, noise of loads, and events from outside.
     pub disturbed: bool,
-    /// All scenes have `[questions]` and leave `fidelity` to be chosen: cranks that torque moves, or cams with masses.
+    /// All scenes have `[questions]` and leave `fidelity` to be chosen. They have cranks that torque moves, or cams with masses.
     pub has_questions: bool,
 }
 
@@ -46,7 +46,7 @@ impl Kinds {
         disturbed: true,
         has_questions: false,
     };
-    /// Scenes with questions, to which nothing happens.
+    /// Scenes with questions, without faults or events.
     pub const QUESTIONS: Self = Self {
         disturbed: false,
         has_questions: true,
@@ -97,11 +97,8 @@ pub fn draw(seed: u64, kinds: Kinds) -> Drawn {
     }
 }
 
-/// Draws a scene of these kinds and checks it, as the command does with a file; scenes with a table in a file of its own are not
+/// Draws a scene of these kinds and checks it, as the command does with a file. Scenes with a table in a file of its own are not
 /// drawn with [`Kinds::has_questions`].
-///
-/// # Errors
-/// The scene is refused.
 pub fn checked(seed: u64, kinds: Kinds) -> Result<Checked, SceneError> {
     Checked::new(load::parse(&draw(seed, kinds).text)?)
 }
@@ -117,7 +114,7 @@ enum Kind {
     Screws,
 }
 
-/// Draws that several tables depend on.
+/// Drawn values that several tables depend on.
 struct Basis {
     kinds: Kinds,
     kind: Kind,
@@ -130,7 +127,7 @@ struct Basis {
     /// Motors have torque: pull-out torque, gains and rotor inertia are given.
     has_torque: bool,
     tick_hz: u32,
-    /// The mechanism that amax follows from; for a cam, one of the same greatest acceleration.
+    /// The mechanism that gives amax. For a cam, it is one of the same greatest acceleration.
     mechanism: AnyMechanism,
     load_kg: f64,
     /// Greatest speed of the master, rev/s.
@@ -140,7 +137,7 @@ struct Basis {
     ramp_s: f64,
     /// Crank turns per master turn.
     ratio: (u32, u32),
-    /// Times of the program, s, and when it begins.
+    /// Times of the program, s, and its start.
     program_s: f64,
     begins_s: f64,
 }
@@ -239,7 +236,7 @@ impl Basis {
         (scene, table)
     }
 
-    /// All cranks have to be at one angle: the rigid level has no others.
+    /// True if all cranks must be at one angle, as on the rigid level.
     fn is_rigid(&self) -> bool {
         self.fidelity == Fidelity::Rigid
     }

@@ -8,7 +8,8 @@ use host_sim::scene::file::{Axes, Fidelity, Foundation, Frame, Machine, Platform
 use crate::Basis;
 use crate::source::{Source, at_most};
 
-/// Crank, coupler and ground of crank-rockers over their rockers: what the source has, a short crank, and one that comes close to jamming.
+/// Crank, coupler and ground of crank-rockers, relative to their rockers: those of the source, a short crank, and one that comes close to
+/// jamming.
 const LINKAGES: [[f64; 3]; 3] = [
     [0.48521, 1.54021, 1.92792],
     [0.15, 1.0, 1.35],
@@ -36,7 +37,7 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
     let mount_radius_mm = source.usual((100.0, 1000.0), (10.0, 5000.0));
     let disc_kgm2 = load_kg * (mount_radius_mm * 1e-3).powi(2) / 4.0;
     let rods = source.one_of(&[Rods::QuasiStatic, Rods::QuasiStatic, Rods::Elastic]);
-    // What swings on the rods is as slow as some ticks allow, but for a few scenes.
+    // An oscillation on the rods is as slow as some ticks allow, except in a few scenes.
     let (least, most) = (source.log_between(0.01, 0.3), source.log_between(0.3, 3.0));
     let stiffness = |ticks: f64| load_kg * (ticks * f64::from(tick_hz)).powi(2) * 1e-6;
     Machine {
@@ -71,7 +72,8 @@ pub fn mechanism(machine: &Machine) -> AnyMechanism {
     AnyMechanism::of(&settings, radius_m)
 }
 
-/// The machine, on default rods in half of the scenes where nothing bends them, and mostly on such that rotors swing slowly on them.
+/// The machine with its rods. Half of the scenes where nothing bends the rods have the default. Most others have rods on which the rotors
+/// swing slowly.
 pub fn rods(source: &mut Source, basis: &Basis, axes: &Axes, machine: Machine) -> Machine {
     if basis.count <= 3 && machine.rods == Rods::QuasiStatic && source.percent(50) {
         return Machine {
@@ -91,7 +93,7 @@ pub fn rods(source: &mut Source, basis: &Basis, axes: &Axes, machine: Machine) -
     }
 }
 
-/// Frame and foundation: always where the level needs it, and sometimes where it does not.
+/// Frame and foundation. They are present wherever the level needs them, and in some other scenes.
 pub fn frame(source: &mut Source, machine: &Machine, fidelity: Fidelity) -> Option<Frame> {
     if fidelity != Fidelity::Elastic && !source.percent(20) {
         return None;

@@ -1,4 +1,5 @@
-//! Motors that mostly can move their load: pull-out torque, gains of servos, inertia and friction.
+//! Motors that in most scenes can move their load: pull-out torque, gains of servos, inertia and
+//! friction.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +18,7 @@ pub struct Motors {
     pub induction: Option<InductionDrive>,
 }
 
-/// Radians that what swings fastest usually makes in a tick: few steps follow that.
+/// Usual angle, rad, of the fastest oscillation in a tick. A few steps are enough to follow it.
 const RADIANS_A_TICK: (f64, f64) = (0.02, 0.7);
 
 pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u32) -> Motors {
@@ -39,7 +40,7 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
     let load_nm = share_kg * lever_m * (0.6 * top_mps2 + 9.81);
     let has_stepper = basis.has_drive(Drive::Stepper);
     let cycles = f64::from(full_steps) / 4.0;
-    // The rotor is so heavy that what it swings in takes few steps to follow.
+    // The rotor is so heavy that a few steps are enough to follow its oscillation.
     let plenty = if source.percent(80) {
         source.log_between(1.5, 20.0)
     } else {
@@ -94,7 +95,8 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
     }
 }
 
-/// A motor that has its breakdown torque, and a slip that brings its rotor to speed within some ticks.
+/// A motor with its breakdown torque, and with a slip that brings its rotor to speed within some
+/// ticks.
 fn induction(
     source: &mut Source,
     basis: &Basis,
@@ -116,7 +118,7 @@ fn induction(
     }
 }
 
-/// A curve that falls towards its end, which is mostly beyond the top speed.
+/// A curve that falls towards its end. In most scenes the end is beyond the top speed.
 fn pull_out(source: &mut Source, basis: &Basis, most_nm: f64) -> Vec<(f64, f64)> {
     let end_hz = basis.crank_hz() * source.one_of(&[0.8, 1.3, 1.5, 1.5, 2.0, 3.0]);
     if source.percent(5) {

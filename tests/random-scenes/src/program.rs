@@ -12,7 +12,7 @@ use crate::source::{Source, at_most};
 /// Greatest level that a program can ask for, m/s².
 const MOST_MPS2: f64 = 10_000.0;
 
-/// Time of a usual program at most, s, and of a long one.
+/// Longest time of a usual program, s, and of a long one.
 const USUAL_S: f64 = 3.0;
 const LONG_S: f64 = 40.0;
 
@@ -26,7 +26,7 @@ pub fn program(source: &mut Source, basis: &Basis) -> Vec<Segment> {
         .collect()
 }
 
-/// A level, or now and then a block, which takes about so long.
+/// A level, or in some cases a block, which takes about `takes_s`.
 fn entry(source: &mut Source, basis: &Basis, takes_s: f64, depth: usize) -> Segment {
     const MOST_DEPTH: usize = 3;
     if depth == MOST_DEPTH || !source.percent(15) {

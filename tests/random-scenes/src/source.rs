@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 /// Stream of draws.
 pub struct Source(ChaCha8Rng);
 
-/// A number is at one end of its range so often, of a hundred.
+/// Percentage of numbers that are drawn at one end of their range.
 const AT_AN_END: u32 = 3;
 
 impl Source {
@@ -19,27 +19,27 @@ impl Source {
         self.0.random_range(0..count)
     }
 
-    /// One of several, of which there is at least one.
+    /// One of several values. There must be at least one.
     pub fn one_of<T: Copy>(&mut self, several: &[T]) -> T {
         several[self.below(several.len())]
     }
 
-    /// True in so many of a hundred.
+    /// True with a probability of `percent`.
     pub fn percent(&mut self, percent: u32) -> bool {
         self.0.random_range(0..100_u32) < percent
     }
 
-    /// A value that `draw` gives, in so many of a hundred.
+    /// A value that `draw` gives, with a probability of `percent`.
     pub fn maybe<T>(&mut self, percent: u32, draw: impl FnOnce(&mut Self) -> T) -> Option<T> {
         self.percent(percent).then(|| draw(self))
     }
 
-    /// Evenly between two numbers.
+    /// A number drawn evenly between two numbers.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         within(low + (high - low) * self.0.random::<f64>(), low, high)
     }
 
-    /// Evenly between the logarithms of two numbers above 0.
+    /// A number drawn evenly between the logarithms of two numbers above 0.
     pub fn log_between(&mut self, low: f64, high: f64) -> f64 {
         within(
             (low.ln() + (high / low).ln() * self.0.random::<f64>()).exp(),
@@ -48,8 +48,8 @@ impl Source {
         )
     }
 
-    /// A number of a range: evenly over its logarithm, now and then at one of its ends. A range from 0 has its logarithm from a
-    /// millionth of its upper end on; one with negative numbers has either sign.
+    /// A number of a range, drawn evenly over its logarithm, and in some cases at one of its ends. In a range from 0 the
+    /// logarithm starts at a millionth of its upper end. A range with negative numbers gives either sign.
     pub fn number(&mut self, low: f64, high: f64) -> f64 {
         if low == high || self.percent(AT_AN_END) {
             return low;
@@ -64,7 +64,7 @@ impl Source {
         self.log_between(low.max(1e-6 * high), high)
     }
 
-    /// A usual number in most scenes, and one of the whole range in some.
+    /// A usual number in most scenes, and a number of the whole range in some.
     pub fn usual(&mut self, usual: (f64, f64), range: (f64, f64)) -> f64 {
         if self.percent(90) {
             let (low, high) = (usual.0.max(range.0), usual.1.min(range.1));
@@ -75,7 +75,7 @@ impl Source {
         self.number(range.0, range.1)
     }
 
-    /// The default in half of all scenes, and one of the whole range in others.
+    /// The default in half of all scenes, and a number of the whole range in the others.
     pub fn or_default(&mut self, default: f64, low: f64, high: f64) -> f64 {
         if self.percent(50) {
             default
@@ -84,7 +84,7 @@ impl Source {
         }
     }
 
-    /// A seed that a scene file can hold, whose numbers are signed.
+    /// A seed that a scene file can hold. Its numbers are signed.
     pub fn seed(&mut self) -> u64 {
         if self.percent(10) {
             i64::MAX as u64
@@ -94,13 +94,13 @@ impl Source {
     }
 }
 
-/// To five digits, as a person writes a number, and still within a range.
+/// Rounds to five digits, as a person writes a number, and keeps the number within a range.
 fn within(value: f64, low: f64, high: f64) -> f64 {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     rounded.clamp(low.min(high), high.max(low))
 }
 
-/// Rounds to five digits, downwards: a number that must not pass a limit.
+/// Rounds down to five digits, for a number that must not pass a limit.
 pub fn at_most(value: f64) -> f64 {
     let nearest = within(value, f64::MIN, f64::MAX);
     if nearest <= value {
@@ -113,7 +113,7 @@ pub fn at_most(value: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Were the ends left out, what only they show would never be found.
+    /// If this fails, the ends of ranges are not drawn, and errors that only they show are never found.
     #[test]
     fn numbers_cover_a_range_and_reach_its_ends() {
         let mut source = Source::new(1);

@@ -1,11 +1,11 @@
-//! `cophase run` on random valid scenes: no panic, no number that is none, and exit status, text and report that agree.
+//! `cophase run` on random valid scenes. No run panics, every number is finite, and exit status, text and report agree.
 //!
 //! Without arguments there are few scenes. This runs 10,000 of them, on all cores, in about half an hour on two:
 //!
 //!     COPHASE_RANDOM_SCENES=10000 cargo test -p cophase-random-scenes -- --nocapture
 //!
-//! `COPHASE_RANDOM_SEED` is the first seed; a scene follows from its seed alone. Scenes that fail are kept under
-//! `target/tmp/random-scenes`. Overflow checks are on, so not in release mode.
+//! `COPHASE_RANDOM_SEED` is the first seed. A scene follows from its seed alone. Scenes that fail are kept under
+//! `target/tmp/random-scenes`. Overflow checks are on, so the tests do not run in release mode.
 
 #[path = "run/files.rs"]
 mod files;
@@ -24,13 +24,13 @@ use clap::Parser;
 use cophase::{Command, Status};
 use cophase_random_scenes::scene;
 
-/// Scenes without a request for more.
+/// Number of scenes if no other is requested.
 const FEW: u64 = 60;
 
-/// At least so many of a hundred must be accepted.
+/// Lowest percentage of scenes that must be accepted.
 const LEAST_ACCEPTED: u64 = 80;
 
-/// One scene of so many is run twice.
+/// One in this many scenes is run twice.
 const TWICE: u64 = 10;
 
 /// Interval of the progress messages of long tests.
@@ -70,7 +70,7 @@ enum Fate {
     Refused,
 }
 
-/// Runs a scene and checks all that it leaves in a folder; some are run twice.
+/// Runs a scene and checks all that it leaves in a folder. With `twice`, it runs the scene again and compares.
 fn play(scene: &Path, folder: &Path, twice: bool) -> Result<Fate, String> {
     let out = folder.join("out");
     let first = run(scene, &out);
@@ -95,7 +95,7 @@ fn play(scene: &Path, folder: &Path, twice: bool) -> Result<Fate, String> {
     Ok(fate)
 }
 
-/// Draws a scene and plays it on a thread of its own: a panic ends that thread, and the virtual time with it.
+/// Draws a scene and plays it on a thread of its own. A panic ends that thread, and the virtual time with it.
 fn play_apart(seed: u64) -> Result<Fate, String> {
     let folder = tempfile::tempdir().map_err(|error| format!("no folder: {error}"))?;
     let path = folder.path().to_owned();
@@ -141,7 +141,7 @@ struct Tally {
     faults: u64,
     refused: u64,
     wrong: Vec<(u64, String)>,
-    /// The longest that a scene took, and its seed.
+    /// The longest time of a scene, and its seed.
     slowest: (Duration, u64),
 }
 
@@ -164,7 +164,7 @@ impl Tally {
     }
 }
 
-/// Were it wrong, what random scenes have found before would be there again.
+/// If this fails, an error that random scenes have found before is back.
 #[test]
 fn scenes_that_failed_before() {
     let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("kept");
@@ -183,8 +183,7 @@ fn scenes_that_failed_before() {
     assert!(played.count() > 0);
 }
 
-/// Were it wrong, some scene that a person may write would end in a panic, or in numbers that are none, or its exit status would
-/// say something else than its report.
+/// If this fails, some valid scene ends in a panic or in numbers that are not finite, or its exit status contradicts its report.
 #[test]
 fn every_scene_runs_or_is_refused() {
     let count = number("COPHASE_RANDOM_SCENES", FEW);
@@ -237,7 +236,7 @@ fn every_scene_runs_or_is_refused() {
         kept().display(),
         tally.wrong
     );
-    // Were it so, hardly anything would have been tried.
+    // Otherwise hardly anything would be tested.
     assert!(
         (count - tally.refused) * 100 >= LEAST_ACCEPTED * count,
         "{} of {count} scenes are refused",

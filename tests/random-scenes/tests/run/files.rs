@@ -1,4 +1,4 @@
-//! The results of a run: its files, its text and its exit status agree, and every number is one.
+//! The results of a run: its files, its text and its exit status agree, and every number is finite.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,12 +9,12 @@ use serde_json::Value;
 
 use super::Run;
 
-/// Files of a run, as `docs/formats.md` has them.
+/// Files of a run, as listed in `docs/formats.md`.
 const FILES: [&str; 4] = ["report.json", "scope.svg", "steps.vcd", "trace.csv"];
-/// File of runs of machines whose motors' torque is known.
+/// File of a run whose machine has motors with known torque.
 const RANGE: &str = "torque.svg";
 
-/// Places where `docs/formats.md` allows that a report has no number; `*` is any entry of a list.
+/// Places where `docs/formats.md` allows a report without a number. `*` is any entry of a list.
 const MAY_BE_NULL: [&str; 8] = [
     "fidelity.outputs.*.value",
     "fidelity.outputs.*.bound",
@@ -26,7 +26,7 @@ const MAY_BE_NULL: [&str; 8] = [
     "faults.*.axis",
 ];
 
-/// Checks that no word says that a number is none.
+/// Checks that the text contains no word for a number that is not finite.
 pub fn no_number(place: &str, text: &str) -> Result<(), String> {
     let is_none = |word: &&str| {
         matches!(
@@ -45,7 +45,7 @@ pub fn no_number(place: &str, text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Names of what is in a folder.
+/// Names of the files in a folder.
 fn names(folder: &Path) -> BTreeSet<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries
@@ -53,7 +53,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
         .collect()
 }
 
-/// Checks that a run that was refused has left no file.
+/// Checks that a refused run has left no file.
 pub fn check_none(folder: &Path) -> Result<(), String> {
     let left = names(folder);
     if left.is_empty() {
@@ -67,7 +67,7 @@ fn read(folder: &Path, name: &str) -> Result<String, String> {
     fs::read_to_string(folder.join(name)).map_err(|error| format!("{name}: {error}"))
 }
 
-/// Checks the files of a run that was carried out, and what it printed.
+/// Checks the files of a completed run, and the text that it printed.
 pub fn check(folder: &Path, run: &Run) -> Result<(), String> {
     let mut left = names(folder);
     if left.remove(RANGE) {
@@ -95,7 +95,8 @@ pub fn check(folder: &Path, run: &Run) -> Result<(), String> {
     check_words(&report, run)
 }
 
-/// Checks that every field but the state's name is a finite number, and that rows are alike.
+/// Checks that every field but the state's name is a finite number, and that all rows have the same
+/// fields.
 fn check_trace(text: &str) -> Result<(), String> {
     let mut rows = text.lines();
     let header: Vec<&str> = rows.next().unwrap_or_default().split(',').collect();
@@ -141,7 +142,7 @@ fn check_null(place: &str, value: &Value) -> Result<(), String> {
     }
 }
 
-/// Checks that the text says what the report says, and that the exit status follows from it.
+/// Checks that the text agrees with the report, and that the exit status follows from the report.
 fn check_words(report: &Value, run: &Run) -> Result<(), String> {
     let out = &run.out;
     let warnings: Vec<&str> = report["warnings"]
@@ -166,7 +167,7 @@ fn check_words(report: &Value, run: &Run) -> Result<(), String> {
     let (Some(has_fault), Some(state)) = (ended["fault"].as_bool(), ended["state"].as_str()) else {
         return Err(format!("report.json: ended is {ended}"));
     };
-    // A fault that gets a better name is listed again, with its tick.
+    // A fault that is superseded by a more exact one is listed again, with its tick.
     let mut ticks: Vec<_> = report["faults"].as_array().into_iter().flatten().collect();
     ticks.dedup_by_key(|fault| fault["tick"].as_u64());
     let faults = ticks.len();
@@ -208,7 +209,7 @@ fn check_words(report: &Value, run: &Run) -> Result<(), String> {
     }
 }
 
-/// Checks that two runs of a scene left the same: all bytes but how fast they were.
+/// Checks that two runs of a scene left the same bytes, except for the speed of the run.
 pub fn check_same(one: &Path, other: &Path) -> Result<(), String> {
     for name in FILES {
         let (mut one, mut other) = (read(one, name)?, read(other, name)?);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::files::no_number;
 
-/// Words by which a message says what is to be done, or what would be right.
+/// Words with which a message states the fix, or the correct value.
 const FIXES: [&str; 18] = [
     "give",
     "leave",
@@ -31,7 +31,7 @@ pub fn check(err: &str, scene: &Path) -> Result<(), String> {
     let documented = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scenes.md");
     let documented = std::fs::read_to_string(documented).map_err(|error| error.to_string())?;
     let start = format!("cophase: {}", scene.display());
-    // What a run takes may be said before it is refused.
+    // The duration of a run may be printed before the run is refused.
     let mut lines = err
         .lines()
         .filter(|line| !line.contains(" takes about "))
@@ -44,7 +44,7 @@ pub fn check(err: &str, scene: &Path) -> Result<(), String> {
         let Some(rest) = line.strip_prefix(&start) else {
             return wrong("does not name the file");
         };
-        // ":12: axes.ratio: problem", and the line is left out where it is not known.
+        // The form is ":12: axes.ratio: problem". The line is left out where it is not available.
         let mut parts = rest.trim_start_matches(':').splitn(3, ": ");
         let mut key = parts.next().unwrap_or_default().trim();
         if key.is_empty() || key.bytes().all(|byte| byte.is_ascii_digit()) {
