@@ -10,7 +10,7 @@ use crate::ink::{INK, MUTED, text, text_anchored};
 
 /// Width of the sheet, px.
 pub const WIDTH: f64 = 900.0;
-/// Space around the mechanism, px; the title stands in the upper one.
+/// Space around the mechanism, px. The title is in the upper one.
 const MARGIN: f64 = 70.0;
 
 /// Width of a spring to either side, and length of an arrow's head, px.
@@ -35,14 +35,14 @@ pub struct View {
     pub at: (f64, f64),
 }
 
-/// A drawing that is being made.
+/// Drawing under construction.
 pub struct Drawing {
     scene: Scene,
     view: View,
 }
 
 impl Drawing {
-    /// For a mechanism between two corners.
+    /// Creates a drawing for a mechanism between two corners.
     pub fn new(title: &str, low: Place, high: Place) -> Self {
         let scale = (WIDTH - 2.0 * MARGIN) / (high[0] - low[0]);
         let height = scale * (high[1] - low[1]) + 2.0 * MARGIN;
@@ -56,7 +56,7 @@ impl Drawing {
         drawing
     }
 
-    /// Sheet of a height, px, on which nothing is drawn yet. Its view has a pixel for a unit, from the upper left corner.
+    /// Creates an empty sheet of a height, px. Its view has one pixel per unit, from the upper left corner.
     pub fn sheet(height: f64) -> Self {
         let mut scene = Scene::new(WIDTH, height);
         scene.font_family = Some("sans-serif".to_owned());
@@ -69,12 +69,12 @@ impl Drawing {
         Self { scene, view }
     }
 
-    /// Draws in another view from here on.
+    /// Sets the view for the following calls.
     pub fn set_view(&mut self, view: View) {
         self.view = view;
     }
 
-    /// A heading at a place of the sheet, px, with a line below it.
+    /// Draws a heading at a place of the sheet, px, with a line of text below it.
     pub fn heading(&mut self, (x, y): (f64, f64), title: &str, subtitle: &str) {
         text(&mut self.scene, (x, y), title, 22, INK);
         text(&mut self.scene, (x, y + 22.0), subtitle, 14, MUTED);
@@ -88,7 +88,7 @@ impl Drawing {
         )
     }
 
-    /// A polyline; dashed for what is no part of the machine.
+    /// Draws a polyline, dashed if it is not a part of the machine.
     pub fn line(&mut self, places: &[Place], colour: &str, width: f64, is_dashed: bool) {
         let points = places.iter().map(|&place| self.at(place)).collect();
         self.scene.add(Primitive::PolyLine {
@@ -99,7 +99,7 @@ impl Drawing {
         });
     }
 
-    /// An arc around a centre, from one angle to another, rad.
+    /// Draws an arc around a centre, from one angle to another, rad.
     pub fn arc(&mut self, centre: Place, radius: f64, (from, to): (f64, f64), colour: &str) {
         const PIECES: u32 = 90;
         let places: Vec<Place> = (0..=PIECES)
@@ -114,7 +114,7 @@ impl Drawing {
         self.line(&places, colour, 1.2, true);
     }
 
-    /// A joint.
+    /// Draws a joint.
     pub fn pin(&mut self, place: Place, colour: &str) {
         let (cx, cy) = self.at(place);
         self.scene.add(Primitive::Circle {
@@ -128,14 +128,14 @@ impl Drawing {
         });
     }
 
-    /// A closed outline.
+    /// Draws a closed outline.
     pub fn outline(&mut self, places: &[Place], colour: &str, width: f64) {
         let mut closed = places.to_vec();
         closed.extend(places.first());
         self.line(&closed, colour, width, false);
     }
 
-    /// A closed outline with a fill that hides what is behind it.
+    /// Draws a closed outline with a fill that hides what is behind it.
     pub fn face(&mut self, places: &[Place], fill: &str, colour: &str, width: f64) {
         let mut d = String::new();
         for (i, &place) in places.iter().enumerate() {
@@ -154,13 +154,13 @@ impl Drawing {
         })));
     }
 
-    /// A rectangle between two corners.
+    /// Draws a rectangle between two corners.
     pub fn rectangle(&mut self, low: Place, high: Place, colour: &str) {
         let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
         self.outline(&corners, colour, 2.0);
     }
 
-    /// A spring between two places, in so many px to either side.
+    /// Draws a spring between two places, `SPRING_PX` to either side.
     pub fn spring(&mut self, from: Place, to: Place, colour: &str) {
         const TURNS: u32 = 6;
         let along = [to[0] - from[0], to[1] - from[1]];
@@ -179,12 +179,12 @@ impl Drawing {
         self.line(&places, colour, 1.5, false);
     }
 
-    /// An arrow to a place.
+    /// Draws an arrow to a place.
     pub fn arrow(&mut self, from: Place, to: Place, colour: &str) {
         self.path_arrow(&[from, to], colour);
     }
 
-    /// An arrow along a polyline of two places or more.
+    /// Draws an arrow along a polyline of two places or more.
     pub fn path_arrow(&mut self, places: &[Place], colour: &str) {
         let [.., from, to] = *places else {
             return;
@@ -199,7 +199,7 @@ impl Drawing {
         self.line(&[barb(0.4), to, barb(-0.4)], colour, 2.0, false);
     }
 
-    /// The ground: a line with strokes below it, px.
+    /// Draws the ground: a line with strokes below it.
     pub fn ground(&mut self, from: Place, to: Place) {
         self.line(&[from, to], INK, 1.5, false);
         let stroke = ARROW_PX / self.view.scale;
@@ -215,13 +215,13 @@ impl Drawing {
         }
     }
 
-    /// A label beside a place, so many px to the right and upwards.
+    /// Draws a label beside a place, at a distance in px to the right and upwards.
     pub fn label(&mut self, place: Place, (right, up): (f64, f64), content: &str, colour: &str) {
         let (x, y) = self.at(place);
         text(&mut self.scene, (x + right, y - up), content, 14, colour);
     }
 
-    /// The same with the middle of the label there, or with its end.
+    /// Draws a label as [`label`](Self::label) does, anchored by its start, middle or end.
     pub fn label_at(
         &mut self,
         place: Place,
@@ -235,7 +235,7 @@ impl Drawing {
         text_anchored(&mut self.scene, place, content, 14, colour, anchor);
     }
 
-    /// The same as [`label_at`](Self::label_at) on a white ground, where lines may pass behind it.
+    /// Draws a label as [`label_at`](Self::label_at) does, on a white background for places where lines pass behind it.
     pub fn label_on(
         &mut self,
         place: Place,
@@ -245,7 +245,7 @@ impl Drawing {
         is_to_the_right: bool,
     ) {
         let (x, y) = self.at(place);
-        // About how wide the text is: the viewer's font is not known here.
+        // Approximate width of the text. The viewer's font is not known here.
         let width = 8.2 * content.chars().count() as f64;
         self.scene.add(Primitive::Rect {
             x: x + right - if is_to_the_right { 2.0 } else { width },
@@ -265,7 +265,7 @@ impl Drawing {
         self.label_at(place, (right, up), content, colour, anchor);
     }
 
-    /// The drawing as SVG text.
+    /// Returns the drawing as SVG text.
     pub fn render(self) -> String {
         SvgBackend::new().render_scene(&self.scene)
     }

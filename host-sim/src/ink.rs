@@ -5,9 +5,9 @@ use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 /// Colour of texts.
 pub const INK: &str = "#222222";
-/// Colour of what should not draw the eye.
+/// Colour of secondary elements.
 pub const MUTED: &str = "#666666";
-/// Colour of limits and faults, and nothing else.
+/// Colour of limits and faults only.
 pub const VERMILION: &str = "#D55E00";
 
 /// Writes a text that begins at a place.

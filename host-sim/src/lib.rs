@@ -1,9 +1,9 @@
 //! The Cophase control loop in virtual time against simulated machines.
 //!
-//! The loop itself is [`cophase_core`]'s: the same function, tick for tick and bit for bit, that runs on
-//! the controller. Here are its clock ([`virtual_time`]), its world ([`machine`], [`sim`]), what is required
-//! of it ([`scene`]), and what it leaves behind ([`trace`], [`report`]). [`design`] and [`mechanism`] are the
-//! mathematics of the machines. Charts and campaigns are in `lab/`, the `cophase` command in `command/`.
+//! The loop itself is [`cophase_core`]'s: the same function that runs on the controller, tick for tick and
+//! bit for bit. This crate adds its clock ([`virtual_time`]), its machine ([`machine`], [`sim`]), its task
+//! ([`scene`]), and its output ([`trace`], [`report`]). [`design`] and [`mechanism`] are the mathematics of
+//! the machines. Charts and campaigns are in `lab/`, the `cophase` command in `command/`.
 #![forbid(unsafe_code)]
 
 pub mod axes;

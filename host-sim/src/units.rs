@@ -1,5 +1,5 @@
-//! From the core's numbers to those of people. `fixed`'s own conversions are exact for every type and
-//! slow; these are for few types, and for every tick.
+//! Conversion of the core's numbers into units for people. `fixed`'s own conversions are exact for every type, and slow. These
+//! are for few types, and run in every tick.
 
 use cophase_core::units::{Amax, ONE_TURN, Torque, Turns};
 
@@ -30,7 +30,7 @@ pub fn speed_hz(speed: Turns, tick_hz: u32) -> f64 {
 
 /// Nearest whole number, as `value.round() as i64`, without a call where the processor has no instruction for it.
 pub fn nearest(value: f64) -> i64 {
-    // Just below a half: a half would take what is just below a half up.
+    // Just below a half, because adding a half would round up a value just below a half.
     const HALF: f64 = 0.5 - f64::EPSILON / 4.0;
     (value + HALF.copysign(value)) as i64
 }
@@ -45,7 +45,8 @@ pub fn floor(value: f64) -> i64 {
 mod tests {
     use super::*;
 
-    /// If a half, what is next to it, or a large number were rounded otherwise, counts of encoders would be off by one.
+    /// If this fails, a half, a value next to it, or a large number is rounded differently, and counts of encoders are off by
+    /// one.
     #[test]
     fn whole_numbers_are_those_of_the_standard_library() {
         let wholes = [

@@ -1,13 +1,13 @@
-//! Virtual time: embassy-time's clock for the host, which stands still while code runs and jumps to
-//! the next alarm when there is nothing to run.
+//! Virtual time: embassy-time's clock for the host. It stands still while code runs, and jumps to the next alarm when
+//! there is nothing to run.
 //!
-//! The clock and its alarms belong to the thread, so that simulations run side by side. Alarms go off
-//! in order of time, and of arming where times are equal; nothing here depends on anything else, so
-//! the same futures see the same times on every run.
+//! The clock and its alarms belong to the thread, so that simulations run side by side. Alarms go off in the order of
+//! their times. Alarms of equal times go off in the order of arming. Nothing here depends on anything else, so the same
+//! futures see the same times on every run.
 //!
-//! Code takes no time here. [`run`] can delay alarms on purpose.
+//! Code takes no virtual time. [`run`] can delay alarms on purpose.
 //!
-//! Unlike embassy-time's own mock driver, this one knows when the next alarm is due.
+//! Unlike embassy-time's own mock driver, this one has the time of the next alarm.
 
 use std::cell::{Cell, RefCell};
 use std::cmp::Reverse;
@@ -35,7 +35,7 @@ const NEVER: u64 = u64::MAX;
 
 struct Alarm {
     at: u64,
-    /// Number of alarms that were armed before.
+    /// Number of alarms armed before this one.
     number: u64,
     waker: Waker,
 }
@@ -90,7 +90,7 @@ impl embassy_time_driver::Driver for VirtualClock {
 /// Waits until a time, in clock ticks (µs), as a timer of embassy-time does, without an alarm and a waker.
 ///
 /// Only for the future that [`run`] was given. A part of it that is polled only after its own waker was called would wait
-/// for ever.
+/// forever.
 pub fn until(at: u64) -> impl Future<Output = ()> {
     std::future::poll_fn(move |_| {
         if NOW.get() >= at {
@@ -101,14 +101,14 @@ pub fn until(at: u64) -> impl Future<Output = ()> {
     })
 }
 
-/// Polled when woken.
+/// Flag that a wake sets, for the next poll.
 #[derive(Default)]
 struct Ready(AtomicBool);
 
 impl Ready {
     /// Returns true if it was woken since the last call.
     fn take(&self) -> bool {
-        // No exchange is needed, as all of this is on one thread.
+        // No exchange is needed, because only one thread uses the flag.
         let ready = self.0.load(Ordering::Relaxed);
         if ready {
             self.0.store(false, Ordering::Relaxed);
@@ -125,11 +125,11 @@ impl Wake for Ready {
 
 /// Runs a future from time 0 until it is done, on this thread's clock.
 ///
-/// `lateness` is called each time that the clock is about to jump to an alarm, and says by how
-/// many clock ticks (µs) it is to overshoot: that is how a busy processor looks from inside.
+/// `lateness` is called each time that the clock is about to jump to an alarm. It returns the overshoot in clock ticks
+/// (µs), which simulates a busy processor.
 ///
 /// # Panics
-/// If called from within itself, or if the future waits for something that no alarm will bring.
+/// If called from within itself, or if the future waits for something that no alarm triggers.
 pub fn run<F: Future>(future: F, mut lateness: impl FnMut(u64) -> u64) -> F::Output {
     let _guard = Guard::new();
     let ready = Arc::new(Ready::default());
@@ -163,7 +163,7 @@ pub fn run<F: Future>(future: F, mut lateness: impl FnMut(u64) -> u64) -> F::Out
     }
 }
 
-/// Wakes all whose alarms are due.
+/// Wakes the futures of all alarms that are due.
 fn wake(now: u64) {
     while let Some(alarm) = ALARMS.with_borrow_mut(|alarms| {
         let due = alarms.peek().is_some_and(|alarm| alarm.0.at <= now);
@@ -175,7 +175,7 @@ fn wake(now: u64) {
     NEXT.set(next);
 }
 
-/// A clean clock while it lives.
+/// Resets the clock, and marks it as running while the guard exists.
 struct Guard;
 
 impl Guard {
@@ -220,7 +220,7 @@ mod tests {
         assert_eq!(times, [5_000, 6_000, 3_600_006_000]);
     }
 
-    /// If this fails, a loop that waits without alarms has other times than one with timers.
+    /// If this fails, a loop that waits without alarms gets other times than one with timers.
     #[test]
     fn a_deadline_and_alarms_come_in_order() {
         let times = run(
@@ -236,7 +236,7 @@ mod tests {
                     })
                     .await;
                 }
-                until(2_500).await; // is over already
+                until(2_500).await; // has already passed
                 times
             },
             |at| if at == 1_000 { 30 } else { 0 },
@@ -259,7 +259,7 @@ mod tests {
         assert_eq!(times, (2_150, 3_000));
     }
 
-    /// Two threads, two clocks.
+    /// If this fails, two threads share one clock.
     #[test]
     fn clocks_are_of_their_thread() {
         let other = std::thread::spawn(|| {

@@ -1,7 +1,7 @@
 //! Columns: their units, their default tolerances, and whether they are held.
 //!
-//! The name of a column ends with its unit, and with the number of its axis where there is one for each. The default
-//! tolerance is ten units of the last place that `trace.csv` has for the unit. Integers and words must be equal.
+//! The name of a column ends with its unit. The columns of an axis also end with the number of the axis. The default tolerance is
+//! ten units of the last place that `trace.csv` has for the unit. Integers and words must be equal.
 
 use super::error::CompareError;
 use super::run::Run;
@@ -27,8 +27,8 @@ const UNITS: [(&str, u32); 6] = [
 pub struct Tolerances(Vec<(String, f64)>);
 
 impl Tolerances {
-    /// Tolerances of columns, in the unit of each. The name of a column of axes may stand without the number of the axis, for all of
-    /// them; [`EDGES`] is for edges. A later one replaces an earlier one.
+    /// Tolerances of columns, in the unit of each. The name of a column of axes without the number of an axis applies to all axes.
+    /// [`EDGES`] is for edges. A later tolerance replaces an earlier one.
     pub fn new(given: impl IntoIterator<Item = (String, f64)>) -> Self {
         Self(given.into_iter().collect())
     }
@@ -63,13 +63,13 @@ fn default_tolerance(column: &str) -> f64 {
     unit.map_or(0.0, |(_, decimals)| 10.0 * 0.1_f64.powi(*decimals as i32))
 }
 
-/// True if a column keeps its value until the next one, so that nothing is between two rows.
+/// True if a column keeps its value until the next row, so that nothing is interpolated between two rows.
 pub(super) fn is_held(column: &str) -> bool {
     let name = without_axis(column);
     name == "phase_error_deg" || default_tolerance(column) == 0.0
 }
 
-/// Checks that two traces have the same columns, and that every tolerance is one of them.
+/// Checks that two traces have the same columns, and that every tolerance names one of these.
 pub(super) fn check(runs: [&Run; 2], tolerances: &Tolerances) -> Result<(), CompareError> {
     let [first, second] = runs.map(|run| &run.trace);
     let axes = runs.map(|run| run.trace.axes());

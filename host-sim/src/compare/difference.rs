@@ -14,15 +14,16 @@ pub struct ColumnDifference {
     pub name: String,
     /// Largest difference that counts as none.
     pub tolerance: f64,
-    /// Points at which both runs have a value; 0 if one of them has none at all.
+    /// Points at which both runs have a value; 0 if one of them has no values.
     pub compared: usize,
     /// Points at which the values differ by more than the tolerance.
     pub beyond: usize,
-    /// Difference of the largest magnitude; none of words, and infinite where only one value is a number.
+    /// Difference of the largest magnitude. `None` for words; infinite if only one of the values is a
+    /// number.
     pub largest: Option<f64>,
-    /// Time of it, s.
+    /// Time of that difference, s.
     pub largest_at_s: Option<f64>,
-    /// Root mean square of the differences; none of words.
+    /// Root mean square of the differences. `None` for words.
     pub rms: Option<f64>,
     /// First time at which the values differ by more than the tolerance, s.
     pub exceeds_at_s: Option<f64>,
@@ -53,7 +54,7 @@ pub(super) fn columns(
     runs[0].trace.names().map(compared).collect()
 }
 
-/// Difference of two numbers: none between equal ones, infinite between a number and what is none.
+/// Difference of two numbers. It is 0 if both are equal or both are NaN, and infinite if only one is NaN.
 pub(super) fn difference(first: f64, second: f64) -> f64 {
     if first == second || first.is_nan() && second.is_nan() {
         return 0.0;

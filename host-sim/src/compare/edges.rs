@@ -1,7 +1,7 @@
 //! Comparison of the edges of two runs for each wire, over the time that both files show.
 //!
-//! Rising edges are paired with rising ones and falling edges with falling ones, each with the nearest that follows the pair
-//! before. An edge that is nearer to a neighbour of its partner stays alone.
+//! Rising edges are paired with rising ones and falling edges with falling ones. Each is paired with the nearest edge that
+//! follows the previous pair. An edge stays single if its partner has a nearer neighbour.
 
 use serde::Serialize;
 
@@ -14,7 +14,7 @@ use super::wire::{Wire, Wires};
 pub struct EdgeComparison {
     /// Start of the time that both show, s.
     pub from_s: f64,
-    /// End of it, s; not after the start if there is none.
+    /// End of that time, s. If there is no such time, the end is not after the start.
     pub to_s: f64,
     /// Tolerance of shifts, ns.
     pub tolerance_ns: f64,
@@ -39,7 +39,7 @@ pub struct WireDifference {
     pub only_second: usize,
     /// Largest shift of an edge that both have, second less first, ns.
     pub largest_shift_ns: i64,
-    /// First edge that differs, or start of the window if the levels there do, s.
+    /// Time of the first edge that differs, s. If the levels at the start of the window differ, it is that start.
     pub differs_at_s: Option<f64>,
 }
 
@@ -56,7 +56,7 @@ impl EdgeComparison {
     }
 }
 
-/// Compares the edges of two runs; none if a run has no `steps.vcd`.
+/// Compares the edges of two runs. `None` if a run has no `steps.vcd`.
 pub(super) fn compare(
     runs: [&Run; 2],
     origins: [i64; 2],
@@ -110,7 +110,7 @@ impl Window {
             ..WireDifference::default()
         };
         let levels = [0, 1].map(|i| wires[i].level_before(self.from_ns + origins[i]));
-        // An edge at the very start is in the window, and shows it too.
+        // An edge exactly at the start is in the window, so the comparison of edges covers it.
         if levels[0] != levels[1] {
             difference.differs_at_s = Some(self.from_ns as f64 * 1e-9);
         }
@@ -161,7 +161,7 @@ impl Window {
     }
 }
 
-/// Pairs times that rise in both lists; calls `take` for each pair, and for each time that stays alone.
+/// Pairs the times of two ascending lists. Calls `take` for each pair, and for each time that stays single.
 pub(super) fn pair(first: &[i64], second: &[i64], mut take: impl FnMut(Option<i64>, Option<i64>)) {
     let (mut i, mut k) = (0, 0);
     while let (Some(&a), Some(&b)) = (first.get(i), second.get(k)) {

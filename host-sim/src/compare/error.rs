@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Input that cannot be compared: its place, and the problem with what fixes it.
+/// Input that cannot be compared: its place, the problem, and the fix.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {problem}")]
 pub struct CompareError {

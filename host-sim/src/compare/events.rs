@@ -86,7 +86,7 @@ pub struct EventDifference {
     pub events: [Option<String>; 2],
 }
 
-/// Compares the events of two runs; none if a run has no report.
+/// Compares the events of two runs. `None` if a run has no report.
 pub(super) fn compare(runs: [&Run; 2], origins: [i64; 2]) -> Option<EventDifference> {
     let of = |i: usize| {
         let all = runs[i].events.as_ref()?.list.iter();

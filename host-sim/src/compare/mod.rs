@@ -53,9 +53,9 @@ pub struct Comparison {
     pub columns: Vec<ColumnDifference>,
     /// Rows of one run before the other begins, or after it ends.
     pub surplus: Vec<Surplus>,
-    /// Events that differ; none if a run has no `report.json`.
+    /// Events that differ. `None` if a run has no `report.json`.
     pub events: Option<EventDifference>,
-    /// Edges; none if a run has no `steps.vcd`.
+    /// Edges. `None` if a run has no `steps.vcd`.
     pub edges: Option<EdgeComparison>,
     /// First difference; `None` if the runs are equal within the tolerances.
     pub parts: Option<Part>,
@@ -90,8 +90,8 @@ pub struct Part {
 /// Compares two runs.
 ///
 /// # Errors
-/// The traces have different columns, no time in common, or a tolerance names no column; or a run never leaves idle and times
-/// are to be counted from there.
+/// The traces have different columns or no time in common, or a tolerance names no column. Or times are counted from the
+/// start, and a run never leaves idle.
 pub fn compare(
     runs: [&Run; 2],
     origin: Origin,

@@ -27,7 +27,7 @@ impl Run {
     /// Reads the folder of a run, or a trace alone.
     ///
     /// # Errors
-    /// There is no trace, or a file is none of a run.
+    /// There is no trace, or a file is not one of a run.
     pub fn read(path: &Path) -> Result<Self, CompareError> {
         let is_folder = path.is_dir();
         let file = |name: &str| Some(path.join(name)).filter(|file| is_folder && file.exists());
@@ -46,7 +46,7 @@ impl Run {
         })
     }
 
-    /// A run of which there is a trace only.
+    /// Creates a run that has a trace only.
     pub fn of_trace(path: PathBuf, trace: Trace) -> Self {
         Self {
             path,
@@ -78,7 +78,7 @@ impl Run {
         self.events.as_ref()?.start_ns()
     }
 
-    /// Beginning of its first row that is not idle, ns since power-up.
+    /// Start of its first row that is not idle, ns since power-up.
     fn start_of_rows(&self) -> Option<i64> {
         let Values::Words(states) = self.trace.column(STATE) else {
             return None;
@@ -117,7 +117,8 @@ impl Origin {
         if self == Self::PowerUp {
             return Ok([0; 2]);
         }
-        // Both in the same way, as rows know the moment to a row only.
+        // Both origins come from the same source, because rows give the moment only to the distance
+        // of two rows.
         if let [Some(first), Some(second)] = runs.map(Run::start_of_events) {
             return Ok([first, second]);
         }

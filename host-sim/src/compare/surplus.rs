@@ -1,7 +1,7 @@
 //! Rows of one run before the other begins, or after it ends.
 //!
 //! If a run is at rest there, it does not differ from one that was recorded for a shorter time. So these rows are compared with the
-//! nearest row of the same run inside the other one's time.
+//! nearest row of the same run that lies within the other run's time.
 
 use serde::Serialize;
 
@@ -62,8 +62,8 @@ pub(super) fn find(runs: [&Run; 2], rows: [Rows<'_>; 2], tolerances: &Tolerances
     found
 }
 
-/// Times that a run covers: its rows, and the distance between two of them before and after. Traces with other distances between
-/// their rows end at other rows of the same run.
+/// Times that a run covers: its rows, extended at both ends by the distance between two rows. The extension is needed because
+/// traces with other distances between their rows end at other rows of the same run.
 fn reach(rows: Rows<'_>) -> Option<(i64, i64)> {
     let (&(_, first_ns), &(_, last_ns)) = (rows.first()?, rows.last()?);
     let distance = |pair: &[(usize, i64)]| pair[1].1 - pair[0].1;
@@ -73,7 +73,7 @@ fn reach(rows: Rows<'_>) -> Option<(i64, i64)> {
     Some((first_ns - (before - 1).max(0), last_ns + (after - 1).max(0)))
 }
 
-/// First column that differs between two rows of the first run, among those of which the other one has values too.
+/// First column that differs between two rows of the first run. Only columns for which the other run has values count.
 fn changed(
     [run, other]: [&Run; 2],
     first: usize,

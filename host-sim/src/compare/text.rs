@@ -175,7 +175,7 @@ fn write_edges(edges: &EdgeComparison, text: &mut String) -> std::fmt::Result {
     Ok(())
 }
 
-/// A number with as many digits as are of use in a table.
+/// Formats a number with as many digits as a table needs.
 fn digits(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();

@@ -8,10 +8,10 @@ use super::error::CompareError;
 use super::points::Place;
 use super::run::Origin;
 
-/// Values of a column, one a row.
+/// Values of a column, one per row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// No row has a value: whoever recorded the run could not know it.
+    /// No row has a value, because the recorder of the run had no access to it.
     Empty,
     /// Every row has a number.
     Numbers(Vec<f64>),
@@ -28,14 +28,14 @@ pub struct Trace {
 
 /// Column with the times.
 const TIME: &str = "t_s";
-/// Column with the supervisor's state, the only one of words.
+/// Column with the supervisor's state, the only column of words.
 pub(super) const STATE: &str = "state";
 
 impl Trace {
     /// Reads a whole file.
     ///
     /// # Errors
-    /// It cannot be read, has no rows, is cut off, or a field is no number.
+    /// The file cannot be read, has no rows, is cut off, or has a field that is not a number.
     pub fn read(path: &Path) -> Result<Self, CompareError> {
         let mut text = String::new();
         let mut file = std::fs::File::open(path).map_err(|e| {
@@ -52,7 +52,7 @@ impl Trace {
     /// Reads the text of a file; `path` is for errors.
     ///
     /// # Errors
-    /// As of [`Self::read`].
+    /// Those of [`Self::read`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, CompareError> {
         let wrong = |problem: String| CompareError::new(path, problem);
         if !text.ends_with('\n') {
@@ -127,7 +127,8 @@ impl Trace {
         &self.times_ns
     }
 
-    /// Rows with their times from an origin; counted from a start, those up to it are left out: the machine is idle.
+    /// Rows with their times from an origin. If the origin is the start, the rows up to it are left out, because the
+    /// machine is idle there.
     pub(super) fn times_from(&self, origin_ns: i64, origin: Origin) -> Vec<(usize, i64)> {
         let times = self
             .times_ns
@@ -139,7 +140,7 @@ impl Trace {
             .collect()
     }
 
-    /// Number of a column at a place; NaN where there is none.
+    /// Value of a column at a place. NaN if the column has no numbers.
     pub(super) fn value(&self, name: &str, place: Place) -> f64 {
         match self.column(name) {
             Values::Numbers(numbers) => at(numbers, place, is_held(name)),
@@ -148,7 +149,7 @@ impl Trace {
     }
 }
 
-/// Number at a place: that of the row, or between it and the next.
+/// Value at a place: that of the row, or one interpolated between this row and the next.
 pub(super) fn at(numbers: &[f64], place: Place, is_held: bool) -> f64 {
     let here = numbers[place.row];
     if is_held || place.beyond == 0.0 {

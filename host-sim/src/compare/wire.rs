@@ -12,14 +12,14 @@ use super::error::CompareError;
 /// Levels of a wire over a window.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Wire {
-    /// Level at the window's start; none if whoever recorded the run could not know it.
+    /// Level at the window's start. `None` if the recorder of the run had no access to it.
     pub initial: Option<bool>,
     /// Times of rising and of falling edges, ns since power-up.
     pub edges: [Vec<i64>; 2],
 }
 
 impl Wire {
-    /// Level just before a time; none if it is not known.
+    /// Level just before a time. `None` if it is not known.
     pub fn level_before(&self, t_ns: i64) -> Option<bool> {
         let last = |times: &[i64]| {
             let before = times.partition_point(|at| *at < t_ns);

@@ -1,7 +1,7 @@
-//! Numbers as people read them: no more digits than mean something, no line of zeros.
+//! Numbers for readers: no more digits than are significant, and no long rows of zeros.
 
-/// A number as it was given, in the shortest form that reads back the same; with an exponent if it would
-/// otherwise be longer than a column.
+/// A number as it was given, in the shortest form that reads back the same. It has an exponent if it
+/// would otherwise be longer than a column.
 pub(crate) fn plain(value: f64) -> String {
     let size = value.abs();
     if value.is_finite() && size > 0.0 && !(1e-4..1e7).contains(&size) {
@@ -11,7 +11,8 @@ pub(crate) fn plain(value: f64) -> String {
     }
 }
 
-/// A computed number to four significant digits: the load, which the user weighed, has no more.
+/// A computed number to four significant digits. The load, which the user has weighed, has no
+/// more.
 pub(super) fn four(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() {
@@ -49,7 +50,7 @@ pub(super) fn percent(fraction: f64) -> String {
 mod tests {
     use super::*;
 
-    /// If this fails, the report shows digits that mean nothing, or hides some that do.
+    /// If this fails, the report shows digits without significance, or hides significant ones.
     #[test]
     fn four_digits_are_four() {
         let cases = [

@@ -1,6 +1,7 @@
 //! Design methods: from a requirement to the size of a machine.
 //!
-//! Each machine has its own method, and each refuses what it cannot answer by the name of the parameter.
+//! Each machine has its own method. If a method has no solution, its error names the responsible
+//! parameter.
 
 pub mod coupling;
 pub mod crank_rocker;

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-/// Writes a row: what it is, its value, and a note that may be empty.
+/// Writes a row: name, value, and a note that may be empty.
 pub(super) fn row(out: &mut impl Write, what: &str, value: &str, note: &str) -> io::Result<()> {
     let row = format!("   {what:<40}{value:>10}  {note}");
     writeln!(out, "{}", row.trim_end())

@@ -16,7 +16,7 @@ pub struct Range {
     pub closed: bool,
     /// Upper end, which is in the range.
     pub high: f64,
-    /// Unit, with the space that goes before it.
+    /// Unit, with a space before it.
     pub unit: &'static str,
     /// Name of the range, in a few words.
     pub meaning: &'static str,
@@ -25,7 +25,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// From above 0 up to `high`.
+    /// Range from above 0 up to `high`.
     #[must_use]
     pub const fn above_zero(
         flag: &'static str,
@@ -61,7 +61,7 @@ impl Range {
 pub struct OutOfRange {
     /// The range.
     pub range: Range,
-    /// The number that was given.
+    /// The number as given.
     pub value: f64,
 }
 
@@ -75,7 +75,7 @@ impl OutOfRange {
             .collect()
     }
 
-    /// An error text of a line each.
+    /// Returns the error texts, one per line.
     pub(super) fn lines(all: &[Self]) -> String {
         let lines: Vec<String> = all.iter().map(Self::to_string).collect();
         lines.join("\n")
@@ -108,7 +108,7 @@ impl fmt::Display for OutOfRange {
             usual
         };
         let value = plain(self.value);
-        // As a key of a scene would be called.
+        // The name has the form of a key of a scene.
         let key = flag.trim_start_matches('-').replace('-', "_");
         let meant = meant(&key, unit.trim_start(), self.value, (low, high));
         write!(

@@ -1,8 +1,8 @@
-//! A design as a scene: text that `cophase run` takes, checked as any scene is.
+//! A design as a scene: text that `cophase run` accepts, checked as any scene is.
 
 use crate::scene::load::checked_from_text;
 
-/// Reason why a design is no scene that can be run.
+/// Reason why a design is not a scene that can be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("--scene: this design cannot be run: {problem}")]
 pub struct NotRunnable {
@@ -10,10 +10,10 @@ pub struct NotRunnable {
     pub problem: String,
 }
 
-/// Checks the text of a scene that a design was written as.
+/// Checks the scene text of a design.
 ///
 /// # Errors
-/// A run would refuse the scene, for instance for a speed that no scene takes.
+/// A run would refuse the scene, for instance for a speed outside the range of scenes.
 pub(super) fn checked(text: String) -> Result<String, NotRunnable> {
     let text = aligned(&text);
     match checked_from_text(&text, None) {
@@ -24,7 +24,7 @@ pub(super) fn checked(text: String) -> Result<String, NotRunnable> {
     }
 }
 
-/// The same text with the comments behind values one under the other.
+/// Aligns the comments behind values in one column.
 fn aligned(text: &str) -> String {
     const COLUMN: usize = 32;
     let line = |line: &str| match line.split_once(" #") {

@@ -106,7 +106,7 @@ impl Trial {
 
     /// Returns true if the sample is evidence, and shows an output to be well within its tolerance.
     fn is_borne_out(&self, judged: &Judged, right: &Settled) -> bool {
-        // A part of a scene is no evidence for an output without a bound, nor for motors that slip in the rest.
+        // A part of a scene is not evidence for an output without a bound, and not for motors that slip in the rest of the scene.
         let is_evidence = self.is_whole || judged.output != Output::Slips && judged.bound.is_some();
         // After a motor has slipped, runs are not comparable.
         right.is_regular

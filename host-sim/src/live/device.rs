@@ -21,13 +21,13 @@ use crate::scene::{Checked, SceneError};
 use crate::sim::{SimulatedIo, schedule::Schedule};
 use crate::virtual_time;
 
-/// Samples and events that wait for the host.
+/// Greatest number of samples and events that wait for the host.
 const WAITING: usize = 4096;
 
-/// Commands and programs that wait for the loop.
+/// Greatest number of commands and programs that wait for the loop.
 const COMMANDS: usize = 64;
 
-/// Longest time that the loop takes to answer.
+/// Longest wait for an answer of the loop.
 const ANSWERS_WITHIN: Duration = Duration::from_secs(2);
 
 /// Reason why a simulated machine cannot be brought up.
@@ -40,7 +40,7 @@ pub struct SimulatedDevice {
     /// Faults can be injected.
     is_open: bool,
     settings_file: Vec<u8>,
-    /// Settings that the next restart runs.
+    /// Settings that take effect at the next restart.
     stored: Option<Box<Settings>>,
     program_file: Vec<u8>,
     sampling: u16,
@@ -126,7 +126,7 @@ impl SimulatedDevice {
         }
         let mut scene = self.checked.scene.clone();
         scene.fault = vec![*fault];
-        // The level that was chosen at power-up is the one that has to have the fault.
+        // The fault must be possible on the model level that was chosen at power-up.
         scene.fidelity = self.checked.fidelity;
         let checked = Checked::new(scene)?;
         if self.send(ToLoop::Fault(Box::new(checked.scene.fault[0]))) {
@@ -156,7 +156,7 @@ impl Running {
             let ticks = controller.program().0.duration();
             let schedule = Schedule::new(&checked, ticks).without_commands();
             let inner = SimulatedIo::new(&checked, schedule, |_, _| {});
-            // Whoever began the thread waits for this.
+            // The creator of the thread waits for this message.
             match inner {
                 Ok(mut inner) => {
                     if is_open {
@@ -180,9 +180,9 @@ impl Running {
             // Without a thread there is no loop, and every command is refused.
             thread: thread.spawn(run).ok(),
         };
-        // Without an answer there is no thread, and so no error of the machine.
+        // Without an answer there is no thread, so there is no error of the machine.
         is_made.recv().unwrap_or(Ok(()))?;
-        // The first tick has been: from here on the state is known.
+        // The first message comes after the first tick. From here on, the state is known.
         if let Ok(first) = running.from_loop.recv_timeout(ANSWERS_WITHIN) {
             running.put(first);
         }
@@ -196,7 +196,7 @@ impl Running {
         }
     }
 
-    /// Fetches what came from the loop, as far as there is room for it.
+    /// Fetches messages from the loop as long as there is room for them.
     fn fetch(&mut self) {
         while self.event.is_none() && self.sample.is_none() {
             match self.from_loop.try_recv() {
@@ -209,7 +209,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // The loop ends when nobody can give it commands any more.
+        // The loop ends when its channel for commands is closed.
         self.to_loop = None;
         if let Some(thread) = self.thread.take() {
             // A panic of the loop has been printed already.
@@ -329,7 +329,7 @@ impl Device for SimulatedDevice {
         };
         self.running = running;
         self.restarts = self.restarts.wrapping_add(1);
-        // A program that was loaded since is gone.
+        // A restart discards a program that was loaded after the previous start.
         self.make_files();
         self.set_sampling(self.sampling);
         Ok(())
@@ -339,7 +339,7 @@ impl Device for SimulatedDevice {
         self.checked.settings.host_loss
     }
 
-    /// A simulated machine reads as one whose inputs let it run.
+    /// Returns inputs that permit a simulated machine to run.
     fn inputs(&self) -> Inputs {
         Inputs {
             enable: true,

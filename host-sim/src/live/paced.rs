@@ -1,4 +1,5 @@
-//! The loop's world while a host operates it: the simulated machine, in step with the wall clock.
+//! Input and output of the loop while a host operates it: the simulated machine, in step with the
+//! wall clock.
 
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
 use std::time::Duration;
@@ -17,11 +18,11 @@ use crate::scene::file::FaultAt;
 use crate::sim::SimulatedIo;
 use crate::virtual_time::{self, TICKS_PER_S};
 
-/// Something for the loop.
+/// Message to the loop.
 pub(super) enum ToLoop {
     /// A command for the next tick.
     Command(Command),
-    /// A new program, and where to report whether it was taken.
+    /// A new program, and the channel for the report of whether it was accepted.
     Program(Box<Program>, SyncSender<bool>),
     /// Ticks between two samples.
     Sampling(u16),
@@ -29,7 +30,7 @@ pub(super) enum ToLoop {
     Fault(Box<FaultAt>),
 }
 
-/// Something from the loop.
+/// Message from the loop.
 #[expect(clippy::large_enum_variant, reason = "nearly all of them are samples")]
 pub(super) enum FromLoop {
     Sample(Sample),
@@ -76,7 +77,7 @@ impl<P: FnMut(u64, u64)> Paced<P> {
         }
     }
 
-    /// Reads what the host sent, up to the next command; the loop takes one a tick.
+    /// Reads the host's messages up to the next command. The loop takes one command per tick.
     fn next_command(&mut self) -> Option<Command> {
         loop {
             match self.from_host.try_recv() {
@@ -96,7 +97,7 @@ impl<P: FnMut(u64, u64)> Paced<P> {
         }
     }
 
-    /// Passes an event on; those that find no room are counted.
+    /// Passes an event on. An event for which there is no room is counted.
     fn publish(&mut self, event: Event) {
         let tick = self.tick;
         if self.lost_events > 0 {
@@ -126,7 +127,7 @@ impl<P: FnMut(u64, u64)> Io for Paced<P> {
 
     fn program_loaded(&mut self, is_loaded: bool) {
         if let Some((_, loaded)) = self.program.take() {
-            // Whoever waited for it may have given up.
+            // The receiver may have stopped waiting.
             let _ = loaded.send(is_loaded);
         }
     }
@@ -157,7 +158,7 @@ impl<P: FnMut(u64, u64)> Io for Paced<P> {
             let _ = self.to_host.try_send(FromLoop::Sample(sample));
         }
         self.tick = self.tick.wrapping_add(1);
-        // A scene ends where nothing more is to happen; here the host may still give commands.
+        // A scene ends when nothing more is to happen. Here, the host may still give commands.
         let _ = self.inner.write(output, start);
         if self.is_over {
             SubmissionResult::Over

@@ -4,20 +4,21 @@ use std::time::{Duration, Instant};
 
 use crate::sim::{Moment, Observer};
 
-/// Longest time that the wall clock may be ahead before the step begins anew: a computer that slept, or is too slow.
+/// Largest lag of the simulation behind the wall clock. Beyond it, both clocks are aligned again. This
+/// happens if the computer slept or is too slow.
 const MOST_BEHIND: Duration = Duration::from_millis(200);
 
-/// Holds a simulation back, so that it is not ahead of the wall clock. As an observer it holds a run back.
+/// Delays a simulation, so that it is not ahead of the wall clock. As an observer, it delays a run.
 #[derive(Debug)]
 pub struct WallClock {
     /// Simulated seconds per second of the wall clock.
     speed: f64,
-    /// The same time on both clocks.
+    /// Time of both clocks at the same moment.
     began: (Instant, Duration),
 }
 
 impl WallClock {
-    /// A clock whose simulated time is 0 now, and passes `speed` times as fast as the wall clock's.
+    /// Creates a clock whose simulated time is 0 now, and advances `speed` times as fast as the wall clock.
     pub fn new(speed: f64) -> Self {
         Self {
             speed,

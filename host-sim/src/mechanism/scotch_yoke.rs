@@ -3,8 +3,8 @@
 //! x = R cos α, so that s = sin α and h = cos α. At a steady speed the platform's motion is a pure cosine: amax = R ω² at
 //! both dead centres, without a second harmonic. The yoke is the limit of a slider-crank with an infinite rod.
 //!
-//! A slot has no length, so x is measured from the crank axes. On model levels with elastic links, pin and slot are what
-//! deforms between crank and platform.
+//! A slot has no length, so x is measured from the crank axes. On model levels with elastic links, pin and slot deform between
+//! crank and platform.
 //!
 //! Not modelled: clearance and friction of the pin in its slot, and the mass of the pin.
 

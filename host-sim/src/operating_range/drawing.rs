@@ -18,7 +18,7 @@ const LEFT: f64 = 78.0;
 const TOP: f64 = 76.0;
 /// Speeds at which curves are computed.
 const SPEEDS: u32 = 160;
-/// Room beyond the limit of speed, and above the curves.
+/// Margin beyond the limit of speed, and above the curves.
 const ROOM: f64 = 1.08;
 /// Colours of required and available torque, one pair for each kind of motor.
 const MOTORS: [(&str, &str); 3] = [
@@ -30,7 +30,7 @@ const MOTORS: [(&str, &str); 3] = [
 /// Colour of the torque that is required in a ramp.
 const RAMP: &str = "#A6D0EC";
 
-/// A panel that is being put together.
+/// Panel under construction.
 struct Draft {
     plots: Vec<Plot>,
     legend: Vec<LegendEntry>,
@@ -68,7 +68,7 @@ impl Draft {
         });
     }
 
-    /// A limit across, if it is near the curves; in the legend in any case.
+    /// Draws a limit as a horizontal line if it is near the curves, and adds it to the legend in any case.
     fn limit(&mut self, value: f64, name: &str) {
         let is_near = value <= 2.0 * self.top;
         if is_near {
@@ -213,7 +213,7 @@ impl OperatingRange {
         draft.done(self, right_hz, "torque of a motor, N·m")
     }
 
-    /// Name of a curve, with its axes where others have another one.
+    /// Name of a curve. It states the axes if other axes have another curve.
     fn named(&self, name: &str, axes: &[usize]) -> String {
         if axes.len() == self.axes() {
             return name.to_owned();
@@ -232,7 +232,7 @@ impl OperatingRange {
         for level in self.levels.iter().rev() {
             let (hz, g) = (level.speed_hz, in_g(level.amax_mps2));
             draft.curve(vec![(hz, 0.0), (hz, g)], MUTED, 1.0);
-            // Levels that are close together would have their texts over each other.
+            // The texts of levels that are close together would overlap.
             if labelled - hz > 0.045 * right_hz {
                 labelled = hz;
                 let mut label = TextAnnotation::new(format!("{} g", plain(g)), hz, g);
@@ -289,7 +289,7 @@ impl OperatingRange {
             draft.limit(KILO * hz, &format!("{who} {} k", short(KILO * hz)));
         };
         let greatest = rates.iter().map(|(steps, _)| *steps).fold(0.0, f64::max);
-        // The board makes what the planner plans, if it has the time.
+        // The board makes all steps that the planner plans if the tick is long enough for them.
         let board_hz = self
             .board_speed_hz()
             .map(|hz| hz.map(|hz| hz * greatest).filter(|hz| *hz < planner_hz));
@@ -309,8 +309,8 @@ impl OperatingRange {
     }
 }
 
-/// The same curve with a vertical end, where it falls to zero between two points: beyond the last point of a pull-out curve. One that
-/// falls at the limit of speed just ends there, or its end would hide the line of the limit.
+/// Returns the curve with a vertical end if it falls to zero between two points, beyond the last point of a pull-out curve. A curve
+/// that falls at the limit of speed ends there without a vertical line, which would hide the line of the limit.
 fn with_end(points: Vec<(f64, f64)>, value: impl Fn(f64) -> f64, limit_hz: f64) -> Vec<(f64, f64)> {
     let falls = |pair: &[(f64, f64)]| pair[0].1 > 0.0 && pair[1].1 == 0.0;
     let Some(before) = points.windows(2).position(falls) else {
@@ -339,7 +339,7 @@ fn with_end(points: Vec<(f64, f64)>, value: impl Fn(f64) -> f64, limit_hz: f64) 
 mod tests {
     use super::*;
 
-    /// Were it wrong, the end of a pull-out curve would hide the line of the limit of speed, or a curve would not end.
+    /// If this fails, the end of a pull-out curve hides the line of the limit of speed, or a curve does not end.
     #[test]
     fn a_pull_out_curve_ends_at_its_last_point() {
         let value = |hz: f64| if hz <= 5.0 { 2.0 } else { 0.0 };

@@ -21,7 +21,7 @@ use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 use cophase_core::program::EntrySettings;
 
-/// Speed up to which the board's limit is searched, rev/s; a board without a limit below has none.
+/// Speed up to which the board's limit is searched, rev/s. A board that has no limit below it counts as one without a limit.
 const FASTEST_HZ: f64 = 1e4;
 
 /// Level of the program.
@@ -40,7 +40,7 @@ pub struct OperatingRange {
     machine: Machine,
     mechanism: AnyMechanism,
     offsets_turns: Vec<f64>,
-    /// None of an axis whose torque is not known.
+    /// `None` for an axis whose torque is not known.
     motors: Vec<Option<Motor>>,
     settings: Settings,
     /// Greatest speed of the program, rev/s.
@@ -49,7 +49,7 @@ pub struct OperatingRange {
     pub levels: Vec<Level>,
 }
 
-/// Greatest part of its torque that a motor has to give.
+/// Greatest ratio of required to available torque of a motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
     /// Axis.
@@ -61,11 +61,11 @@ pub struct Load {
 }
 
 impl OperatingRange {
-    /// Operating range of a scene's machine. None where it has no platform, where an axis does not make the master's own turns, or
-    /// where the torque of no motor is known.
+    /// Operating range of a scene's machine. `None` if it has no platform, if an axis does not turn exactly as the master, or if the
+    /// torque of no motor is known.
     ///
     /// # Errors
-    /// Numbers that the machine cannot be made of.
+    /// The machine cannot be created from the numbers of the scene.
     pub fn of(checked: &Checked) -> Result<Option<Self>, SceneError> {
         let settings = &checked.settings;
         let is_direct = |ratio: Option<f64>| ratio == Some(1.0);
@@ -81,7 +81,7 @@ impl OperatingRange {
         {
             return Ok(None);
         }
-        // What disturbs a run is no part of what its motors are for, and some of it cannot be on this model level.
+        // Motors are not sized for faults and noise of the load, and some of these cannot occur on this model level.
         let mut undisturbed = checked.clone();
         undisturbed.scene.fault.clear();
         undisturbed.scene.noise.load_nm = 0.0;
@@ -129,7 +129,7 @@ impl OperatingRange {
         crate::mechanism::turn_search::largest_over_turn(at).value
     }
 
-    /// Greatest torque of a motor at a speed, N·m; none where it is not known.
+    /// Greatest torque of a motor at a speed, N·m; `None` if it is not known.
     pub fn available_nm(&self, axis: usize, speed_hz: f64) -> Option<f64> {
         let motor = self.motors[axis].as_ref()?;
         Some(motor.most_nm(speed_hz * TAU))
@@ -162,7 +162,8 @@ impl OperatingRange {
         Some(timing.most_step_hz(*tick_hz))
     }
 
-    /// Greatest speed at which the [RP2040](Rp2040) makes the steps of all axes within a tick, rev/s; none where it has time at any.
+    /// Greatest speed at which the [RP2040](Rp2040) makes the steps of all axes within a tick, rev/s. `None` if it does so at every
+    /// speed.
     ///
     /// # Errors
     /// The board cannot run this machine at any speed.
@@ -178,7 +179,7 @@ impl OperatingRange {
             return Ok(None);
         }
         let (mut low, mut high) = (0.0, FASTEST_HZ);
-        // 1e4 rev/s halved so often is less than a turn in a day.
+        // 1e4 rev/s halved this number of times is less than one turn per day.
         for _ in 0..32 {
             let middle = f64::midpoint(low, high);
             if fits(middle).is_ok() {
@@ -190,7 +191,7 @@ impl OperatingRange {
         Ok(Some(low))
     }
 
-    /// Axes with the same values of a curve at some speeds up to the one that is given; of each kind the first axis first.
+    /// Groups of axes with the same values of a curve at some speeds up to `top_hz`, in the order of the first axis of each group.
     fn kinds<T: PartialEq>(&self, top_hz: f64, curve: impl Fn(usize, f64) -> T) -> Vec<Vec<usize>> {
         let key = |axis: usize| [0.0, 0.3, 0.6, 1.0].map(|part| curve(axis, part * top_hz));
         let mut kinds: Vec<Vec<usize>> = Vec::new();
@@ -203,14 +204,14 @@ impl OperatingRange {
         kinds
     }
 
-    /// Axes that are loaded alike, of each kind the first axis first.
+    /// Groups of axes with the same load, in the order of the first axis of each group.
     fn load_kinds(&self) -> Vec<Vec<usize>> {
         let torques = |axis, hz| (self.required_nm(axis, hz, 0.0), self.available_nm(axis, hz));
         self.kinds(self.top_hz, torques)
     }
 
-    /// Motor that has to give the greatest part of its torque at a steady speed up to the program's greatest; none where the torque
-    /// of none is known.
+    /// Motor with the greatest ratio of required to available torque at a steady speed up to the program's greatest. `None` if the
+    /// torque of no motor is known.
     pub fn greatest_load(&self) -> Option<Load> {
         const SPEEDS: u32 = 64;
         let kinds: Vec<usize> = self.load_kinds().iter().map(|axes| axes[0]).collect();

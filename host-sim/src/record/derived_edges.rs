@@ -1,11 +1,11 @@
-//! Edges from samples: the runs that the loop planned, planned again.
+//! Edges from samples: the runs that the loop planned are planned again.
 //!
-//! The runs of a tick depend on the turns of the axis in it and on its place within a step. So they can be planned again by
-//! the core's planner from samples of consecutive ticks, from a tick on in which nothing has moved since power-up. A phase
+//! The runs of a tick depend on the turns of the axis in it and on its place within a step. So the core's planner can plan them again
+//! from samples of consecutive ticks. Nothing must have moved since power-up before the first of these ticks. A phase
 //! offset moves by whole steps in a *slot*. Its turns are rounded and its half-steps are not, so the half-steps of each tick of a slot
 //! are derived from the turns, as the core divides them.
 //!
-//! The whole steps that come out are compared with those of each sample. Where they differ, nothing is written.
+//! The resulting whole steps are compared with those of each sample. If they differ, no edges are written.
 
 use cophase_core::axes::{AnyFollower, Cams, Follower, PhaseOffsets};
 use cophase_core::pulse::{Planner, PulseTiming, Runs, StepRates};
@@ -41,7 +41,7 @@ pub enum NoEdges {
     Differ,
 }
 
-/// Planners of all axes, fed with samples.
+/// Planners of all axes, which take samples.
 pub struct Derivation {
     axes: Vec<Axis>,
     cams: Cams,
@@ -51,10 +51,10 @@ pub struct Derivation {
     tick_ns: u64,
     reversed: Vec<bool>,
     last: Option<Sample>,
-    /// Runs of the last sample. They wait for the next one: only that has the level of the enable output.
+    /// Runs of the last sample. They are kept until the next sample, because only that one has the level of the enable output.
     planned: Vec<Runs>,
     moves: bool,
-    /// Runs that are passed on.
+    /// Runs that are returned.
     passed: Vec<Runs>,
 }
 
@@ -106,7 +106,7 @@ impl Derivation {
         })
     }
 
-    /// Takes the sample of the next tick; returns the edges of the one before, if there was one.
+    /// Takes the sample of the next tick. Returns the edges of the tick before, if there was one.
     pub(super) fn push(&mut self, sample: &Sample) -> Result<Option<TickEdges<'_>>, NoEdges> {
         let before = self.last.replace(*sample);
         let moved = self.moves;
@@ -177,8 +177,8 @@ impl Derivation {
 impl Slot {
     /// Half-steps of 2⁻⁴⁸ of a tick in which the offset moves by `turns`, in 2⁻⁴⁸.
     ///
-    /// In each tick of a slot but the last, the offset moves by an equal part of the slot's whole steps, rounded down in
-    /// half-steps as in turns. The last tick has the rest.
+    /// In each tick of a slot but the last, the offset moves by an equal part of the slot's whole steps. Half-steps and turns are
+    /// rounded down. The last tick has the remainder.
     fn advance(
         &mut self,
         turns: i64,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Gaps that are kept with their times; the others are counted.
+/// Number of gaps that are kept with their times. Further gaps are only counted.
 const MOST: usize = 1000;
 
 /// Consecutive samples that were lost.
@@ -14,16 +14,16 @@ pub struct Gap {
     pub samples: u32,
 }
 
-/// Samples that came and samples that did not, between the first and the last that came.
+/// Received and lost samples between the first and the last received one.
 #[derive(Clone, Debug, Serialize)]
 pub struct Gaps {
-    /// Samples that came.
+    /// Number of received samples.
     pub recorded: u64,
-    /// Samples that were lost.
+    /// Number of lost samples.
     pub lost: u64,
     /// Number of gaps.
     pub gaps: u64,
-    /// The first thousand of them.
+    /// The first thousand gaps.
     pub list: Vec<Gap>,
     #[serde(skip)]
     every: u32,
@@ -43,7 +43,7 @@ impl Gaps {
         }
     }
 
-    /// Takes note of the tick of a sample; returns how many were lost before it.
+    /// Adds the tick of a sample. Returns the number of samples that were lost before it.
     pub(super) fn push(&mut self, tick: u32) -> u32 {
         let from_tick = self.next.unwrap_or(tick);
         let samples = tick.wrapping_sub(from_tick) / self.every;

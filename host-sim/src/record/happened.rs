@@ -1,4 +1,4 @@
-//! Events that a controller reported, as those of a run.
+//! Conversion of the events that a controller reported into those of a run.
 
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_link::message::{Event as Reported, EventRecord};
@@ -7,7 +7,7 @@ use super::played_ns;
 use crate::sim::events::{Event, EventKind};
 use crate::trace::ScopeData;
 
-/// Converts events. `runs` has, for each beginning of the program, the tick and the ticks of the program that were over.
+/// Converts events. For each start of the program, `runs` has the tick and the number of program ticks that had elapsed.
 pub(super) fn events(records: &[EventRecord], runs: &[(u32, u32)], tick_ns: u64) -> Vec<Event> {
     let mut events = Vec::new();
     let (mut missed, mut latched) = (0, None);
@@ -43,7 +43,7 @@ pub(super) fn events(records: &[EventRecord], runs: &[(u32, u32)], tick_ns: u64)
                 });
                 missed = all;
             }
-            // The report has their numbers.
+            // The report has the numbers of these events.
             _ => {}
         }
     }
@@ -53,7 +53,7 @@ pub(super) fn events(records: &[EventRecord], runs: &[(u32, u32)], tick_ns: u64)
 fn state_event(state: State, tick: u32, runs: &[(u32, u32)], tick_ns: u64) -> EventKind {
     let from = runs.iter().find(|(from, _)| *from == tick);
     match from {
-        // The first tick of the program is over already.
+        // At this point, the first tick of the program has elapsed.
         Some((_, over)) if state == State::Run => EventKind::Running {
             from_s: f64::from(over.saturating_sub(1)) * tick_ns as f64 * 1e-9,
         },
@@ -61,7 +61,7 @@ fn state_event(state: State, tick: u32, runs: &[(u32, u32)], tick_ns: u64) -> Ev
     }
 }
 
-/// The direction of a tilt is not among the events, and is left out.
+/// The events do not contain the direction of a tilt, so it is left out.
 const fn latched_event(fault: Fault) -> EventKind {
     EventKind::Fault {
         fault,

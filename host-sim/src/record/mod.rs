@@ -1,8 +1,8 @@
-//! Recording of what a controller streams: the files of a run, without a scene.
+//! Recording of a controller's stream: the files of a run, without a scene.
 //!
-//! A controller sends [samples](Sample) of its loop, tick by tick. Here they become the rows, edges and report that a
-//! simulated run has, from the same code. *Unknown*: a column or wire that no controller knows, such as the true phase of a
-//! crank; it is left empty. *Gap*: samples that were lost on the line. Rows are never made up: a gap is counted, and has no rows.
+//! A controller sends [samples](Sample) of its loop, tick by tick. Here they become the rows, edges and report that a simulated
+//! run has, from the same code. *Unknown*: a column or wire to which no controller has access, such as the true phase of a crank.
+//! It is left empty. *Gap*: samples that were lost on the line. A gap is counted and has no rows, because no rows are invented.
 //!
 //! Edges are not sent. They follow from the commanded phases of consecutive ticks, by the core's own planner
 //! (`derived_edges`), as long as every tick since power-up at rest is known.
@@ -36,7 +36,7 @@ use crate::trace::{
 use derived_edges::Derivation;
 use totals::Totalling;
 
-/// Recording in the making.
+/// Recording in progress.
 pub struct Recording<W: Write + Seek> {
     traces: Traces<'static, W>,
     rows: ControllerRows,
@@ -52,7 +52,7 @@ pub struct Recording<W: Write + Seek> {
     totals: Totalling,
 }
 
-/// A recording that is complete.
+/// Complete recording.
 #[derive(Clone, Debug)]
 pub struct Recorded {
     /// Format of the written files.
@@ -63,7 +63,7 @@ pub struct Recorded {
     pub scope: ScopeData,
     /// Samples that were lost.
     pub gaps: Gaps,
-    /// Sums and extremes.
+    /// Sums and extremes of the recording.
     pub totals: Totals,
     /// Events, in the order of time.
     pub events: Vec<Event>,
@@ -85,7 +85,7 @@ impl<W: Write + Seek + 'static> Recording<W> {
         let unknown = stream.unknown_columns();
         let setup = TraceSetup {
             axes,
-            // Every row that came is written.
+            // Every received row is written.
             every: Every::Ticks(1),
             window,
             unknown: &unknown,
@@ -140,7 +140,7 @@ impl<W: Write + Seek + 'static> Recording<W> {
         &self.gaps
     }
 
-    /// Takes the next sample. One that is not later than the last is left out: it was recorded.
+    /// Takes the next sample. A sample that is not later than the last one is already recorded, so it is left out.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -176,7 +176,7 @@ impl<W: Write + Seek + 'static> Recording<W> {
         Ok(())
     }
 
-    /// Fills the row of a sample. It is that of the tick that plays what the loop commanded in the sample's tick.
+    /// Fills the row of a sample. The row is that of the tick that plays the loop's commands of the sample's tick.
     fn fill(&mut self, sample: &Sample) {
         let phase = |turns: i64| Phase::ZERO.advanced(Turns::from_bits(turns));
         let master = phase(sample.phase);
@@ -217,7 +217,7 @@ impl<W: Write + Seek + 'static> Recording<W> {
         }
     }
 
-    /// Ends the recording, with the events that the controller had meanwhile.
+    /// Ends the recording, with the events that the controller reported during it.
     ///
     /// # Errors
     /// A file cannot be written.

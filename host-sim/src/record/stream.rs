@@ -2,7 +2,7 @@
 
 use cophase_link::sample::{Channel, Channels};
 
-/// Columns that no controller knows, less the number of the axis.
+/// Columns to which no controller has access, named without the number of the axis.
 const UNKNOWN: [&str; 6] = [
     "actual_turns",
     "tilt_x_mrad",
@@ -47,7 +47,7 @@ impl Stream {
         self.channels & FOR_EDGES == FOR_EDGES
     }
 
-    /// Columns that stay empty, less the number of the axis.
+    /// Columns that stay empty, named without the number of the axis.
     pub(super) fn unknown_columns(self) -> Vec<&'static str> {
         let missing = COLUMNS.iter().filter(|(channel, _)| !self.has(*channel));
         let missing = missing.flat_map(|(_, names)| names.iter().copied());

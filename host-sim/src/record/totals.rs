@@ -12,13 +12,13 @@ use crate::units::{degrees, speed_hz};
 /// Sums and extremes of all samples that were recorded.
 #[derive(Clone, Debug)]
 pub struct Totals {
-    /// Tick of the first sample and of the last; none if there is none.
+    /// Ticks of the first and the last sample. `None` without samples.
     pub ticks: Option<(u32, u32)>,
-    /// Last state; none if there is none.
+    /// Last state. `None` without samples.
     pub state: Option<State>,
     /// True if a fault was latched at the end.
     pub has_fault: bool,
-    /// Time in each state, s: idle, homing, run, stop, parked, fault. Gaps count for none.
+    /// Time in each state, s: idle, homing, run, stop, parked, fault. Gaps are not counted.
     pub time_in_state_s: [f64; 6],
     /// Each axis at the end.
     pub axes: Vec<AxisTotals>,
@@ -43,13 +43,14 @@ pub struct AxisTotals {
 }
 
 impl Totals {
-    /// Ticks of the program that were over where it began to run, by the tick of the sample.
+    /// For each start of the program, the tick of the sample and the number of program ticks that
+    /// had elapsed.
     pub(super) fn runs_from(&self) -> &[(u32, u32)] {
         &self.runs
     }
 }
 
-/// Sums that are being made.
+/// Running sums.
 pub(super) struct Totalling {
     totals: Totals,
     mechanism: AnyMechanism,

@@ -1,7 +1,7 @@
 //! Probabilities of the causes of a fault's name, from the campaigns of `docs/campaign.md`.
 //!
-//! A campaign knows the true cause of each fault. So it counts how often a cause gets a name: the likelihood of the cause. If all
-//! causes are equally frequent, the likelihoods are proportional to the probabilities of the causes (Bayes' theorem).
+//! In a campaign, the true cause of each fault is known. So a campaign counts how often a cause gets a name: the likelihood of the
+//! cause. If all causes are equally frequent, the likelihoods are proportional to the probabilities of the causes (Bayes' theorem).
 
 use cophase_core::settings::AxisSettings;
 use cophase_core::supervisor::Fault;
@@ -37,7 +37,7 @@ fn counted() -> impl Iterator<Item = Counted> {
 }
 
 /// Returns the probability of each cause, 0 to 1, if the name of the fault and `others` are the only causes and equally frequent. The
-/// most probable comes first. It is empty for a name that campaigns hardly had.
+/// most probable comes first. It is empty for a name that is rare in the campaigns.
 fn probabilities(
     fault: &Fault,
     has_encoder: bool,

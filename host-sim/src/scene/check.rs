@@ -77,7 +77,7 @@ impl Checked {
             plant,
             scene,
         };
-        // A controller is created as a check, because only it knows everything that the core refuses.
+        // A controller is created as a check, because only this runs all checks of the core.
         checked.controller()?;
         numbers::check_steppers(&checked.scene)?;
         if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
@@ -92,7 +92,7 @@ impl Checked {
             checked.resolution = choice.resolution;
             checked.choice = Some(choice);
         }
-        // The machine, too, because it knows the data that its model level needs.
+        // The machine is created, too, because this checks the data that its model level needs.
         let model_level = checked.fidelity;
         checked.on(model_level)
     }

@@ -24,7 +24,7 @@ pub struct SceneError {
 }
 
 impl SceneError {
-    /// Creates an error at a key. The caller that knows the origin fills it in.
+    /// Creates an error at a key. The caller adds the origin.
     pub fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
         Self {
             origin: String::new(),

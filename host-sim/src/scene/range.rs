@@ -1,7 +1,7 @@
 //! Sentences about values out of their range: the range with its unit, its reason, and the fix.
 //!
-//! The fix is the nearer end of the range. A value that would be in range in another unit that people use for the same quantity was
-//! probably meant in that unit, so the sentence converts it.
+//! The fix is the nearer end of the range. A value may be in range in another unit that people use for the same quantity. It was
+//! then probably meant in that unit, so the sentence converts it.
 
 use core::f64::consts::TAU;
 

@@ -66,7 +66,7 @@ pub enum Value {
 /// Function that reads a value from a row. The second argument is the axis; columns without an axis ignore it.
 #[derive(Clone, Copy, Debug)]
 pub enum Read {
-    /// A number with so many decimals, at most 9.
+    /// A number with this count of decimals, at most 9.
     Number(u32, fn(&Row, usize) -> f64),
     /// A whole number.
     Count(fn(&Row, usize) -> i64),

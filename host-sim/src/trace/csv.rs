@@ -13,7 +13,7 @@ use super::column::{Column, Value};
 /// Reason why a trace could not be written.
 #[derive(Debug, Error)]
 pub enum TraceError {
-    /// A row has another number of axes than the header.
+    /// A row has a different number of axes from the header.
     #[error("a row has {actual} axes where the header names {expected}")]
     Axes {
         /// Axes in the header.
@@ -69,7 +69,7 @@ impl<W: Write> TraceCsv<W> {
         })
     }
 
-    /// Leaves columns empty, as nobody knows their values. The name of a column of axes stands without the number of the axis.
+    /// Leaves columns empty whose values are not available. The name of a column of axes has no axis number here.
     #[must_use]
     pub fn without(mut self, names: &[&str]) -> Self {
         let is_named = |column: &Column| names.contains(&column.field.name);
@@ -80,8 +80,7 @@ impl<W: Write> TraceCsv<W> {
     /// Writes one row.
     ///
     /// # Errors
-    /// When the row has another number of axes than the header, in which case nothing of it is written, or
-    /// when the writer refuses.
+    /// The row has a different number of axes from the header, and nothing of it is written. Or the writer refuses.
     pub fn write(&mut self, row: &Row) -> Result<(), TraceError> {
         if row.axes.len() != self.axes {
             return Err(TraceError::Axes {
@@ -104,10 +103,10 @@ impl<W: Write> TraceCsv<W> {
         Ok(())
     }
 
-    /// Flushes and gives the writer back.
+    /// Flushes and returns the writer.
     ///
     /// # Errors
-    /// When the writer refuses the last bytes. Dropping the trace instead would lose such an error.
+    /// The writer refuses the last bytes. If the trace were dropped instead, this error would be lost.
     pub fn finish(self) -> Result<W, TraceError> {
         Ok(self.lines.into_inner().map_err(|e| e.into_error())?)
     }

@@ -1,7 +1,7 @@
 //! Files of a run's folder, or a file of another command, written completely or not at all.
 //!
-//! *Temporary*: a hidden sibling (`.NAME.PID.part`) into which a file is written until the whole run is done;
-//! being in the same folder, it can be renamed into place in one step.
+//! *Temporary*: a hidden sibling (`.NAME.PID.part`) into which a file is written until the whole run is done. It is in the same
+//! folder, so it can be renamed into place in one step.
 //!
 //! Dropping [`RunFiles`] without [`RunFiles::commit`] removes the temporaries, and the folders that were created for them,
 //! unless another process has put something there. The files of an earlier run are unchanged until the commit. A process that
@@ -52,13 +52,13 @@ impl Unfinished {
         UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Removes what it can. A failure cannot be reported here.
+    /// Removes files and folders as far as possible. A failure cannot be reported here.
     fn take_away(&mut self, files: &[PathBuf], folders: &[PathBuf]) {
         for file in files {
             let _ = fs::remove_file(file);
         }
         for folder in folders {
-            // Refuses a folder that is not empty, as it should.
+            // This refuses a folder that is not empty, as intended.
             let _ = fs::remove_dir(folder);
         }
         self.files.retain(|file| !files.contains(file));
@@ -95,16 +95,16 @@ pub struct RunFiles {
 }
 
 impl RunFiles {
-    /// Makes the folder, with those above it, unless it is there.
+    /// Creates the folder and its parents if they do not exist.
     ///
     /// # Errors
-    /// When the folder cannot be made, or a file is in its place.
+    /// The folder cannot be created, or a file is in its place.
     pub fn create(dir: impl AsRef<Path>) -> Result<Self, RunFilesError> {
         let dir = dir.as_ref().to_path_buf();
         let missing = dir
             .ancestors()
             .take_while(|above| !above.as_os_str().is_empty() && !above.exists());
-        // Created first, so that its drop removes what was made before a failure.
+        // Created first, so that its drop removes the folders that were made before a failure.
         let files = Self {
             made: missing.map(Path::to_path_buf).collect(),
             dir,
@@ -123,11 +123,11 @@ impl RunFiles {
 
     /// Opens the temporary of file `name`, which must be a plain file name.
     ///
-    /// Flush the writer and look at the result before [`commit`](Self::commit): a dropped `BufWriter` swallows
-    /// the error of its last write, and a short file would be put in place.
+    /// Flush the writer and check the result before [`commit`](Self::commit). A dropped `BufWriter` discards the error of its last
+    /// write, and a file that is too short would be put in place.
     ///
     /// # Errors
-    /// When the name is no plain one, was requested before, or the temporary cannot be created.
+    /// The name is not a plain file name or was requested before, or the temporary cannot be created.
     pub fn file(&mut self, name: &str) -> Result<BufWriter<File>, RunFilesError> {
         let mut parts = Path::new(name).components();
         if !matches!((parts.next(), parts.next()), (Some(Component::Normal(part)), None) if part == name)

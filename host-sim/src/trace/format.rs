@@ -1,6 +1,6 @@
 //! The files of a trace, by format.
 
-/// A format in which a trace is written, to a file of its own.
+/// Format of a trace. Each format has its own file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Comma-separated values: rows.

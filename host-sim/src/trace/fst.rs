@@ -13,7 +13,8 @@ use super::Row;
 use super::column::{Column, Value};
 use super::wires::{EdgeError, Levels, Signal, Wires};
 
-/// Where the format's header has its start time: after a byte for the kind of block, and eight for its length.
+/// Offset of the start time in the format's header, bytes: one byte for the kind of block and eight for its
+/// length precede it.
 const START_TIME_AT: u64 = 9;
 
 /// Changes are kept in memory and compressed in blocks of this many bytes.
@@ -73,7 +74,7 @@ impl<W: Write + Seek> StepsFst<W> {
         })
     }
 
-    /// `signal` is at `level` from `time_ns` on. A level it already has is not written.
+    /// Sets `signal` to `level` from `time_ns` on. A level that the signal already has is not written.
     ///
     /// # Errors
     /// A time before the last one, or a wire that the file does not have.
@@ -85,10 +86,10 @@ impl<W: Write + Seek> StepsFst<W> {
         Ok(())
     }
 
-    /// The numbers of `row` hold from `time_ns` on.
+    /// Sets the numbers of `row`, which hold from `time_ns` on.
     ///
     /// # Errors
-    /// A time before the last one, or what the writer says.
+    /// A time before the last one, or an error of the writer.
     ///
     /// # Panics
     /// If the row has fewer axes than the file.
@@ -105,14 +106,14 @@ impl<W: Write + Seek> StepsFst<W> {
         Ok(())
     }
 
-    /// Writes the window's end, flushes, and gives the writer back.
+    /// Writes the window's end, flushes, and returns the writer.
     ///
     /// # Errors
-    /// An end before the last change, or what the writer says.
+    /// An end before the last change, or an error of the writer.
     pub fn finish(mut self, end_time_ns: u64) -> Result<W, EdgeError> {
         self.advance(end_time_ns)?;
         let mut w = self.file.finish()?;
-        // The crate has 0 there, and a viewer would show all time since power-up.
+        // The crate writes 0 there, and a viewer would then show all time since power-up.
         w.seek(SeekFrom::Start(START_TIME_AT))?;
         w.write_all(&self.start_ns.to_be_bytes())?;
         w.flush()?;
@@ -121,7 +122,7 @@ impl<W: Write + Seek> StepsFst<W> {
 
     fn advance(&mut self, time_ns: u64) -> Result<(), EdgeError> {
         if self.wires.advance(time_ns)? {
-            // A block can end before a new time only.
+            // A block can end only before a new time.
             if self.file.size() > BLOCK {
                 self.file.flush()?;
             }

@@ -1,6 +1,6 @@
 //! A row as one flat JSON object.
 //!
-//! A value that is no finite number is `null`, as JSON has no other word for it.
+//! A value that is not a finite number is `null`, because JSON has no such numbers.
 
 use serde::{Serialize, Serializer};
 
@@ -18,7 +18,7 @@ impl JsonColumns {
     /// Replaces `text` by the object of a row, which must have the columns' axes.
     ///
     /// # Errors
-    /// When the serializer refuses, which it does for no value of a column.
+    /// The serializer refuses. It refuses no value of a column.
     pub fn write(&self, row: &Row, text: &mut Vec<u8>) -> serde_json::Result<()> {
         text.clear();
         serde_json::to_writer(text, &Object { columns: self, row })

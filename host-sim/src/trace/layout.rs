@@ -4,7 +4,8 @@
 pub fn gtkwave_layout(axes: usize) -> String {
     const BLANK: &str = "@200";
     const BIT: &str = "@28";
-    // Right-justified, as decimal real, as an interpolated analogue curve; and a blank line that it extends over.
+    // Flags: right-justified, decimal real, interpolated analogue curve. A blank line follows, over which the curve
+    // extends.
     const CURVE: &str = "@88420";
     const EXTENDED: &str = "@20000";
     let mut text = "[*] Wires and signals of a run: gtkwave steps.fst steps.gtkw\n\
@@ -19,7 +20,7 @@ pub fn gtkwave_layout(axes: usize) -> String {
             text += &format!("cophase.{wire}_{axis}\n");
         }
     }
-    // One number of the machine in a curve of three lines, under a heading.
+    // One quantity of the machine: a curve of three lines, under a heading.
     let curve = |heading: &str, signal: &str| {
         format!("{BLANK}\n-{heading}\n{CURVE}\ncophase.{signal}\n{EXTENDED}\n-\n-\n")
     };

@@ -1,7 +1,7 @@
 //! `trace.mcap`: a channel for each [`Topic`], a message in JSON for each row.
 //!
 //! The time of a message is that of its row, ns since power-up. The JSON schema of a channel has the unit and the source of
-//! each column. Nothing is compressed, as the crate compresses by C libraries only.
+//! each column. Nothing is compressed, because the crate can compress only with C libraries.
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
@@ -21,7 +21,7 @@ pub enum McapTraceError {
     /// The `mcap` crate or the file under it refused.
     #[error("trace not written: {0}")]
     Mcap(#[from] mcap::McapError),
-    /// A message or a schema is no JSON.
+    /// A message or a schema is not JSON.
     #[error("trace not written: {0}")]
     Json(#[from] serde_json::Error),
     /// The last bytes could not be flushed.
@@ -105,7 +105,7 @@ impl<W: Write + Seek> TraceMcap<W> {
 fn schema(name: &str, topic: Topic) -> serde_json::Value {
     let properties = Column::of_topic(topic).map(|column| {
         let field = column.field;
-        // A single type, though a number that is not finite is written as null: Foxglove refuses lists of types.
+        // A single type, although a number that is not finite is written as null: Foxglove refuses lists of types.
         let kind = match field.read {
             Read::Number(..) => "number",
             Read::Count(_) => "integer",

@@ -1,9 +1,9 @@
 //! Files of a run: traces and pictures.
 //!
-//! One [`Row`] a control tick goes in; out come numbers ([`TraceCsv`], [`TraceMcap`], and [`RowsUdp`] for live plots), edges as a
-//! logic analyser shows them ([`StepsVcd`], [`StepsFst`]), and one page as a scope shows it ([`ScopeData`]). The [columns](mod@column) are
-//! stated once for all of them. [`RunFiles`] puts the files in a folder, all or none, and a [`Recorder`] makes rows of a run. What
-//! columns and wires mean for a reader is in `docs/formats.md`.
+//! The input is one [`Row`] per control tick. The output is numbers ([`TraceCsv`], [`TraceMcap`], and [`RowsUdp`] for live plots), edges
+//! as a logic analyser shows them ([`StepsVcd`], [`StepsFst`]), and one page as a scope shows it ([`ScopeData`]). The
+//! [columns](mod@column) are defined once for all of them. [`RunFiles`] puts the files in a folder, all or none, and a [`Recorder`] makes
+//! rows of a run. `docs/formats.md` explains the columns and wires to readers.
 //!
 //! Nothing here reads a clock or a locale: the same run gives the same bytes.
 

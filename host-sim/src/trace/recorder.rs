@@ -1,4 +1,4 @@
-//! Looks on while a scene runs, and writes down what is to be written.
+//! Observer of a scene's run that writes its traces.
 
 use std::io::{Seek, Write};
 
@@ -26,7 +26,7 @@ pub enum RecordError {
     Edges(#[from] EdgeError),
 }
 
-/// Writes the files of a trace, and gathers what `scope.svg` is drawn from.
+/// Writes the files of a trace, and collects the data for `scope.svg`.
 pub struct Recorder<'a, W: Write + Seek> {
     traces: Traces<'a, W>,
     rows: ControllerRows,
@@ -36,7 +36,7 @@ pub struct Recorder<'a, W: Write + Seek> {
 }
 
 impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
-    /// Writes to `files`, one of each format at most, what a scene's run shows; sends its rows to `udp`; and gathers `scope`.
+    /// Writes a scene's run to `files`, of which each format has at most one. Sends its rows to `udp`, and fills `scope`.
     ///
     /// # Errors
     /// A header cannot be written.
@@ -67,10 +67,10 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
         })
     }
 
-    /// Closes the files; returns how the trace was written, and what the scope shows.
+    /// Closes the files. Returns the form of the written trace, and the content of the scope.
     ///
     /// # Errors
-    /// The first thing that went wrong with a file.
+    /// The first error of a file.
     pub fn finish(self) -> Result<(crate::report::Written, ScopeData), RecordError> {
         match self.failed {
             Some(error) => Err(error),
@@ -79,7 +79,7 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
     }
 
     fn fill(&mut self, moment: &Moment<'_>) {
-        // The row has the time of the tick that is played, and not the number of the one in which it was planned.
+        // The row has the time of the tick that is played, and not the number of the tick in which it was planned.
         let sample = Sample::new(0, moment.telemetry, 0);
         let row = &mut self.row;
         let (master_turns, command_turns) = (moment.master_turns, moment.command_turns);

@@ -47,7 +47,7 @@ mod tests {
 
     #[test]
     fn tick_times_are_exact_multiples_after_any_number_of_ticks() {
-        // 2 kHz for eleven hours: the time in f64 is off by ulps, the text is not.
+        // 2 kHz for eleven hours: the time in f64 is off by units in the last place, and the text is exact.
         for tick in [1_u64, 3, 7, 1_999, 7_200_001, 79_999_999] {
             let t_s = tick as f64 * 0.0005;
             let ten_thousandths = tick * 5;
@@ -73,7 +73,7 @@ mod tests {
             prop_assert!((back - value).abs() <= bound, "{value} became {back}");
         }
 
-        /// A column of turns would otherwise print digits that mean nothing.
+        /// If this fails, a column of turns prints digits without significance.
         #[test]
         fn has_at_most_the_column_s_decimals(value in -4e6_f64..4e6, decimals in 0_u32..=9) {
             let text = text(value, decimals);

@@ -1,7 +1,7 @@
-//! The row: what one control tick was, for every writer here.
+//! Row: the values of one control tick, for all writers.
 //!
-//! Time and turns count from power-up. The program, the command and the drift are the controller's view;
-//! the actual turns, tilt, warp, height and acceleration are the simulated machine's truth.
+//! Time and turns count from power-up. The program, the command and the phase error are the controller's
+//! values. The actual turns, tilt, warp, height and acceleration are the true values of the simulated machine.
 
 /// One row of `trace.csv`: the loop and the machine at one control tick.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +43,7 @@ impl Row {
         }
     }
 
-    /// Makes what only a simulated machine knows not a number.
+    /// Sets the values that only a simulated machine has to NaN.
     pub fn forget_truth(&mut self) {
         for axis in &mut self.axes {
             axis.actual_turns = f64::NAN;
@@ -69,6 +69,6 @@ pub struct AxisRow {
     pub command_turns: f64,
     /// The crank's true phase, turns since power-up.
     pub actual_turns: f64,
-    /// Drift as the monitor last measured it, degrees.
+    /// Phase error as the monitor last measured it, degrees.
     pub phase_error_deg: f64,
 }

@@ -1,4 +1,4 @@
-//! Which control ticks become rows.
+//! Selection of the control ticks that become rows.
 
 use super::Row;
 use super::recorder::RecordError;
@@ -6,36 +6,37 @@ use super::recorder::RecordError;
 /// Most rows that a trace gets unless more are requested.
 pub const MOST_ROWS: usize = 20_000;
 
-/// Which ticks become rows.
+/// Selection of the ticks that become rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Every {
     /// Every n-th.
     Ticks(u64),
-    /// As many as give at most [`MOST_ROWS`] rows.
+    /// As many ticks as give at most [`MOST_ROWS`] rows.
     Fitting,
 }
 
 impl Every {
-    /// The fewest ticks between rows with which a run of `ticks` has at most [`MOST_ROWS`]: for rows that cannot wait for its end.
+    /// Returns the smallest number of ticks between rows with which a run of `ticks` has at most [`MOST_ROWS`]. It is for rows
+    /// that are written before the end of the run.
     pub const fn for_run(ticks: u64) -> Self {
         let every = ticks.div_ceil(MOST_ROWS as u64);
         Self::Ticks(if every == 0 { 1 } else { every })
     }
 }
 
-/// Whoever writes rows.
+/// Writer of rows.
 pub(super) trait RowWriter {
     /// Writes a row.
     fn write(&mut self, row: &Row) -> Result<(), RecordError>;
 
-    /// Writes what comes after the last row.
+    /// Writes the end of the file after the last row.
     fn finish(self: Box<Self>) -> Result<(), RecordError>;
 }
 
 /// Rows of a trace, thinned while they are gathered.
 pub(super) struct Rows<'a> {
     writers: Vec<Box<dyn RowWriter + 'a>>,
-    /// Kept back until the end, as the thinning may have to double.
+    /// Rows are kept until the end, because the thinning may have to double.
     kept: Option<Vec<(u64, Row)>>,
     every: u64,
     tick: u64,

@@ -9,7 +9,7 @@ use crate::sim::Moment;
 pub struct TickEdges<'a> {
     /// Beginning of the tick, ns since power-up.
     pub start_ns: u64,
-    /// End of it.
+    /// End of the tick, ns since power-up.
     pub end_ns: u64,
     /// Cycles of the step clock in the tick.
     pub tick_cycles: u32,
@@ -21,7 +21,7 @@ pub struct TickEdges<'a> {
     pub reversed: &'a [bool],
     /// Level of the drives' enable.
     pub enable: bool,
-    /// Wires that only a simulated machine knows.
+    /// Wires that only a simulated machine has.
     pub sensed: Option<SensedEdges<'a>>,
 }
 
@@ -57,7 +57,7 @@ impl<'a> TickEdges<'a> {
         }
     }
 
-    /// Time of so many cycles of the step clock, ns, rounded down.
+    /// Time of a number of cycles of the step clock, ns, rounded down.
     pub fn ns(&self, cycles: u64) -> u64 {
         cycles * (self.end_ns - self.start_ns) / u64::from(self.tick_cycles)
     }

@@ -1,4 +1,4 @@
-//! The traces of a run, which all are made of the same rows and edges.
+//! Traces of a run. All are made from the same rows and edges.
 
 use std::io::{Seek, Write};
 
@@ -18,11 +18,11 @@ pub struct TraceSetup<'a> {
     pub every: Every,
     /// Time that `steps.vcd` shows.
     pub window: Window,
-    /// Columns that nobody knows, less the number of the axis.
+    /// Columns whose values are not available, named without the number of the axis.
     pub unknown: &'a [&'a str],
 }
 
-/// Writer of the files, which gathers what `scope.svg` is drawn from.
+/// Writer of the files, which also collects the data for `scope.svg`.
 pub struct Traces<'a, W: Write + Seek> {
     axes: usize,
     rows: Rows<'a>,
@@ -31,7 +31,8 @@ pub struct Traces<'a, W: Write + Seek> {
 }
 
 impl<'a, W: Write + Seek + 'a> Traces<'a, W> {
-    /// Writes to `files`, one of each format at most; sends rows to `udp`; and gathers `scope`.
+    /// Writes to `files`, of which each format has at most one. Sends rows to `udp`, and fills
+    /// `scope`.
     ///
     /// # Errors
     /// A header cannot be written.
@@ -74,7 +75,7 @@ impl<'a, W: Write + Seek + 'a> Traces<'a, W> {
         self.rows.push(row)
     }
 
-    /// Takes the edges of the next tick, and its row for files that have room for its numbers.
+    /// Takes the edges of the next tick, and its row for formats that contain numbers.
     ///
     /// # Errors
     /// The edges cannot be written.
@@ -86,7 +87,7 @@ impl<'a, W: Write + Seek + 'a> Traces<'a, W> {
         Ok(self.steps.tick(tick, row)?)
     }
 
-    /// Closes the files; returns how the trace was written, and what the scope shows.
+    /// Closes the files. Returns the form of the written trace, and the content of the scope.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -1,7 +1,8 @@
 //! Rows as datagrams, one JSON object each, for a live plot.
 //!
-//! Nothing waits for the receiver. A row that the system does not take at once is lost, and counted. So is a row that the
-//! receiver's host refuses, where it reports that. A row that is lost on the way, or by a slow receiver, is in no count.
+//! Nothing waits for the receiver. A row that the system does not take at once is lost, and counted. A row that the
+//! receiver's host refuses is also counted, if the host reports it. A row that is lost on the way, or by a slow receiver,
+//! is not counted.
 
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
@@ -10,7 +11,7 @@ use super::Row;
 use super::column::{Column, Topic};
 use super::json::JsonColumns;
 
-/// The key by which receivers find the time, s since power-up; that of PlotJuggler, unless it is given another.
+/// Key of the time, s since power-up, for receivers. It is PlotJuggler's default key.
 const TIMESTAMP: &str = "timestamp";
 
 /// Sends rows to one receiver.
@@ -25,9 +26,9 @@ pub struct RowsUdp {
 /// Number of sent rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SentRows {
-    /// Rows there were.
+    /// Number of all rows.
     pub rows: u64,
-    /// Those of them that the system reported as not sent or refused.
+    /// Number of rows that the system reported as not sent or refused.
     pub lost: u64,
 }
 
@@ -35,7 +36,7 @@ impl RowsUdp {
     /// Opens a socket for rows of `axes` axes to a receiver.
     ///
     /// # Errors
-    /// No socket, or no way to the receiver.
+    /// There is no socket, or no route to the receiver.
     pub fn new(receiver: SocketAddr, axes: usize) -> io::Result<Self> {
         let any: SocketAddr = match receiver {
             SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
@@ -68,7 +69,7 @@ impl RowsUdp {
             return;
         }
         let mut sent = self.socket.send(&self.text);
-        // This is of an earlier row, and this row has not been sent yet.
+        // This error belongs to an earlier row. The present row has not been sent yet.
         if let Err(error) = &sent
             && error.kind() == ErrorKind::ConnectionRefused
         {
@@ -78,7 +79,7 @@ impl RowsUdp {
         self.lost += u64::from(sent.is_err());
     }
 
-    /// Ends sending, and gives the counts.
+    /// Ends sending, and returns the counts.
     pub fn finish(self) -> SentRows {
         let refused = self.socket.take_error().is_ok_and(|error| error.is_some());
         SentRows {
@@ -94,16 +95,16 @@ mod tests {
     use crate::trace::AxisRow;
     use std::time::Duration;
 
-    /// PlotJuggler's UDP server cuts a datagram off there, and reports that it is no JSON.
+    /// PlotJuggler's UDP server cuts off a datagram at this length, bytes, and reports that it is not JSON.
     const LONGEST: usize = 2048;
 
-    /// Were it wrong, a machine with many axes could not be plotted live, while one with few could.
+    /// If this fails, a machine with many axes cannot be plotted live, while one with few axes can.
     #[test]
     fn six_axes_fit_into_a_datagram() {
         let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
         let wait = Some(Duration::from_secs(60));
         receiver.set_read_timeout(wait).unwrap();
-        // As long as numbers become: hundreds of hours at full speed.
+        // The longest numbers that occur: those after hundreds of hours at full speed.
         let axis = AxisRow {
             steps: i64::MIN,
             command_turns: -123_456_789.123_456_79,

@@ -1,8 +1,9 @@
-//! `steps.vcd`: the edges on the wires, as a logic analyser would have caught them.
+//! `steps.vcd`: the edges on the wires, as a logic analyser would record them.
 //!
-//! *Window*: the stretch of time the file covers. Times are nanoseconds since power-up, not since the window's
-//! start, so that an edge can be found again in `trace.csv`; the first timestamp is the window's start, with
-//! every wire's level there, and the last is its end, so that viewers show all of it even if nothing moves.
+//! *Window*: the part of the run that the file covers. Times are nanoseconds since power-up, and not since the
+//! window's start, so that an edge can be found again in `trace.csv`. The first timestamp is the window's
+//! start, with every wire's level there. The last one is its end, so that viewers show the whole window even
+//! if nothing moves.
 //!
 //! The file carries no date: the same run gives the same bytes.
 
@@ -26,7 +27,7 @@ use super::wires::{EdgeError, Levels, Signal, Wires};
 /// # Ok::<(), host_sim::trace::EdgeError>(())
 /// ```
 pub struct StepsVcd<W: Write> {
-    // The `vcd` writer does not give its own writer back, so it is borrowed through this one.
+    // The `vcd` writer does not return its own writer, so it is borrowed through this one.
     file: ::vcd::Writer<Held<W>>,
     ids: Vec<IdCode>,
     wires: Wires,
@@ -61,11 +62,11 @@ impl<W: Write> StepsVcd<W> {
         Ok(Self { file, ids, wires })
     }
 
-    /// `signal` is at `level` from `time_ns` on. A level it already has is not written.
+    /// Sets `signal` to `level` from `time_ns` on. A level that the signal already has is not written.
     ///
     /// # Errors
-    /// [`EdgeError::Order`] for a time before the last one written or before the window,
-    /// [`EdgeError::Wire`] for an axis the file has not; neither leaves a trace in the file.
+    /// [`EdgeError::Order`] for a time before the last one written or before the window. [`EdgeError::Wire`]
+    /// for an axis that the file does not have. Neither error changes the file.
     pub fn change(&mut self, time_ns: u64, signal: Signal, level: bool) -> Result<(), EdgeError> {
         if let Some(wire) = self.wires.change(time_ns, signal, level)? {
             self.advance(time_ns)?;
@@ -74,10 +75,10 @@ impl<W: Write> StepsVcd<W> {
         Ok(())
     }
 
-    /// Writes the window's end, flushes, and gives the writer back.
+    /// Writes the window's end, flushes, and returns the writer.
     ///
     /// # Errors
-    /// [`EdgeError::Order`] for an end before the last change, or what the writer says.
+    /// [`EdgeError::Order`] for an end before the last change, or an error of the writer.
     pub fn finish(mut self, end_time_ns: u64) -> Result<W, EdgeError> {
         self.advance(end_time_ns)?;
         self.file.flush()?;
@@ -85,7 +86,7 @@ impl<W: Write> StepsVcd<W> {
         Ok(writer.ok_or_else(|| io::Error::other("writer already taken"))?)
     }
 
-    /// Writes a timestamp, unless the file is already there.
+    /// Writes a timestamp, unless the file is already at that time.
     fn advance(&mut self, time_ns: u64) -> Result<(), EdgeError> {
         if self.wires.advance(time_ns)? {
             self.file.timestamp(time_ns)?;
@@ -94,7 +95,7 @@ impl<W: Write> StepsVcd<W> {
     }
 }
 
-/// A writer that can be taken out again.
+/// A writer that can be taken out.
 struct Held<W>(Option<W>);
 
 impl<W: Write> Write for Held<W> {
@@ -146,7 +147,7 @@ mod tests {
             })
         ));
         steps.change(150, Signal::Sync, true).unwrap();
-        // Refused even where there would be nothing to write.
+        // A time in the past is refused even if the change would write nothing.
         assert!(steps.change(149, Signal::Sync, true).is_err());
         assert!(matches!(steps.finish(149), Err(EdgeError::Order { .. })));
     }

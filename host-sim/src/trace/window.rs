@@ -1,7 +1,7 @@
 //! The window of step edges that `steps.vcd` and `steps.fst` show.
 //!
-//! Outside the window levels are kept track of but not written, so that a window that begins in the
-//! middle of a run begins with the levels that the wires have there.
+//! Levels outside the window are tracked but not written. So a window that begins in the middle of a run begins with the levels that
+//! the wires have there.
 
 use std::io::{Seek, Write};
 
@@ -12,21 +12,21 @@ use super::{EdgeError, Levels, Row, Signal, TickEdges};
 use crate::faults::Planned;
 use crate::scene::Scene;
 
-/// Which part of the run `steps.vcd` shows.
+/// Part of the run that `steps.vcd` shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Window {
     /// Between two times, ns.
     Between(u64, u64),
-    /// All of it.
+    /// The whole run.
     All,
     /// The first 200 ms of motion.
     FirstMotion,
 }
 
-/// Without a window of its own, `steps.vcd` shows this much.
+/// Length of the default window, ns.
 const SHOWN_NS: u64 = 200_000_000;
 
-/// So much of that is before a fault.
+/// Part of that window before a fault, ns.
 const BEFORE_FAULT_NS: u64 = 50_000_000;
 
 impl Window {
@@ -43,25 +43,26 @@ impl Window {
         }
     }
 
-    /// Around what goes wrong at a time, s.
+    /// Window around a fault at a time, s.
     pub fn around(at_s: f64) -> Self {
         let from_ns = ((at_s * 1e9).round() as u64).saturating_sub(BEFORE_FAULT_NS);
         Self::Between(from_ns, from_ns + SHOWN_NS)
     }
 
-    /// Between two times, s.
+    /// Window between two times, s.
     pub fn seconds(from_s: f64, to_s: f64) -> Self {
         Self::Between((from_s * 1e9).round() as u64, (to_s * 1e9).round() as u64)
     }
 }
 
-/// No viewer likes a file of more edges than this; it has about a gigabyte.
+/// Greatest number of edges in a file. A file of this size has about a gigabyte, and viewers cannot handle more.
 const MOST_EDGES: u64 = 60_000_000;
 
 /// Edges of the window.
 pub(super) struct StepWindow<W: Write + Seek> {
     window: Window,
-    /// Not begun; or what was written to. Files that never began are begun at the end, to be whole.
+    /// Files, not yet begun or being written. Files that are still not begun at the end of the run are begun then, so that they are
+    /// complete.
     files: Begun<W>,
     levels: Levels,
     edges: Vec<(u64, Signal, bool)>,
@@ -90,7 +91,7 @@ impl<W: Write + Seek> StepWindow<W> {
         }
     }
 
-    /// Takes the edges of a tick, and the row of the tick for files that have room for its numbers.
+    /// Takes the edges of a tick, and its row for formats that contain numbers.
     pub fn tick(&mut self, tick: &TickEdges<'_>, row: Option<&Row>) -> Result<(), EdgeError> {
         let (start_ns, end_ns) = (tick.start_ns, tick.end_ns);
         let axes = tick.runs.len();
@@ -109,7 +110,7 @@ impl<W: Write + Seek> StepWindow<W> {
             Window::Between(from_ns, to_ns) => (from_ns, to_ns),
             Window::FirstMotion => (u64::MAX, u64::MAX),
         };
-        self.edges.retain(|(at, ..)| *at >= start_ns); // the ends of index pulses of the tick before
+        self.edges.retain(|(at, ..)| *at >= start_ns); // keeps the ends of the previous tick's index pulses
         if end_ns <= from_ns || start_ns > to_ns {
             self.pass(tick);
             return self.close_after(end_ns, to_ns);
@@ -153,7 +154,7 @@ impl<W: Write + Seek> StepWindow<W> {
         self.close_after(end_ns, to_ns)
     }
 
-    /// Keeps track of the levels over a tick that is not shown, without looking at each edge.
+    /// Tracks the levels over a tick that is not shown, without a loop over its edges.
     fn pass(&mut self, tick: &TickEdges<'_>) {
         self.levels.enable = tick.enable;
         self.levels.sync = tick.sensed.as_ref().is_some_and(|sensed| sensed.sync);
@@ -179,7 +180,7 @@ impl<W: Write + Seek> StepWindow<W> {
         }
     }
 
-    /// Edges of one tick, in no order.
+    /// Collects the edges of one tick, unsorted.
     fn gather(&mut self, tick: &TickEdges<'_>) {
         let start_ns = tick.start_ns;
         self.edges.push((start_ns, Signal::Enable, tick.enable));
@@ -254,8 +255,8 @@ mod tests {
     use super::*;
     use crate::scene::load;
 
-    /// Were it wrong, whoever looks at what a fault did to the edges would get the machine's first steps, or miss what came just
-    /// before it; or a window that was requested would be moved.
+    /// If this fails, the window of a fault shows the machine's first steps, or leaves out the time just before the fault. Or a
+    /// window that was requested is moved.
     #[test]
     fn a_fault_is_what_is_shown() {
         let of = |more: &str| {

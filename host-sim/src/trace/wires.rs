@@ -19,7 +19,8 @@ pub enum Signal {
     Sync,
 }
 
-/// Every wire's level at the window's start. A vector shorter than the number of axes means low for the rest.
+/// Levels of all wires at the window's start. A vector shorter than the number of axes means low for the
+/// rest.
 #[derive(Clone, Debug, Default)]
 pub struct Levels {
     /// `step_i`.
@@ -39,7 +40,7 @@ pub struct Levels {
 /// Reason why a change was not written.
 #[derive(Debug, Error)]
 pub enum EdgeError {
-    /// The change is earlier than what is already written (a file's times cannot go back).
+    /// The change is earlier than the last one written. Times in a file cannot go back.
     #[error("a change at {time_ns} ns comes after one at {last_ns} ns")]
     Order {
         /// The time refused.
@@ -55,7 +56,7 @@ pub enum EdgeError {
         /// The file's axes.
         axes: usize,
     },
-    /// There are more edges than any viewer likes.
+    /// There are more edges than viewers can handle.
     #[error(
         "from {:.3} to {:.3} s there are more than 60 million edges, about a gigabyte; show less with --window",
         *from_ns as f64 * 1e-9,
@@ -101,7 +102,7 @@ impl Wires {
         }
     }
 
-    /// Their names, in the order of their levels.
+    /// Names of the wires, in the order of their levels.
     pub fn names(&self) -> impl Iterator<Item = String> {
         let axes = self.axes;
         let each = ["step", "dir", "index"].into_iter();
@@ -109,7 +110,7 @@ impl Wires {
             .chain(["enable", "sync"].map(str::to_owned))
     }
 
-    /// Their levels; none where a level is not known.
+    /// Levels of the wires. `None` for a level that is not known.
     pub fn levels(&self) -> impl Iterator<Item = Option<bool>> {
         let (axes, is_sensed_unknown) = (self.axes, self.is_sensed_unknown);
         let levels = self.levels.iter().enumerate();
@@ -119,7 +120,7 @@ impl Wires {
         })
     }
 
-    /// Takes a change, and gives the wire's position. There is none where the level is there already.
+    /// Takes a change, and returns the wire's position. Returns `None` if the wire already has this level.
     ///
     /// # Errors
     /// [`EdgeError::Wire`] and [`EdgeError::Order`].

@@ -1,10 +1,11 @@
-//! Synthesis of a crank-rocker from the swing of its rocker: a mixer drive whose stroke the process sets, and not the crank.
+//! Synthesis of a crank-rocker from the swing of its rocker: a mixer drive whose stroke is set by the process, and not by the crank.
 //!
-//! The source is a paper of 2013 on a vibro-mixer; a screw turns the rocker's swing into the stroke of a rod. [`Requirement`] is what the
-//! rocker must do, and [`design`] gives the [`Linkage`] that does it, or names the parameter that forbids it. [`write_page`] prints it.
+//! The source is a paper of 2013 on a vibro-mixer. A screw turns the rocker's swing into the stroke of a rod. [`Requirement`] is the
+//! required motion of the rocker. [`design`] returns the [`Linkage`] that meets it, or an error that names the parameter which prevents
+//! it. [`write_page`] prints it.
 //!
-//! With α the swing, β the pressure angle where crank and coupler are stretched out, and k the time of the forward stroke over that of the
-//! return, the angle between the two dead centres is Θ = 180° (1 − k) / (1 + k). Lengths over the rocker's are
+//! Let α be the swing, and β the pressure angle where crank and coupler are stretched out. Let k be the time of the forward stroke over
+//! that of the return. The angle between the two dead centres is Θ = 180° (1 − k) / (1 + k). Lengths over the rocker's are
 //!
 //! - crank: 2 q sin(Θ/2) cos(α/2 + Θ/2 − β),
 //! - coupler: 2 q cos(Θ/2) sin(α/2 + Θ/2 − β),
@@ -42,7 +43,7 @@ pub enum DesignError {
     /// Numbers out of their ranges: all of them, never empty. Prints a line each.
     #[error("{}", OutOfRange::lines(.0))]
     OutOfRange(Vec<OutOfRange>),
-    /// The pressure angle leaves the linkage no crank that turns all round.
+    /// With this pressure angle, no crank turns fully.
     #[error(
         "--pressure-deg {pressure_deg}: must be below half the swing, {half_swing_deg:.3}°; from there on the linkage folds flat and the \
          crank does not turn all round; try {try_deg:.1}"
@@ -55,7 +56,7 @@ pub enum DesignError {
         /// A third of the swing, which works with time ratios near 1.
         try_deg: f64,
     },
-    /// The crank does not turn all round (Grashof).
+    /// The crank does not turn fully (Grashof).
     #[error(
         "--time-ratio {time_ratio}: no crank turns all round in this linkage: it must be the shortest link, with a Grashof margin above 0, \
          and is {crank:.3} rockers long with a margin of {margin:.3}; give a ratio nearer 1, such as 0.9"
@@ -68,7 +69,7 @@ pub enum DesignError {
         /// Grashof margin of the linkage, over the rocker.
         margin: f64,
     },
-    /// The two dead centres belong to two ways of assembling the linkage.
+    /// The two dead centres belong to different assembly modes of the linkage.
     #[error(
         "--time-ratio {time_ratio}: the two dead centres lie on two branches of the linkage, and as assembled its rocker swings by \
          {swing_deg:.2}° instead of {requested_deg}°; give a ratio nearer 1, a larger --pressure-deg, or a smaller \
@@ -133,7 +134,7 @@ impl Design {
     /// Mean of the signed pressure angle over a turn of the crank, degrees; the error is below 1e-9 of a degree.
     #[must_use]
     pub fn mean_pressure_deg(&self) -> f64 {
-        // Of a smooth periodic curve the sum over even places converges faster than any power of their number.
+        // For a smooth periodic curve, the sum over evenly spaced points converges faster than any power of their number.
         let mean = |places: u32| {
             let angle = |i: u32| TAU * f64::from(i) / f64::from(places);
             let sum: f64 = (0..places)
@@ -207,7 +208,7 @@ const SCREW_LEAD: Range = Range::above_zero(
     12.0,
 );
 
-/// Swing of a linkage as assembled may differ from the requested one by this much, rad, which is rounding.
+/// Rounding tolerance, rad, for the difference between the swing as assembled and the requested one.
 const SAME_RAD: f64 = 1e-9;
 
 /// Lengths for a requirement (the source's formulas 4, 14 and 16 to 18).

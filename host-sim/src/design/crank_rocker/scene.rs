@@ -9,14 +9,15 @@ use crate::mechanism::crank_rocker::CrankRocker;
 use crate::mechanism::turn_search::largest_over_turn;
 use crate::mechanism::{Load, Mechanism, Platform};
 
-/// Assumed: units under the platform, load, kg, working speed, rev/s, and torque of the motors over what is required.
+/// Assumed values: number of units under the platform, load, kg, working speed, rev/s, and the ratio of the motors'
+/// torque to the required torque.
 const UNITS: u32 = 3;
 const LOAD_KG: f64 = 20.0;
 const SPEED_HZ: f64 = 6.0;
 const SAFETY: f64 = 2.0;
 
 impl Design {
-    /// The scene, as TOML text. The design has no load, no speed and no motors: these are assumed, and marked so.
+    /// The scene, as TOML text. The design has no load, no speed and no motors, so these are assumed and marked.
     ///
     /// # Errors
     /// There is no screw, or a scene cannot have the design's lengths.

@@ -9,7 +9,7 @@ use crate::mechanism::five_bar::{FiveBar, Joints, Unreachable};
 
 pub use report::write_page;
 
-/// Links of the arm, and where its hand is to be.
+/// Links of the arm, and the required place of its hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirement {
     /// Length of the link at joint 1, m: above 0, up to 10.
@@ -28,7 +28,7 @@ pub enum DesignError {
     /// Numbers out of their ranges: all of them, never empty. Prints a line each.
     #[error("{}", OutOfRange::lines(.0))]
     OutOfRange(Vec<OutOfRange>),
-    /// The hand would be further out than both links reach.
+    /// The hand would be beyond the reach of both links.
     #[error(
         "--x-m {x_m}, --y-m {y_m}: {reach_m:.4} m from the axis, and --l1-m and --l4-m reach {most_m} m together; lengthen a link, or move \
          the point nearer"
@@ -43,7 +43,7 @@ pub enum DesignError {
         /// Length of both links, m.
         most_m: f64,
     },
-    /// The hand would be nearer than the links differ by.
+    /// The hand would be nearer to the axis than the difference of the links.
     #[error(
         "--x-m {x_m}, --y-m {y_m}: {reach_m:.4} m from the axis, and --l1-m and --l4-m, which differ by {least_m} m, come no nearer than \
          that; make the links more alike, or move the point out"
@@ -58,7 +58,7 @@ pub enum DesignError {
         /// Difference of the links, m.
         least_m: f64,
     },
-    /// Every angle fits.
+    /// The hand would be on the axis. Every angle is a solution.
     #[error(
         "--x-m 0, --y-m 0: on the axis itself every angle fits with links of equal length; give a point beside it"
     )]
@@ -72,12 +72,14 @@ pub struct Design {
     pub requirement: Requirement,
     /// The arm.
     pub arm: FiveBar,
-    /// One for each assembly mode: two, or one at the edge of the reach, where the arm is singular.
+    /// Joint angles, one pair for each assembly mode: two, or one at the edge of the reach, where the arm is
+    /// singular.
     pub solutions: Vec<Joints>,
 }
 
 impl Design {
-    /// Distance of the point from the edge of the reach: |det J| over the largest that the links can have, 0 to 1.
+    /// Distance of the point from the edge of the reach: ratio of |det J| to its largest value with these links, 0
+    /// to 1.
     #[must_use]
     pub fn margin(&self) -> f64 {
         let det = self.arm.determinant_m2(self.solutions[0]);

@@ -1,7 +1,8 @@
 //! Dynamic sizing: the periodic regime of the crusher under rock, and the flywheel that keeps its irregularity within a limit.
 //!
-//! The equation of motion is integrated over whole turns until a turn ends as it began: converged, and by the scheme of the source with a few nodes
-//! a turn. The source has lost its linkage; [`Linkage::SOURCE`](cophase_methods::problems::crusher::Linkage::SOURCE) is the assumed one.
+//! The equation of motion is integrated over whole turns until a turn ends in the state in which it began. There are two results: a
+//! converged one, and one by the scheme of the source with a few nodes a turn. The source has lost its linkage, so
+//! [`Linkage::SOURCE`](cophase_methods::problems::crusher::Linkage::SOURCE) is an assumed one.
 
 use cophase_methods::problems::Crusher;
 use cophase_methods::problems::crusher::{Diverged, Speeds};
@@ -11,7 +12,7 @@ pub use cophase_methods::problems::crusher::Shape;
 use super::{Design, DesignError};
 use crate::design::range::{OutOfRange, Range};
 
-/// Rock that the crusher breaks in every turn, and how the speed is computed.
+/// Rock that the crusher breaks in every turn, and the method that computes the speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rock {
     /// Shape of the force over the closing stroke.
@@ -20,18 +21,18 @@ pub struct Rock {
     pub peak_kn: f64,
     /// Nodes a turn of the source's scheme: 4 to 10,000.
     pub nodes: u32,
-    /// Irregularity that the flywheel is to keep, 0.001 to 0.5; none if no flywheel is to be found.
+    /// Irregularity that the flywheel must keep, 0.001 to 0.5. `None` if no flywheel is required.
     pub irregularity: Option<f64>,
 }
 
 /// Speeds of the shaft in the periodic regime.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dynamic {
-    /// Rock that they are for.
+    /// Rock for which the speeds hold.
     pub rock: Rock,
-    /// Converged.
+    /// Converged speeds.
     pub converged: Speeds,
-    /// By the scheme of the source; none where that scheme brings the shaft to rest.
+    /// Speeds by the scheme of the source. `None` if that scheme brings the shaft to rest.
     pub by_nodes: Option<Speeds>,
     /// Inertia of the flywheel that keeps the required irregularity, kg·m².
     pub required_kgm2: Option<f64>,
@@ -57,13 +58,13 @@ const IRREGULARITY: Range = Range {
     usual: 0.08,
 };
 
-/// Part of an inertia to which the required flywheel is found.
+/// Relative tolerance of the search for the required inertia.
 const FOUND: f64 = 1e-9;
 
 /// Speeds of a drive and flywheel under rock.
 ///
 /// # Errors
-/// Numbers out of their ranges; rock that the motor cannot break, or not with that irregularity whatever the flywheel.
+/// Numbers are out of their ranges, the motor cannot break the rock, or no flywheel keeps the irregularity.
 pub fn periodic(design: &Design, rock: &Rock) -> Result<Dynamic, DesignError> {
     let limit = rock.irregularity.map(|limit| (IRREGULARITY, limit));
     let numbers = [(PEAK, rock.peak_kn), (NODES, f64::from(rock.nodes))];
@@ -92,7 +93,7 @@ pub fn periodic(design: &Design, rock: &Rock) -> Result<Dynamic, DesignError> {
     })
 }
 
-/// Inertia of the flywheel whose periodic regime has an irregularity, kg·m²: more inertia gives less of it.
+/// Inertia of the flywheel whose periodic regime has a given irregularity, kg·m². More inertia reduces the irregularity.
 fn required_kgm2(crusher: &Crusher, from_rad_s: f64, limit: f64) -> Result<f64, DesignError> {
     let is_enough = |flywheel_kgm2: f64| {
         let crusher = Crusher {
@@ -107,7 +108,7 @@ fn required_kgm2(crusher: &Crusher, from_rad_s: f64, limit: f64) -> Result<f64, 
     while !is_enough(high) {
         high *= 2.0;
         doublings += 1;
-        // A thousand times the flywheel is none that anyone would cast.
+        // A flywheel of more than a thousand times the inertia is impractical.
         if doublings > 10 {
             return Err(DesignError::Irregularity(limit));
         }

@@ -1,7 +1,7 @@
 //! Flywheel of a crusher on an induction motor: the motor's torque curve, the flywheel's inertia, and how evenly the shaft turns.
 //!
 //! The source is a Chinese paper on a jaw crusher. Its motor's torque is a parabola over the motor's speed, through no load, rated load and
-//! breakdown; a belt of ratio j gives the shaft j times the torque at 1/j of the speed.
+//! breakdown. A belt of ratio j gives the shaft j times the torque at 1/j of the speed.
 //!
 //! - rated torque 9550 P / n, in N·m, kW and rpm; breakdown torque is the overload factor times that;
 //! - breakdown slip is s (λ + √(λ² − 1)), with s the rated slip and λ the overload factor (Kloss);
@@ -18,7 +18,7 @@ use super::range::{OutOfRange, Range};
 pub use dynamic::{Dynamic, Rock, Shape, periodic};
 pub use report::write_page;
 
-/// Motor, belt and flywheel, and the speeds between which the shaft goes.
+/// Motor, belt and flywheel, and the speed range of the shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirement {
     /// Rated power of the motor, kW: above 0, up to 10,000.
@@ -35,7 +35,7 @@ pub struct Requirement {
     pub mass_kg: f64,
     /// Diameter on which the mass lies, m: above 0, up to 20.
     pub diameter_m: f64,
-    /// Fastest and slowest speed of the shaft, rad/s. None if they are not known.
+    /// Fastest and slowest speed of the shaft, rad/s. `None` if they are not known.
     pub speeds_rad_s: Option<[f64; 2]>,
 }
 
@@ -45,7 +45,7 @@ pub enum DesignError {
     /// Numbers out of their ranges: all of them, never empty. Prints a line each.
     #[error("{}", OutOfRange::lines(.0))]
     OutOfRange(Vec<OutOfRange>),
-    /// A motor that drives is slower than its field.
+    /// The rated speed is not below the synchronous speed. A driving motor is slower than its field.
     #[error(
         "--rated-rpm {rated_rpm}: must be below --synchronous-rpm, {synchronous_rpm}; a motor under load slips"
     )]
@@ -55,7 +55,7 @@ pub enum DesignError {
         /// Synchronous speed that was given, rpm.
         synchronous_rpm: f64,
     },
-    /// The motor would break down below standstill.
+    /// The breakdown speed of the motor would be below standstill.
     #[error(
         "--rated-rpm {0}: with this --overload the motor would break down below standstill; give a rated speed nearer the synchronous one"
     )]
@@ -169,7 +169,7 @@ impl Design {
         0.5 * self.rim_kgm2()
     }
 
-    /// Difference of the fastest and the slowest speed over the middle of both.
+    /// Difference of the fastest and the slowest speed over their mean.
     #[must_use]
     pub fn irregularity(&self) -> Option<f64> {
         let [fastest, slowest] = self.requirement.speeds_rad_s?;
@@ -264,7 +264,7 @@ const BELT: Range = Range {
 /// Motor curve and flywheel.
 ///
 /// # Errors
-/// Numbers out of their ranges, all of them; or numbers that do not go together.
+/// Numbers out of their ranges, all of them; or numbers that are inconsistent.
 pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
     let numbers = [
         (POWER, requirement.power_kw),

@@ -1,11 +1,11 @@
 //! The source's design method for a vibration platform on N slider-cranks, steps A to J.
 //!
-//! A [`Requirement`] (what the platform must do) becomes a [`Design`] (how large it must be, and how
-//! strong its motors): [`design`]. [`write_page`] prints it for people; [`Warning`]s say where the method, or
-//! its printed form, misleads.
+//! A [`Requirement`] states the task of the platform. [`design`] turns it into a [`Design`]: the size of the
+//! platform and the strength of its motors. [`write_page`] prints it for people. [`Warning`]s state where the
+//! method, or its printed form, misleads.
 //!
-//! The method weighs the load only. Platform, rods, cranks, friction and motor inertia are covered by a
-//! safety factor on the torque, as in the source; nothing here estimates them.
+//! The method considers only the mass of the load. A safety factor on the torque covers platform, rods,
+//! cranks, friction and motor inertia, as in the source. Nothing here estimates them.
 
 mod report;
 mod requirement;

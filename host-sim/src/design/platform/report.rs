@@ -7,13 +7,13 @@ use crate::design::digits::{degrees, four, percent, plain};
 use crate::mechanism::Mechanism;
 use crate::mechanism::slider_crank::Extrema;
 
-/// Columns of text before a line is broken.
+/// Width of the text, columns.
 const WIDTH: usize = 90;
 
-/// One full step of the common 200-step motor: what a stepper is off when it is off by one step.
+/// One full step of the common 200-step motor: the error of a stepper that lost one step.
 const FULL_STEP_DEG: f64 = 1.8;
 
-/// The source's least acceleration, in gravities: the lower end of what a program may ask for.
+/// The source's least acceleration, in gravities: the lower end of what a program may request.
 const LEAST_AMAX_G: f64 = 10.0;
 
 /// Writes the page.
@@ -36,7 +36,7 @@ pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Steps A to H: a line each.
+/// Writes steps A to H, one per line.
 fn write_sizes(design: &Design, out: &mut impl Write) -> io::Result<()> {
     let requested = &design.requirement;
     let radius_mm = 1e3 * design.mechanism.crank_radius_m();
@@ -105,7 +105,8 @@ fn write_sizes(design: &Design, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Step I: what the two-term formula says, and what is true with the platform on either side.
+/// Writes step I: the results of the two-term formula, and the exact ones with the platform on either
+/// side.
 fn write_comparison(design: &Design, out: &mut impl Write) -> io::Result<()> {
     let omega = design.speed_rad_s();
     let two_term = design.mechanism.extrema_two_term(omega);
@@ -161,7 +162,7 @@ fn write_comparison(design: &Design, out: &mut impl Write) -> io::Result<()> {
     )
 }
 
-/// Step J: what the controller has to do with this mechanism.
+/// Writes step J: the task of the controller of this mechanism.
 fn write_control(design: &Design, out: &mut impl Write) -> io::Result<()> {
     let rpm = |amax_g: f64| {
         let amax_mps2 = amax_g * design.requirement.gravity_mps2;
@@ -194,7 +195,8 @@ fn write_control(design: &Design, out: &mut impl Write) -> io::Result<()> {
     )
 }
 
-/// Writes `text` in lines of at most [`WIDTH`] columns, the first led by `lead`, the others indented.
+/// Writes `text` in lines of at most [`WIDTH`] columns. The first begins with `lead`, and the others
+/// are indented.
 fn write_wrapped(text: &str, lead: &str, out: &mut impl Write) -> io::Result<()> {
     let mut line = String::from(lead);
     let indent = lead.chars().count();

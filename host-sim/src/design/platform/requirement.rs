@@ -9,7 +9,7 @@ use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::design::range::{OutOfRange, Range};
 use crate::mechanism::{Load, Platform};
 
-/// Steps A, B, C, E and H of the method, and the two numbers step I needs besides.
+/// Numbers of steps A, B, C, E and H of the method, and the two that step I needs in addition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirement {
     /// Mass of the load on the platform, kg: above 0, up to 50.
@@ -22,15 +22,15 @@ pub struct Requirement {
     pub lambda: f64,
     /// Motors around the platform: 2 to 6.
     pub motors: u32,
-    /// Factor on the torque for the masses left out: 1.5 to 3.
+    /// Factor on the torque for the neglected masses: 1.5 to 3.
     pub safety: f64,
     /// Gravity, m/s²: 9.7 to 10. Both the unit of `amax_g` and a force on the load.
     pub gravity_mps2: f64,
 }
 
 impl Requirement {
-    /// Safety factor where none is requested, in the lower half of the source's 1.5 to 3: the platform
-    /// usually weighs less than the load it is built for, and motors are bought in steps anyway.
+    /// Default safety factor, in the lower half of the source's 1.5 to 3. The platform usually weighs
+    /// less than the load that it is built for, and motors are sold in steps anyway.
     pub const DEFAULT_SAFETY: f64 = 2.0;
 
     /// Largest acceleration, m/s² (step B).
@@ -43,7 +43,7 @@ impl Requirement {
         TAU * self.freq_hz
     }
 
-    /// The load, for a platform on one side of the cranks or the other.
+    /// The load, for a platform on either side of the cranks.
     pub fn load(&self, platform: Platform) -> Load {
         Load {
             mass_kg: self.load_kg,
@@ -52,7 +52,7 @@ impl Requirement {
         }
     }
 
-    /// Every number that is out of its range, in the order of the fields; empty if all is well.
+    /// All numbers that are out of their ranges, in the order of the fields. Empty if there are none.
     pub fn out_of_range(&self) -> Vec<OutOfRange> {
         OutOfRange::of([
             (LOAD, self.load_kg),

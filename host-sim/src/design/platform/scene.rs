@@ -11,24 +11,23 @@ use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::design::scene::{NotRunnable, checked, comment, number};
 use crate::mechanism::Mechanism;
 
-/// Limit of speed over the design's frequency, and the greatest one that scenes take, rev/s.
+/// Ratio of the speed limit to the design's frequency, and the greatest limit that scenes accept, rev/s.
 const MARGIN: f64 = 1.05;
 const FASTEST_HZ: f64 = 200.0;
-/// Limits of acceleration and jerk for one rev/s of the design's frequency: full speed in some two seconds.
+/// Limits of acceleration and jerk for one rev/s of the design's frequency. They give full speed in about two seconds.
 const ACCELERATION_PER_HZ: f64 = 0.6;
 const JERK_PER_HZ: f64 = 3.0;
-/// Least mount radius, and over the crank radius, m: cranks have to stand beside each other.
+/// Least mount radius, m, and its least ratio to the crank radius, because cranks need room beside each other.
 const MOUNT_M: f64 = 0.2;
 const MOUNT_PER_CRANK: f64 = 4.0;
-/// Speed ripple that an assumed servo has under the design's torque, as a part of its speed; bandwidth of its velocity loop, rad/s;
-/// and its position gain, 1/s.
+/// Speed ripple of an assumed servo under the design's torque, as a fraction of its speed. Bandwidth of its velocity loop, rad/s, and
+/// its position gain, 1/s.
 const RIPPLE: f64 = 0.01;
 const BANDWIDTH_RAD_S: f64 = 400.0 * TAU;
 const POSITION_GAIN_PER_S: f64 = 100.0;
 
 impl Design {
-    /// The scene, as TOML text. Steppers are chosen where steppers can give speed and power, else servo drives that take STEP and
-    /// DIR.
+    /// The scene, as TOML text. It has steppers if steppers can reach the speed and power, else servo drives that take STEP and DIR.
     ///
     /// # Errors
     /// A scene cannot have the design's values.
@@ -110,7 +109,7 @@ impl Design {
 
     fn speed_limit_hz(&self) -> f64 {
         let freq_hz = self.requirement.freq_hz;
-        // Beyond what scenes take, the design's own frequency is what is refused.
+        // Above the range of scenes, the limit is the design's own frequency, which the check then refuses.
         (MARGIN * freq_hz).min(FASTEST_HZ.max(freq_hz))
     }
 

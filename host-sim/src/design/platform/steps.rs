@@ -1,9 +1,9 @@
-//! From requirement to design: steps D, F, G and I, which compute; step J is what the rest of this
-//! project does, and shows here as speeds to reach and mismatch to keep within.
+//! From requirement to design: steps D, F, G and I, which compute. Step J is the task of the rest of this
+//! project. Here it appears as speeds to reach and as a mismatch limit.
 //!
-//! Three torque curves are searched, because the source's formula differs from the true one in two
-//! ways: it stops after two harmonics of the acceleration, and its gravity sign is that of a platform
-//! hanging below its cranks. The source's own curve (two-term, below) sizes the motors, as it does there.
+//! Three torque curves are searched, because the source's formula differs from the true one in two ways.
+//! It ends after two harmonics of the acceleration, and its gravity sign is that of a platform hanging
+//! below its cranks. The source's own curve (two-term, below) sizes the motors, as in the source.
 
 use super::requirement::Requirement;
 use crate::design::range::OutOfRange;
@@ -17,7 +17,7 @@ pub enum DesignError {
     /// Quantities out of their ranges: all of them, never empty. Prints a line each.
     #[error("{}", OutOfRange::lines(.0))]
     OutOfRange(Vec<OutOfRange>),
-    /// A frequency so near 0 that the crank has no length `f64` can hold.
+    /// A frequency so near 0 that `f64` cannot represent the crank's length.
     #[error("--freq-hz {freq_hz:e}: too slow for any crank ({source}); try 20")]
     NoCrank {
         /// The requested frequency, Hz.
@@ -37,8 +37,8 @@ pub struct Design {
     pub requirement: Requirement,
     /// Crank and rod (steps F and G).
     pub mechanism: SliderCrank,
-    /// Highest torque of all cranks together over a turn, N·m, and where: the source's two-term formula,
-    /// platform below (step I).
+    /// Highest torque of all cranks together over a turn, N·m, with its angle: the source's two-term
+    /// formula, platform below (step I).
     pub torque_two_term: TurnPeak,
     /// The same with exact acceleration, and the source's gravity sign: platform below.
     pub torque_exact_below: TurnPeak,
@@ -67,15 +67,15 @@ impl Design {
         self.per_motor(self.torque_two_term.value)
     }
 
-    /// Torque to choose the motor by, N·m: [`Design::motor_torque_nm`] times the safety factor.
+    /// Torque for the choice of the motor, N·m: [`Design::motor_torque_nm`] times the safety factor.
     pub fn motor_torque_with_safety_nm(&self) -> f64 {
         self.requirement.safety * self.motor_torque_nm()
     }
 
     /// Highest mechanical power of all cranks together, W: largest |M| over a turn times ω, exact
-    /// kinematics, platform above, without the safety factor. As much flows back in the same turn.
+    /// kinematics, platform above, without the safety factor. The same power flows back in the same turn.
     pub fn peak_power_w(&self) -> f64 {
-        // Torque is odd in the angle, so the largest is also the largest in size.
+        // Torque is odd in the angle, so the largest value is also the largest magnitude.
         self.torque_exact_above.value * self.speed_rad_s()
     }
 }

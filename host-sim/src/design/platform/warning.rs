@@ -1,5 +1,4 @@
-//! Warnings for buyers of motors: errors of the patent's formula and of its print, and figures that no stepper
-//! reaches.
+//! Warnings for buyers of motors: errors of the patent's formula and of its print, and values that no stepper reaches.
 
 use core::fmt;
 
@@ -8,22 +7,21 @@ use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::design::digits::{degrees, four, percent};
 use crate::mechanism::slider_crank::{Extremum, SliderCrank};
 
-/// Two-term figures off by less than this are not worth a sentence: motors come in coarser steps.
+/// Smallest relative error of two-term values that is reported. Motors come in coarser steps.
 const NOTICEABLE: f64 = 0.005;
 
-/// Speed above which a stepper has no torque left to speak of, turns a minute. Its drive has to reverse
-/// the winding current at 50 times the speed: at 3000 rpm that is 2.5 kHz, far beyond the corner
-/// frequency of any winding large enough to drive a crank.
+/// Speed above which a stepper has almost no torque, turns a minute. Its drive has to reverse the winding current at 50 times the
+/// speed. At 3000 rpm that is 2.5 kHz, far beyond the corner frequency of any winding large enough to drive a crank.
 const STEPPER_RPM: f64 = 3000.0;
 
-/// Peak shaft power no stepper delivers, W: the largest frames (NEMA 42) end at some hundreds of watts.
+/// Peak shaft power that no stepper delivers, W. The largest frames (NEMA 42) end at some hundreds of watts.
 const STEPPER_W: f64 = 1000.0;
 
-/// Force across the line of travel, over that along it, from which rods count as short: half of it. It is tan β = λ / √(1 − λ²) where
-/// the rod leans most, so that λ from 0.447 on is short, up to the 0.6 that the method allows.
+/// Ratio of the rod's force across the line of travel to that along it, from which rods count as short: half. The ratio is
+/// tan β = λ / √(1 − λ²) where the rod leans most. So λ from 0.447 on is short, up to the 0.6 that the method allows.
 const SIDEWAYS: f64 = 0.5;
 
-/// Something a reader of a [`Design`] should know. Prints as one or two full sentences.
+/// Warning for readers of a [`Design`]. Prints as one or two full sentences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Warning {
     /// λ is so large that the acceleration has a third turning point, which the source prints with the
@@ -33,7 +31,7 @@ pub enum Warning {
         lambda: f64,
         /// The turning point by the two-term formula.
         two_term: Extremum,
-        /// The true one; none for λ from 1/4 to 0.2638, where only the approximation has it.
+        /// The exact turning point. `None` for λ from 1/4 to 0.2638, where only the approximation has it.
         exact: Option<Extremum>,
     },
     /// Rods are so short that they push the platform sideways with a large part of their force.
@@ -48,24 +46,24 @@ pub enum Warning {
         /// Exact torque maximum with the platform above, N·m.
         above_nm: f64,
     },
-    /// The two-term formula is noticeably off.
+    /// The two-term formula has a noticeable error.
     TwoTermError {
         /// Worst error of the acceleration, as a fraction of amax.
         acceleration: f64,
-        /// Error of the torque maximum against the exact one: positive if the formula says too much.
+        /// Error of the torque maximum relative to the exact one: positive if the formula gives too much.
         torque: f64,
     },
-    /// Faster than steppers turn with useful torque.
+    /// The cranks turn faster than steppers with useful torque.
     StepperSpeed {
         /// Crank speed, turns a minute.
         rpm: f64,
     },
-    /// More power than steppers deliver.
+    /// The cranks need more power than steppers deliver.
     StepperPower {
         /// Peak power of one motor, W, without safety factor.
         motor_w: f64,
     },
-    /// Gravity is the rounded one behind the patent's printed figures.
+    /// Gravity is the rounded value behind the patent's printed figures.
     RoundedGravity {
         /// Relative reduction of torques with standard gravity.
         torque_drop: f64,
@@ -124,7 +122,7 @@ fn of(design: &Design) -> Vec<Warning> {
     all
 }
 
-/// Greatest force of a rod across the line of travel, over that along it.
+/// Greatest ratio of a rod's force across the line of travel to that along it.
 fn sideways(lambda: f64) -> f64 {
     lambda.asin().tan()
 }

@@ -1,8 +1,8 @@
 //! Self-centring vibrating screen: springs, natural speed and amplitude.
 //!
-//! A box on springs carries a shaft with an exciter block. The wheel on the shaft is bored off its centre, so that its rim stands still in
-//! space while box and shaft circle in opposite phase to the block. The source is a Chinese thesis on a railway screen, and some of its
-//! formulas are rebuilt here, as the text has lost them.
+//! A box on springs carries a shaft with an exciter block. The wheel on the shaft is bored off its centre. So its rim stands still in
+//! space, while box and shaft circle in opposite phase to the block. The source is a Chinese thesis on a railway screen. Some of its
+//! formulas are missing in the text, and are rebuilt here.
 //!
 //! With the exciter's mass G at R from the shaft's axis, all other vibrating mass P, stiffness K and speed ω:
 //!
@@ -23,10 +23,10 @@ use super::range::{OutOfRange, Range};
 pub use report::write_page;
 pub use spring::Spring;
 
-/// Gravity as the source has it, m/s²: its stiffnesses are in kgf/cm.
+/// Gravity of the source, m/s². The source's stiffnesses are in kgf/cm.
 pub const GRAVITY_MPS2: f64 = 9.81;
 
-/// Throw index over the cosine of the deck's angle: the least and the largest that the source recommends.
+/// Least and largest ratio of throw index to the cosine of the deck's angle that the source recommends.
 const THROW: [f64; 2] = [2.25, 3.24];
 
 /// Masses and speed of a screen.
@@ -42,7 +42,7 @@ pub struct Requirement {
     pub speed_rpm: f64,
     /// Distance of the wheel's bore from its centre, mm: above 0, up to 100.
     pub wheel_mm: f64,
-    /// Inclination of the deck, degrees: 0 to 45. None if it is not known.
+    /// Inclination of the deck, degrees: 0 to 45. `None` if it is not known.
     pub deck_deg: Option<f64>,
 }
 
@@ -51,7 +51,7 @@ pub struct Requirement {
 #[error("{}", OutOfRange::lines(.0))]
 pub struct DesignError(pub Vec<OutOfRange>);
 
-/// Screen that is designed for its masses and speed.
+/// Screen as designed for its masses and speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
     /// Requirement that it meets.
@@ -132,7 +132,7 @@ impl Design {
         Some(THROW.map(|throw| throw * cosine))
     }
 
-    /// Deflection of the springs by the weight of all that vibrates, mm.
+    /// Deflection of the springs by the weight of the whole vibrating mass, mm.
     #[must_use]
     pub fn static_deflection_mm(&self) -> f64 {
         1e3 * self.whole_kg() * GRAVITY_MPS2 / self.stiffness_n_per_m()

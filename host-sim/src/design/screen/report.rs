@@ -6,7 +6,8 @@ use super::Design;
 use crate::design::digits::four;
 use crate::design::page::row;
 
-/// Designs that the source mixes: name, amplitude in mm, and what in it belongs to the design.
+/// Designs that the source mixes: name, amplitude in mm, and the figures of the source that belong
+/// to the design.
 const SOURCE_DESIGNS: [(&str, f64, &str); 2] = [
     (
         "A",

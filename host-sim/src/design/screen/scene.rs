@@ -6,11 +6,11 @@ use super::Design;
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::design::scene::{NotRunnable, checked, number};
 
-/// Assumed inertia of the shaft, over its block's about the shaft's axis.
+/// Assumed ratio of the shaft's inertia to that of its block about the shaft's axis.
 const SHAFT: f64 = 4.0;
 
 impl Design {
-    /// The scene, as TOML text. The design has no motor and no length of the box: these are assumed, and marked so.
+    /// The scene, as TOML text. The design has no motor and no length of the box, so these are assumed and marked.
     ///
     /// # Errors
     /// A scene cannot have the design's values.

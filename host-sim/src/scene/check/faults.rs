@@ -237,7 +237,7 @@ pub(super) fn check_level(checked: &Checked, model_level: Fidelity) -> Result<()
         ));
     }
     if model_level.moves_by_torque() && checked.cam.is_none() {
-        return Ok(()); // that the rigid model level has no crank by itself, `cranks_apart` says
+        return Ok(()); // `cranks_apart` reports that no crank moves alone on the rigid model level
     }
     let right =
         "torque moves no cranks on this model level; let fidelity be \"phased\", or leave it out";

@@ -113,7 +113,7 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
     }
 }
 
-/// Returns the steps of an electrical cycle, four full steps, for a stepper with so many steps per turn.
+/// Returns the steps of an electrical cycle, four full steps, for a stepper with `steps_per_turn`.
 pub(crate) fn cycle_steps(steps_per_turn: u32, full_steps_per_turn: u32) -> u32 {
     (4 * u64::from(steps_per_turn) / u64::from(full_steps_per_turn.max(1))).max(1) as u32
 }

@@ -40,7 +40,7 @@ use crate::plant::screen::ScreenTable;
 pub struct Scene {
     /// Name in titles and reports.
     pub name: String,
-    /// One line about what it shows.
+    /// Purpose of the scene, in one line.
     #[serde(default)]
     pub description: String,
     /// Model level, or `auto` for the lowest one that answers the questions.

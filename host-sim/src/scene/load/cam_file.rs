@@ -194,7 +194,7 @@ mod tests {
         );
     }
 
-    /// If these were accepted, an axis would follow another curve than the user's.
+    /// If this fails, an invalid table is accepted, and an axis follows another curve than the user's.
     #[test]
     fn what_is_no_table_is_refused_by_line() {
         for (text, said) in [

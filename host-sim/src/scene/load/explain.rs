@@ -1,4 +1,4 @@
-//! Messages of the TOML reader and of serde, in the words of somebody who writes a scene.
+//! Messages of the TOML reader and of serde, in the words of authors of scenes.
 
 use cophase_core::settings::Problem;
 

@@ -1,9 +1,9 @@
 //! From buckets to the lines that are drawn.
 //!
-//! A *run* is a stretch of consecutive buckets with data: where there was none, the line is broken and not
-//! drawn across. Within a run the line goes through both extremes of each bucket, the nearer one first, so that
-//! a ramp stays a ramp, a spike shows its full height, and what is faster than a bucket becomes a filled
-//! block, as on a scope.
+//! A *run* is a stretch of consecutive buckets with data. Where there is no data, the line is interrupted.
+//! Within a run the line goes through both extremes of each bucket, the nearer one first. So a ramp stays a
+//! ramp, and a spike shows its full height. A signal that is faster than a bucket becomes a filled block, as on
+//! a scope.
 
 use super::envelope::Extent;
 
@@ -58,11 +58,11 @@ pub fn outlines(buckets: impl Iterator<Item = (f64, f64, Extent)>) -> Vec<(Point
     runs
 }
 
-/// Leaves out points that lie within `tolerance` of the line between those kept.
+/// Leaves out points that lie within `tolerance` of the line through the remaining ones.
 ///
-/// Swinging door (E. H. Bristol, "Swinging door trending", 1990): from the last kept point, two doors narrow
-/// with each point to the slopes that pass all points so far within the tolerance; a point is kept when they
-/// shut. Each point is looked at once, and the first and the last always stay.
+/// Swinging door (E. H. Bristol, "Swinging door trending", 1990): two doors begin at the last kept point. With
+/// each point, they narrow to the slopes that pass all points so far within the tolerance. When they shut, a
+/// point is kept. Each point is visited once, and the first and the last always stay.
 pub fn thin(points: &mut Points, tolerance: f64) {
     let Some((&first, rest)) = points.split_first() else {
         return;
@@ -96,7 +96,7 @@ pub fn thin(points: &mut Points, tolerance: f64) {
 fn passes(anchor: (f64, f64), point: (f64, f64), doors: (f64, f64)) -> bool {
     let run = point.0 - anchor.0;
     if run <= 0.0 {
-        // Only as the first piece from the anchor.
+        // A vertical piece passes only as the first one from the anchor.
         return doors == (f64::NEG_INFINITY, f64::INFINITY);
     }
     let slope = (point.1 - anchor.1) / run;
@@ -168,7 +168,7 @@ mod tests {
     }
 
     proptest! {
-        /// Every point left out is within the tolerance of the line that is drawn.
+        /// Every point that is left out is within the tolerance of the line that is drawn.
         #[test]
         fn thinning_stays_within_its_tolerance(
             values in prop::collection::vec(-10.0_f64..10.0, 2..200),

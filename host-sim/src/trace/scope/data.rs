@@ -48,7 +48,7 @@ pub(super) mod channel {
     pub const PHASE_ERROR: usize = 8;
 }
 
-/// Measured acceleration amplitude: the greatest in a turn of the master, known at the end of the turn.
+/// Measured acceleration amplitude: the greatest in a turn of the master, available at the end of the turn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TurnAmplitude {
     turn: f64,
@@ -71,7 +71,7 @@ impl TurnAmplitude {
             *self = Self::NONE;
             return f64::NAN;
         }
-        // Turns are counted from half-way: the peak, at phase 0, is then in the middle of one.
+        // Turns are counted from half-way, so that the peak, at phase 0, is in the middle of a turn.
         let (turn, accel) = ((phase_turns + 0.5).floor(), accel_mps2.abs());
         if turn == self.turn {
             self.greatest = self.greatest.map(|greatest| greatest.max(accel));
@@ -105,7 +105,7 @@ pub struct ScopeData {
     pub(super) timeline: Timeline,
     pub(super) is_corrected: bool,
     amplitude: TurnAmplitude,
-    /// One row's values in channel order; kept to save an allocation a row.
+    /// One row's values in channel order, kept to save an allocation per row.
     values: Vec<f64>,
 }
 
@@ -151,13 +151,13 @@ impl ScopeData {
         self.envelope.push(row.t_s, &self.values);
     }
 
-    /// Notes that the controller corrected cranks in this run: the panel of phase errors then says why these stay.
+    /// Notes that the controller corrected cranks in this run. The panel of phase errors then states why these remain.
     pub fn corrected(&mut self) {
         self.is_corrected = true;
     }
 
-    /// Marks an event with a short name, such as `band crossed`. Names that begin with `fault` stand out, and
-    /// are kept apart from the others, so that a thousand crossings cannot crowd out the one fault.
+    /// Marks an event with a short name, such as `band crossed`. Names that begin with `fault` are highlighted. They are
+    /// counted separately, so that a thousand crossings cannot displace a fault.
     pub fn mark(&mut self, t_s: f64, label: &str) {
         self.timeline.mark(t_s, label);
     }

@@ -11,13 +11,13 @@ use super::envelope::{Envelope, Extent};
 use super::ink::VERMILION;
 use super::scale::{TimeAxis, plain};
 
-/// One panel, ready to be laid out: kuva's plots, and the layout without its place on the page.
+/// One panel, ready for the page: kuva's plots, and the layout without its place on the page.
 pub struct Panel {
-    /// Curves, the back ones first.
+    /// Curves, in drawing order. Later ones cover earlier ones.
     pub plots: Vec<Plot>,
     /// Axes, limits, legend.
     pub layout: Layout,
-    /// A remark in a few words, below it.
+    /// A short remark below the panel.
     pub note: Option<&'static str>,
 }
 
@@ -29,7 +29,7 @@ pub struct Draft<'a> {
     label: &'static str,
     plots: Vec<Plot>,
     legend: Vec<LegendEntry>,
-    /// Lines across.
+    /// Horizontal lines.
     pub limits: Vec<ReferenceLine>,
     /// Shaded stretches of the value axis.
     pub regions: Vec<ShadedRegion>,
@@ -59,7 +59,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// One channel's buckets in the panel's units.
+    /// Buckets of one channel in the panel's units.
     fn buckets(
         &self,
         channel: usize,
@@ -72,7 +72,7 @@ impl<'a> Draft<'a> {
         })
     }
 
-    /// A line through the extremes of all buckets.
+    /// Draws a line through the extremes of all buckets.
     pub fn curve(&mut self, channel: usize, factor: f64, pen: Pen) {
         // About a tenth of a pixel.
         let tolerance = (self.y.1 - self.y.0) / 1500.0;
@@ -81,7 +81,8 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// A see-through area between outlines, where a line would be a block that hides what is behind it.
+    /// Draws a translucent area between outlines where a line would be a solid block that hides what is
+    /// behind it.
     pub fn range(&mut self, channel: usize, factor: f64, pen: Pen) {
         let span = self.y.1 - self.y.0;
         let (sum, count) = self
@@ -108,7 +109,7 @@ impl<'a> Draft<'a> {
 
     fn line(&mut self, mut points: curve::Points, pen: Pen) {
         if let [(t, value)] = points[..] {
-            // A single row would not be visible.
+            // A line with a single point would not be visible.
             let reach = (self.time.to - self.time.from) / 400.0;
             points = vec![(t - reach, value), (t + reach, value)];
         }
@@ -128,7 +129,7 @@ impl<'a> Draft<'a> {
         });
     }
 
-    /// Draws a limit either way, if it is in sight, and names it in the legend.
+    /// Draws a limit in both directions if it is in sight, and names it in the legend.
     pub fn limit(&mut self, limit: Option<(f64, bool)>) {
         let Some((limit, is_shown)) = limit else {
             return;
@@ -151,10 +152,10 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// The panel.
+    /// Returns the panel.
     pub fn done(mut self) -> Panel {
         if self.plots.is_empty() {
-            // kuva draws no axes around nothing.
+            // kuva draws no axes without a plot.
             self.plots.push(Plot::Line(LinePlot::new()));
         }
         let mut layout = Layout::new((self.time.from, self.time.to), self.y)

@@ -1,11 +1,11 @@
 //! Envelope of a run of any length in bounded memory, with all extremes.
 //!
-//! *Channel*: one of the values that come together at each time. *Bucket*: a number of consecutive rows, of
-//! which each channel's smallest and largest value is kept. When all buckets are full, neighbours are merged
-//! two by two and each bucket takes twice as many rows from then on; so a row costs one comparison a channel,
-//! and the merging, spread over the rows, about as much again.
+//! *Channel*: one of the values that come together at each time. *Bucket*: a number of consecutive rows, of which each
+//! channel's smallest and largest value is kept. When all buckets are full, neighbours are merged in pairs, and each bucket
+//! takes twice as many rows from then on. So a row costs one comparison per channel. The merging, averaged over the rows,
+//! costs about the same again.
 
-/// Buckets of a page, which has fewer pixels across.
+/// Buckets of a page. A page has fewer pixels across.
 pub(super) const PAGE_BUCKETS: usize = 1500;
 
 /// Smallest and largest of some values; empty, if none of them was finite.
@@ -223,8 +223,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
 
-        /// Against the plain definition: each bucket is the extent of exactly the rows within its times, the
-        /// buckets hold every row once, in order, and there are never more than allowed.
+        /// Compares with the plain definition: each bucket is the extent of exactly the rows within its times, the buckets
+        /// hold every row once, in order, and there are never more than allowed.
         #[test]
         fn buckets_hold_exactly_their_rows(
             seeds in prop::collection::vec((any::<f64>(), -1e3_f64..1e3), 1..97),

@@ -5,20 +5,20 @@ pub use crate::ink::{INK, MUTED, VERMILION, text, text_anchored};
 
 /// Colours of curves.
 pub const PALE_BLUE: &str = "#A6D0EC";
-/// See there.
+/// Colour of curves.
 pub const DARK_BLUE: &str = "#0B2F5B";
-/// See there.
+/// Colour of curves.
 pub const BLUE: &str = "#0072B2";
-/// See there.
+/// Colour of curves.
 pub const ORANGE: &str = "#E69F00";
-/// See there.
+/// Colour of curves.
 pub const GREEN: &str = "#009E73";
 
 /// The page's width, px.
 pub const WIDTH: f64 = 1200.0;
-/// Margins beside the panels, px.
+/// Left margin beside the panels, px.
 pub const LEFT: f64 = 78.0;
-/// See there.
+/// Right margin beside the panels, px.
 pub const RIGHT: f64 = 182.0;
 const PLOT_WIDTH: f64 = WIDTH - LEFT - RIGHT;
 

@@ -1,7 +1,7 @@
 //! Labels above the ribbon: marks, and states that are too short for their names.
 //!
-//! *Lanes* are the lines of text, counted from the ribbon upwards. Each label has a line down to its state or mark; that of a mark
-//! crosses all panels.
+//! *Lanes* are the lines of text, counted from the ribbon upwards. Each label has a line down to its state or mark. The line of a
+//! mark crosses all panels.
 
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
@@ -11,9 +11,9 @@ use super::scale::TimeAxis;
 
 /// Height of a lane, px.
 pub const LANE: f64 = 15.0;
-/// A label that would need more has its line only.
+/// Number of lanes. A label that does not fit into them has only its line.
 const LANES: usize = 4;
-/// A fault's label may go above the others.
+/// Number of lanes for labels of faults, which may go above the others.
 const FAULT_LANES: usize = 8;
 
 /// A label above the ribbon, with a line down from it.
@@ -55,7 +55,8 @@ impl Labels {
                 is_mark,
             })
             .collect();
-        // From right to left, each above all it would run into: no line down then crosses another's text.
+        // From right to left, each label goes above all labels that it would overlap. So no line down crosses another's
+        // text.
         all.sort_by(|a, b| b.x.total_cmp(&a.x));
         let mut lanes = 0;
         for i in 0..all.len() {
@@ -78,7 +79,7 @@ impl Labels {
         Self { all, lanes }
     }
 
-    /// Draws them upwards from `ribbon_top`, and the lines of marks down to `bottom`.
+    /// Draws the labels upwards from `ribbon_top`, and the lines of marks down to `bottom`.
     pub fn draw(&self, scene: &mut Scene, ribbon_top: f64, bottom: f64) {
         for label in &self.all {
             let colour = if label.is_fault { VERMILION } else { MUTED };
@@ -116,7 +117,7 @@ impl Labels {
 }
 
 impl Label {
-    /// Near the right end the text would run off the page.
+    /// Returns true for a label whose text would run off the page at the right end.
     fn is_to_the_left(&self) -> bool {
         self.x + width(&self.text, 12) + 4.0 > WIDTH - 8.0
     }

@@ -5,9 +5,9 @@
 //! moving part, in place of the tilt. Above the panels, a *ribbon* shows the supervisor's states, and *marks* (named events) cross all
 //! panels.
 //!
-//! A run may have any length, so rows are folded as they come into an [`envelope`] of at most 1500 buckets,
-//! each of which keeps its rows' smallest and largest values: no spike is lost, however short, but its place is
-//! known to a bucket only. Marks and state changes, too, are kept in bounded number (see [`timeline`]).
+//! A run may have any length. So rows are folded as they come into an [`envelope`] of at most 1500 buckets, each of which keeps its
+//! rows' smallest and largest values. No spike is lost, however short, but its time is known only to the width of a bucket. The number
+//! of marks and state changes is bounded, too (see [`timeline`]).
 //!
 //! Values that are not finite are left out of the picture, and so are rows without a finite time.
 

@@ -1,6 +1,6 @@
 //! `compare.svg`: two runs over each other, and their difference below.
 //!
-//! The first run is drawn wide and pale, the second one thin and dark on top of it, so that what is equal shows as a dark line
+//! The first run is drawn wide and pale, the second one thin and dark on top of it. So equal curves appear as a dark line
 //! within a pale one.
 
 use kuva::backend::svg::SvgBackend;
@@ -79,7 +79,7 @@ impl Overlay {
         }
     }
 
-    /// Adds the values of both runs at a time, s; times rise.
+    /// Adds the values of both runs at a time, s. Times must increase.
     pub fn push(&mut self, t_s: f64, rows: &[OverlayRow; 2]) {
         let axes = self.axes;
         for (i, row) in rows.iter().enumerate() {

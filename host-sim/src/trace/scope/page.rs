@@ -1,6 +1,6 @@
 //! The page: title, marks, the ribbon of states, and the panels under it, all on one time axis.
 //!
-//! kuva draws each panel; here they are put one under the other on kuva's scene.
+//! kuva draws each panel. This module stacks them on kuva's scene.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::render::layout::Layout;
@@ -22,7 +22,7 @@ pub const FONT: &str = "sans-serif";
 
 type MakePanel = fn(&ScopeData, TimeAxis) -> Panel;
 
-/// Panels from top to bottom: what draws them, and the height of the plot area.
+/// Panels from top to bottom: the function that draws each, and the height of its plot area.
 const fn panels(scope: &ScopeData) -> [(MakePanel, f64); 4] {
     [
         (panel::acceleration, 190.0),
@@ -84,7 +84,7 @@ fn heading(scene: &mut Scene, scope: &ScopeData) {
     text(scene, (LEFT, 56.0), &subtitle, 13, MUTED);
 }
 
-/// Puts a panel's scene on the page, its plot area at `top`; with a label it gets the time axis.
+/// Puts a panel's scene on the page, with its plot area at `top`. If it has a label, it gets the time axis.
 pub fn embed(
     page: &mut Scene,
     panel: Panel,
@@ -122,7 +122,8 @@ pub fn embed(
     }
     let drawn = render_multiple(plots, layout);
 
-    // kuva numbers clip paths across the whole process; numbered by panel, the same run gives the same bytes.
+    // kuva numbers clip paths across the whole process. Here they are numbered by panel, so that the same run
+    // gives the same bytes.
     let mut elements = drawn.elements;
     let mut defs = drawn.defs;
     let mut clips = 0;
@@ -149,7 +150,7 @@ pub fn embed(
     }
 }
 
-/// The states as a band of named stretches; a name that does not fit is among the labels above.
+/// Draws the states as a band of named stretches. A name that does not fit is among the labels above.
 fn ribbon(scene: &mut Scene, scope: &ScopeData, time: TimeAxis, top: f64) {
     text_anchored(
         scene,
@@ -165,7 +166,7 @@ fn ribbon(scene: &mut Scene, scope: &ScopeData, time: TimeAxis, top: f64) {
         scene.add(Primitive::Rect {
             x: from,
             y: top,
-            // Even the shortest state leaves a line.
+            // Even the shortest state is visible as a line.
             width: (to - from).max(1.0),
             height: RIBBON,
             fill: fill.into(),

@@ -1,8 +1,8 @@
 //! Content of the panels: curves, colours and legends.
 //!
-//! Colours are those of Okabe and Ito, which the colour-blind distinguish; vermilion is kept for limits and
-//! faults. Where curves are meant to coincide, the requested one is thick and pale, the actual one green, the one commanded
-//! thin and dark, so that all are seen.
+//! Colours are those of Okabe and Ito, which the colour-blind distinguish. Vermilion is reserved for limits and faults. Where curves
+//! are meant to coincide, the requested one is thick and pale, the actual one green, and the commanded one thin and dark, so that all
+//! are visible.
 
 use std::f64::consts::TAU;
 
@@ -19,7 +19,7 @@ use super::scale::{TimeAxis, is_in_sight, padded, plain, short};
 pub const BAND: &str = "#E69F00";
 /// Colours of the axes, in turn.
 pub const AXES: [&str; 6] = [BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#444444"];
-/// Least range of an axis of a magnitude. A platform that hardly moves fills little of it; other machines may be slow by their nature.
+/// Least range of an axis for a magnitude. A platform that hardly moves fills little of it. Other machines may be slow by design.
 fn from_rest(scope: &ScopeData) -> Extent {
     Extent {
         low: 0.0,
@@ -97,7 +97,7 @@ pub fn place(scope: &ScopeData, time: TimeAxis) -> Panel {
     range(scope, time, (channel::PLACE, 1e3), ("moved, mm", "moved"))
 }
 
-/// One channel, scaled, as the range that it covers; with the label of the panel and the name of the curve.
+/// Draws the range that one scaled channel covers, with the label of the panel and the name of the curve.
 fn range(
     scope: &ScopeData,
     time: TimeAxis,
@@ -115,7 +115,7 @@ fn range(
     draft.done()
 }
 
-/// Speed of the master shaft in Hz, with the bands it should not dwell in.
+/// Speed of the master shaft in Hz, with the bands in which it must not dwell.
 pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
     let per_rad_s = 1.0 / TAU;
     let total = scope.envelope.total(channel::SPEED).times(per_rad_s);
@@ -128,7 +128,7 @@ pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
         .collect();
     for &(low, high, is_near) in &bands {
         if is_near {
-            // Of a band without an end in sight, enough to be seen.
+            // Of a band whose end is far above the data, only a part is shown.
             let high = high.min(low.max(1.5 * top));
             shown = shown.and(Extent { low, high });
         }
@@ -182,7 +182,7 @@ pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {
             .envelope
             .are_alike(channel(axis), channel(other), near)
     };
-    // The first axis that each coincides with: itself, where none does before it.
+    // For each axis, the first axis with which it coincides, or the axis itself if there is none before it.
     let first: Vec<usize> = (0..scope.axes)
         .map(|axis| (0..axis).find(|&other| like(axis, other)).unwrap_or(axis))
         .collect();
@@ -246,7 +246,7 @@ fn with_limit(data: Extent, limit: Option<f64>) -> (Extent, Option<(f64, bool)>)
     (shown, Some((limit, is_shown)))
 }
 
-/// A legend's entry with the largest magnitude there was.
+/// Returns the text of a legend entry with the largest magnitude.
 pub fn peak(name: &str, total: Extent) -> String {
     if total.is_empty() {
         format!("{name}, no data")

@@ -16,10 +16,10 @@ pub struct TimeAxis {
 }
 
 impl TimeAxis {
-    /// Creates the axis of a run between two times in seconds; a default range for no times.
+    /// Creates the axis of a run between two times in seconds. Without times, it has a default range.
     pub fn new(span: Option<(f64, f64)>) -> Self {
         let (from_s, mut to_s) = span.unwrap_or((0.0, 1.0));
-        // One row, or times that do not go forward, still need a width, wide enough for f64 at that time.
+        // A single row, or times that do not increase, still need a width that f64 can represent at that time.
         let least = 1e-3_f64.max(from_s.abs() * 1e-9);
         if to_s - from_s < least {
             to_s = from_s + least;

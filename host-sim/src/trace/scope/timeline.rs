@@ -1,8 +1,8 @@
 //! States of the supervisor, and marks: named times.
 //!
-//! Both are bounded. When there are too many states, the shortest stretch goes to the one before it; the page
-//! could not show it anyway. Marks beyond the bound are counted, those of faults apart from the others, and the
-//! page says how many are missing.
+//! Both are bounded. When there are too many states, the shortest stretch is merged into the one before it,
+//! because the page could not show it. Marks beyond the bound are counted, those of faults separately from the
+//! others. The page states how many are missing.
 
 /// State stretches at most.
 const STATES: usize = 400;
@@ -66,7 +66,7 @@ impl Timeline {
 
     fn drop_shortest(&mut self) {
         let length = |i: usize| self.stretches[i].to_s - self.stretches[i].from_s;
-        // The first has none before it to go to.
+        // The first stretch has no predecessor into which it could be merged.
         let Some(shortest) =
             (1..self.stretches.len()).min_by(|&a, &b| length(a).total_cmp(&length(b)))
         else {
@@ -74,7 +74,7 @@ impl Timeline {
         };
         let gone = self.stretches.remove(shortest);
         self.stretches[shortest - 1].to_s = gone.to_s;
-        // Its neighbours may be of one state now.
+        // Its two neighbours may now have the same state.
         if self
             .stretches
             .get(shortest)
@@ -85,7 +85,7 @@ impl Timeline {
         }
     }
 
-    /// Marks an event; one without a finite time only counts as missing.
+    /// Marks an event. An event without a finite time is counted as missing.
     pub fn mark(&mut self, t_s: f64, label: &str) {
         let is_fault = label.starts_with("fault");
         let alike = self

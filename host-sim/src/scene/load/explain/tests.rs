@@ -1,4 +1,4 @@
-//! That each of serde's forms becomes a sentence; if serde changes one, this says so.
+//! Tests that each of serde's forms becomes a sentence. If serde changes a form, a test fails.
 
 use crate::scene::load::parse;
 use crate::scene::{SceneError, library};
