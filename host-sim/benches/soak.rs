@@ -1,12 +1,12 @@
-//! A month at work: after any number of ticks, commanded phases are equal exactly and step totals
+//! Soak test over a month of operation: after any number of ticks, commanded phases are exactly equal and step totals
 //! are exact.
 //!
 //! `cargo bench -p host-sim --bench soak -- --days 30` plays 30 days of 2 kHz ticks through the whole core
-//! (a quarter of an hour); without `--days` it plays a tenth of a day. The machine runs a program of
-//! several levels over and over, so that speeds change and the phase wraps many times.
+//! (a quarter of an hour). Without `--days` it plays a tenth of a day. The machine repeats a program of
+//! several levels, so that speeds change and the phase wraps many times.
 //!
-//! The truth is kept here, in 128 bits: the sum of all that the master turned. Every simulated hour each
-//! axis's phase and steps are compared with what that sum says they are.
+//! The reference is kept here, in 128 bits: the sum of all turns of the master. Every simulated hour, each
+//! axis's phase and steps are compared with the values that follow from this sum.
 
 use std::time::Instant;
 
@@ -18,7 +18,7 @@ use indicatif::ProgressBar;
 
 const AXES: usize = 4;
 
-/// Ratio and steps a turn of each axis; the first three are equal, mounted either way round.
+/// Gear ratio of each axis, as numerator and denominator. The first three are equal, mounted in either direction.
 const GEARS: [(i128, i128); AXES] = [(1, 1), (1, 1), (1, 1), (3, 7)];
 const STEPS_PER_TURN: i128 = 3200;
 
@@ -83,7 +83,7 @@ impl Truth {
         assert_eq!(telemetry.state, State::Run, "the machine must be at work");
         for (axis, (numerator, denominator)) in GEARS.into_iter().enumerate() {
             let turned = (self.turned * numerator).div_euclid(denominator);
-            let phase = Phase::from_turns(Turns::from_bits(turned as i64)); // wraps as a phase does
+            let phase = Phase::from_turns(Turns::from_bits(turned as i64)); // wraps like a phase
             assert_eq!(telemetry.axis_phase(axis), phase, "phase of axis {axis}");
             let steps = (turned * STEPS_PER_TURN) >> FRACTION_BITS;
             assert_eq!(
@@ -96,7 +96,7 @@ impl Truth {
     }
 }
 
-/// `--days D`; a tenth of a day unless it is given.
+/// Returns the days of `--days D`, a tenth of a day by default.
 fn days() -> f64 {
     let mut arguments = std::env::args().skip_while(|argument| argument != "--days");
     match (arguments.next(), arguments.next().map(|days| days.parse())) {

@@ -5,7 +5,7 @@
 //!
 //! - `core-N`: [`Controller::tick`] on `N` stepper axes in the middle of a program, all index sensors at one crank angle. The
 //!   index pulses were recorded before, by playing the commanded phases to ideal sensors.
-//! - `run-LEVEL`: a scene at a model level, with nothing written and nobody looking on.
+//! - `run-LEVEL`: a scene at a model level, without output and without an observer.
 //!
 //! `tests/baseline/bench` puts these figures beside those of commit 66e71d7.
 
@@ -22,8 +22,8 @@ use host_sim::scene::{Checked, library, load};
 use host_sim::sim::simulate;
 use measure::{Figure, Work};
 
-/// The numbers are the least ticks per load: a third of what 66e71d7 does on a shared x86-64 host. They find what became several
-/// times as slow. What became a little slower, `tests/baseline/bench` shows.
+/// Figures with their least ticks per load: a third of those of 66e71d7 on a shared x86-64 host. They detect a slowdown by several
+/// times. `tests/baseline/bench` shows smaller ones.
 const FIGURES: [Figure; 6] = [
     figure("core-2", 1700.0, || core(2)),
     figure("core-4", 1300.0, || core(4)),
@@ -46,14 +46,14 @@ fn main() {
     measure::run(&FIGURES);
 }
 
-/// Ticks before those that are measured, and these: ten simulated seconds each. The second ten have a ramp, a level inside a
-/// band, and the crossing of that band.
+/// Number of ticks before the measured ticks, and number of measured ticks: ten simulated seconds each. The second ten have a
+/// ramp, a level inside a band, and the crossing of that band.
 const TICKS: usize = 20_000;
 
 /// Crank angle of all index sensors.
 const INDEX_DEG: f64 = 15.0;
 
-/// The core alone, with feedback that was recorded.
+/// Returns the work of the core alone, with recorded feedback.
 fn core(count: usize) -> Work {
     let mut scene = library::SCENES[0].scene();
     scene.axes.count = count;
@@ -80,7 +80,7 @@ fn core(count: usize) -> Work {
     let recorded: Vec<_> = (0..TICKS).map(|_| record(&mut controller, None)).collect();
     let pulses = recorded.iter().filter(|one| one.index[count - 1].is_some());
     assert!(pulses.count() > 200, "the sensors are passed once per turn");
-    // Were pulses read in a wrong tick, cranks would seem to be degrees behind. Cycles are whole: some millidegrees.
+    // If pulses are read in a wrong tick, the phase errors are some degrees. Rounding to whole cycles gives only some millidegrees.
     let errors = controller.tick(&Feedback::of(None)).telemetry.phase_error;
     let furthest = errors.iter().map(|error| error.abs()).max().unwrap();
     assert!(furthest != 0 && furthest.to_num::<f64>() < 0.01 / 360.0);
@@ -96,11 +96,11 @@ fn core(count: usize) -> Work {
     })
 }
 
-/// Ideal index sensors of cranks that are where they are commanded to be.
+/// Ideal index sensors of cranks at their commanded phases.
 struct Sensors {
     count: usize,
     cycles: f64,
-    /// Pulses that the next call of the tick reads: those of the tick that played what was returned two calls before it.
+    /// Pulses that the next call of the tick reads. They are from the tick that played the output of two calls before it.
     index: PerAxis<Option<IndexPulse>>,
     /// Commanded phases at the ends of the last two ticks that were planned.
     phases: Option<[PerAxis<Phase>; 2]>,
@@ -116,7 +116,7 @@ impl Sensors {
         }
     }
 
-    /// Takes the phases to which a tick was planned, while the tick planned before it plays.
+    /// Takes the phases at the end of a planned tick, while the tick planned before it plays.
     fn follow(&mut self, planned: PerAxis<Phase>) {
         if let Some([from, to]) = self.phases {
             self.index = std::array::from_fn(|axis| {
@@ -128,7 +128,7 @@ impl Sensors {
         self.phases = Some([playing, planned]);
     }
 
-    /// The pulse of a crank that moves forwards at constant speed, if its flag comes within a tick.
+    /// Returns the pulse of a crank that moves forwards at constant speed, if its flag comes within a tick.
     fn pulse(&self, from: Phase, to: Phase) -> Option<IndexPulse> {
         let turns = to.since(from).to_num::<f64>();
         let beyond_index = (from.within_turn().to_num::<f64>() - INDEX_DEG / 360.0).rem_euclid(1.0);
@@ -139,7 +139,7 @@ impl Sensors {
     }
 }
 
-/// A whole run.
+/// Returns the work of a whole run.
 fn run(checked: Checked) -> Work {
     let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
     assert!(outcome.diverged.is_none() && outcome.fault.is_none());
@@ -152,12 +152,13 @@ fn run(checked: Checked) -> Work {
     })
 }
 
-/// The default scene, where cranks are where pulses put them.
+/// Returns the default scene, in which the step pulses alone determine the crank angles.
 fn default_scene() -> Checked {
     Checked::new(library::SCENES[0].scene()).unwrap()
 }
 
-/// Four steppers of NEMA 34 size: 200 full steps, 8 N·m that fall to 2 at 30 rev/s; a platform of 8 kg.
+/// Returns a scene with four steppers of NEMA 34 size and a platform of 8 kg. The motors have 200 full steps, and 8 N·m that
+/// fall to 2 at 30 rev/s.
 fn four_motors(level: &str) -> Checked {
     let text = format!(
         r#"

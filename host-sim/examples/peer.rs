@@ -1,10 +1,11 @@
-//! The phased model level at the manoeuvre of `tests/peers`, for `compare.py` there to judge and to time.
+//! The manoeuvre of `tests/peers` on the phased model level. `compare.py` there compares its results and times it.
 //!
-//! `peer MACHINE.json AXES METHOD STEPS_PER_TICK REPEATS` plays it so many times, for whoever measures the process, and
-//! prints one JSON object: the crank angles in rad at every sample, or why it stopped. Methods are named as the library
-//! names them, such as `RK4`. Below one step a tick (0.5, 0.25), drives are commanded as much less often.
+//! `peer MACHINE.json AXES METHOD STEPS_PER_TICK REPEATS` plays the manoeuvre `REPEATS` times, so that the process can be
+//! timed. It prints one JSON object: the crank angles in rad at every sample, or the reason why it stopped. Methods have
+//! the names of the library, such as `RK4`. Below one step a tick (0.5, 0.25), drives are commanded less often by this
+//! factor.
 //!
-//! The fields go evenly within a tick, as drives lead rotors: [`Driven`] as a scene has it.
+//! The fields turn at constant speed within a tick, because drives lead rotors. [`Driven`] is that of a scene.
 
 use std::error::Error;
 
@@ -16,7 +17,8 @@ use host_sim::mechanism::{Load, Platform};
 use serde::Deserialize;
 use serde_json::json;
 
-/// The pull-out curve is level up to its first point: here everywhere.
+/// Speed of the first point of the pull-out curve, rev/s. The curve is constant up to this point, so here it is constant
+/// everywhere.
 const ABOVE_ALL_HZ: f64 = 1e4;
 
 #[derive(Deserialize)]
@@ -82,7 +84,7 @@ impl Machine {
         ((self.ramp_s + self.hold_s) / self.tick_s).round() as u32
     }
 
-    /// Plays the manoeuvre from rest. Gives the angles at every sample.
+    /// Plays the manoeuvre from rest. Returns the angles at every sample.
     fn play(
         &self,
         driven: &mut Driven,

@@ -1,14 +1,14 @@
-//! Measuring, whatever is measured: CPU time of a figure's work beside that of a fixed calibration load.
+//! Measurement of any figure: the CPU time of its work, compared with that of a fixed calibration load.
 //!
-//! - *Work*: one call does some, and returns how many units of it (control ticks, say) were done.
+//! - *Work*: one call does some work, and returns its number of units, for example control ticks.
 //! - *Load*: a fixed loop of integer and floating-point operations that no change of the project touches. Units per load
 //!   compare across machines far better than units per second, so only they are asserted.
-//! - *Round*: load, work, load. The two loads see the same clock frequency and the same neighbours as the work, so rounds are
-//!   short. A figure is the median of its rounds.
+//! - *Round*: load, work, load. Rounds are short, so that the two loads run at the same clock frequency and beside the same
+//!   other processes as the work. A figure is the median of its rounds.
 //!
 //! Each figure is two lines, `name value unit`: units per second of CPU time, and units per load. Other lines begin with `#`.
 //!
-//! This file knows nothing of the project, so that `tests/baseline/bench` measures another commit by the same code.
+//! This file does not depend on the project, so that `tests/baseline/bench` measures another commit by the same code.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -16,28 +16,28 @@ use std::time::Instant;
 /// One call does some work and returns how many units it did.
 pub type Work = Box<dyn FnMut() -> u64>;
 
-/// Something whose speed is measured.
+/// Figure: a kind of work whose speed is measured.
 pub struct Figure {
     /// Name in the output.
     pub name: &'static str,
     /// Unit of its work.
     pub unit: &'static str,
-    /// Units per load that are asserted. Leave a wide margin: processors differ in what they are good at.
+    /// Least units per load, which are asserted. Leave a wide margin: processors differ in their strengths.
     pub least_per_load: f64,
-    /// Sets the work up. The time that takes does not count.
+    /// Sets the work up. The time for this does not count.
     pub set_up: fn() -> Work,
 }
 
-/// CPU time of the work in one round, at least, s; and of the load before it, and after it.
+/// Least CPU time in one round, s: of the work, and of each load, before and after it.
 const WORK_S: f64 = 0.02;
 const LOAD_S: f64 = 0.005;
-/// Rounds of a figure, at least, and CPU time of its work in all of them, s.
+/// Least number of rounds of a figure, and least CPU time of its work in all rounds, s.
 const ROUNDS: usize = 5;
 const ALL_WORK_S: f64 = 0.6;
 
 /// Measures the figures that the command line names, or all, and prints them.
 ///
-/// `--test` runs each as briefly as possible and asserts nothing but that it runs.
+/// `--test` runs each figure as briefly as possible, and asserts only that it runs.
 ///
 /// # Panics
 /// If a figure is below its least units per load.
@@ -105,14 +105,14 @@ fn measure(figure: &Figure, is_test: bool) -> Measured {
     }
 }
 
-/// Units done in some CPU time.
+/// Number of units done in a CPU time.
 struct Sample {
     units: u64,
     cpu_s: f64,
 }
 
 impl Sample {
-    /// Works for at least that time.
+    /// Does the work for at least this time.
     fn of(work: &mut dyn FnMut() -> u64, least_s: f64) -> Self {
         let clock = CpuClock::start();
         let mut units = 0;
@@ -135,7 +135,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// CPU time of this thread where Linux gives it, so that other processes do not count; else time on the wall.
+/// CPU time of this thread where Linux provides it, so that other processes do not count. Elsewhere it is wall time.
 struct CpuClock {
     cpu_ns: Option<u64>,
     wall: Instant,
@@ -157,7 +157,7 @@ impl CpuClock {
     }
 
     fn cpu_ns() -> Option<u64> {
-        // The scheduler brings its account up to date when it is called.
+        // The scheduler updates its accounting when it is called.
         std::thread::yield_now();
         let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
         text.split(' ').next()?.parse().ok()
@@ -170,11 +170,12 @@ const LOAD_ITERATIONS: u32 = 80_000;
 /// Result of a load, the same on every machine.
 const LOAD_RESULT: u64 = 0x8C0C_F37A_1A1E_7A93;
 
-/// Chains of operations that do not wait for each other. Work that fills a processor's units, as most does, suffers from a
-/// neighbour on the same core; a single chain would not.
+/// Number of chains of operations that do not wait for each other. Most work fills the units of a processor, so another process
+/// on the same core slows it down. A single chain would not slow down.
 const LANES: usize = 4;
 
-/// The calibration load: in each lane a chain of integer operations with a table and a branch, and one of f64.
+/// Runs the calibration load: in each lane, a chain of integer operations with a table and a branch, and a chain of f64
+/// operations.
 fn load() -> u64 {
     let mut random =
         black_box([1, 2, 3, 4].map(|seed| 0x9E37_79B9_7F4A_7C15_u64.rotate_left(seed)));

@@ -1,4 +1,4 @@
-//! `cophase campaign`: thousands of faults, each on a machine of its own, and what the loop made of them.
+//! `cophase campaign`: thousands of faults, each on its own machine, and the reactions of the loop.
 
 use std::io::Write;
 use std::ops::Range;
@@ -88,7 +88,7 @@ fn input(place: &str, error: &dyn std::fmt::Display) -> CommandError {
     CommandError::Input(format!("{place}: {error}"))
 }
 
-/// The cases that are requested.
+/// Returns the requested cases.
 fn numbers(args: &CampaignArgs) -> Result<Range<u64>, CommandError> {
     let to = args.to.unwrap_or(args.runs);
     if args.runs == 0 {
@@ -133,7 +133,7 @@ fn run_shard(args: &CampaignArgs, plan: &Plan) -> Result<Shard, CommandError> {
     })
 }
 
-/// The strata that are requested.
+/// Returns the requested strata.
 fn selection(args: &CampaignArgs, plan: &Plan) -> Result<Option<Selection>, CommandError> {
     if args.only.is_empty() {
         return Ok(None);
@@ -142,7 +142,7 @@ fn selection(args: &CampaignArgs, plan: &Plan) -> Result<Option<Selection>, Comm
     selection.map(Some).map_err(|error| input("--only", &error))
 }
 
-/// rayon would count them too, unless an environment variable says otherwise.
+/// Returns the number of cores. rayon uses the same number, unless an environment variable sets another one.
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
@@ -202,7 +202,7 @@ fn write_all(folder: &Path, files: &[(&str, &str)]) -> Result<(), CommandError> 
     Ok(())
 }
 
-/// Runs one case once more, with all that `cophase run` writes, and its scene.
+/// Runs one case again. Writes its scene and all files of `cophase run`.
 fn replay(
     args: &CampaignArgs,
     plan: &Plan,
@@ -228,7 +228,7 @@ fn replay(
     Ok(status)
 }
 
-/// Shards of files, and of folders all that are called as shards are.
+/// Reads shards from files. From a folder, it reads all files with the name of a shard.
 fn shards(paths: &[PathBuf]) -> Result<Vec<(String, Shard)>, CommandError> {
     let mut files = Vec::new();
     for path in paths {
@@ -260,13 +260,13 @@ fn shards(paths: &[PathBuf]) -> Result<Vec<(String, Shard)>, CommandError> {
     files.into_iter().map(read).collect()
 }
 
-/// Returns true if a file has the name of a shard. The joined file beside them is none.
+/// Returns true if a file has the name of a shard. The joined file beside the shards has another name.
 fn is_shard(file: &Path) -> bool {
     let name = file.file_name().and_then(|name| name.to_str());
     name.is_some_and(|name| name.starts_with("campaign-") && name.ends_with(".csv"))
 }
 
-/// Seen on a terminal only: indicatif draws to stderr, and only if that is one.
+/// Creates a progress bar. It shows on a terminal only: indicatif draws to stderr, and only if stderr is a terminal.
 fn progress_bar(quiet: bool, cases: u64) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();

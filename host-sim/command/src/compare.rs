@@ -1,4 +1,4 @@
-//! `cophase compare`: two runs go in; where they part comes out.
+//! `cophase compare`: reports where two runs begin to differ.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ fn tolerance(text: &str) -> Result<(String, f64), String> {
     Ok((column.to_owned(), value))
 }
 
-/// Compares two runs. The status is that of a fault if they part.
+/// Compares two runs. The status is that of a fault if they differ.
 pub(super) fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<Status, CommandError> {
     let refused = |error: CompareError| CommandError::Input(error.to_string());
     let (a, b) = (

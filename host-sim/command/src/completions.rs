@@ -7,7 +7,8 @@ use clap_complete::{Shell, generate};
 
 use super::{Command, CommandError, Status};
 
-/// Where each shell looks for the script. Not a doc comment: its indented lines would be an example in Rust.
+/// Long help with the place of the script for each shell. It is not a doc comment, because indented lines in a
+/// doc comment are an example in Rust.
 const WHERE: &str = "\
 Print a completion script for a shell
 
@@ -36,7 +37,7 @@ pub(super) fn completions(
 ) -> Result<Status, CommandError> {
     let mut command = Command::command();
     let name = command.get_name().to_owned();
-    // `generate` panics where it cannot write; a vector takes everything.
+    // `generate` panics on a write error, and writing to a vector has none.
     let mut script = Vec::new();
     generate(args.shell, &mut command, name, &mut script);
     out.write_all(&script)?;

@@ -1,9 +1,9 @@
-//! Time that a run is expected to take, said before long ones.
+//! Expected duration of a run, which is printed before a long run.
 //!
-//! The first ticks of the run are timed, of two lengths: their difference is what a tick takes, without what it takes to set the run
-//! up. Most scenes are done long before anyone waits for them; those are left alone after the first few ticks.
+//! Two first pieces of the run, of different lengths, are timed. The duration of a tick follows from their difference, which does not
+//! contain the time to set the run up. Most scenes are short. For those, only the first few ticks are timed.
 //!
-//! A run that ends earlier, by a fault, takes less. One that slips is run twice, for its edges ([`super::run`]).
+//! A run that ends early, by a fault, takes less time. A run with a slip is run twice, for its edges ([`super::run`]).
 
 use std::io::{self, Write};
 use std::time::Instant;
@@ -15,20 +15,21 @@ use host_sim::trace::{Every, Format, Recorder, ScopeData, Window};
 
 use super::run::frame;
 
-/// Only what takes longer is said, s.
+/// Longest duration for which nothing is printed, s.
 const LONG_S: f64 = 3.0;
 
-/// The first ticks that are timed, and by how many times more until it is known what one takes.
+/// Number of ticks in the first timed piece, and the factor to the next piece, until the duration of a tick is measured.
 const FIRST_TICKS: u64 = 16;
 const MORE: u64 = 4;
 
-/// The longer of two pieces takes so much longer in the end, s: then differences in setting up, and the clock's, count for little.
+/// Difference between the durations of two pieces at which the timing ends, s. It is large compared with differences in the time to
+/// set the run up, and with the resolution of the clock.
 const TIMED_S: f64 = 0.05;
 
-/// A tick that moves takes up to so many times what one at rest does, as the first are.
+/// Largest ratio of the duration of a tick in motion to that of a tick at rest. The first ticks are at rest.
 const MOVING: f64 = 4.0;
 
-/// Says how long the choice of a model level will take, if that is long.
+/// Prints the expected duration of the choice of a model level, if it is long.
 ///
 /// # Errors
 /// The scene cannot be run.
@@ -46,7 +47,7 @@ pub(super) fn before_choice(checked: &Checked, err: &mut impl Write) -> Result<(
     Ok(())
 }
 
-/// Says how long the run will take, if that is long.
+/// Prints the expected duration of the run, if it is long.
 ///
 /// # Errors
 /// As of [`before_choice`].
@@ -59,12 +60,12 @@ pub(super) fn before_run(checked: &Checked, err: &mut impl Write) -> Result<(), 
 
 fn say(err: &mut impl Write, what: &str, seconds: Option<f64>) {
     if let Some(about) = seconds.and_then(about) {
-        // A run goes on without these words.
+        // The run continues if the message cannot be written.
         let _ = writeln!(err, "cophase: {what} about {about}");
     }
 }
 
-/// A time in words, to two digits; none if it is short.
+/// Returns a time as text, to two digits; `None` if it is short.
 fn about(seconds: f64) -> Option<String> {
     (seconds > LONG_S).then(|| match seconds {
         s if s < 99.5 => format!("{s:.0} s"),
@@ -73,14 +74,14 @@ fn about(seconds: f64) -> Option<String> {
     })
 }
 
-/// Time that the first ticks of a run take, s.
+/// Measures the duration of the first ticks of a run, s.
 fn time_s(ticks: u64, checked: &Checked, mut observer: impl Observer) -> Result<f64, SceneError> {
     let began = Instant::now();
     simulate_first(ticks, checked, &mut observer, |_, _| {})?;
     Ok(began.elapsed().as_secs_f64())
 }
 
-/// Time that `ticks` take, s, where `time` gives what the first of them do; none where it is surely less than `long_s`.
+/// Returns the expected duration of `ticks`, s; `None` if it is certainly less than `long_s`. `time` measures the first ticks.
 fn expected_s(
     ticks: u64,
     long_s: f64,
@@ -88,7 +89,7 @@ fn expected_s(
 ) -> Result<Option<f64>, SceneError> {
     let (mut timed, mut took_s) = (FIRST_TICKS, time(FIRST_TICKS)?);
     while timed < ticks {
-        // Setting up is in it, so that it is rather too much.
+        // This includes the time to set the run up, so it is an upper estimate.
         if took_s * ticks as f64 / (timed as f64) < long_s / MOVING {
             return Ok(None);
         }
@@ -100,13 +101,13 @@ fn expected_s(
         }
         (timed, took_s) = (more, more_s);
     }
-    Ok(Some(took_s)) // that was all of it
+    Ok(Some(took_s)) // all ticks were timed
 }
 
-/// An observer like that of a run, as it takes a part of the time; it keeps nothing.
+/// Creates an observer like that of a run, because the observer takes part of the time. It keeps nothing.
 fn recorder(checked: &Checked) -> impl Observer {
     let scope = ScopeData::new(checked.scene.axes.count, frame(checked));
-    // It takes everything, as `io::sink()` does, and has positions, as a file has.
+    // It accepts all bytes like `io::sink()`, and has positions like a file.
     let files = [Format::Csv, Format::Vcd].map(|format| (format, io::empty()));
     let recorder = Recorder::new(
         checked,
@@ -124,7 +125,7 @@ mod tests {
     use super::*;
     use host_sim::scene::load;
 
-    /// Were it wrong, setting up would pass for what all ticks take, or nothing would be said where a run takes minutes.
+    /// If this fails, the time to set the run up counts for every tick, or no message announces a run of minutes.
     #[test]
     fn the_whole_follows_from_two_pieces() {
         let expected = |set_up_s: f64, tick_s: f64, ticks: u64| {
@@ -142,9 +143,9 @@ mod tests {
         assert!(is_near(long_s, 100.0) && timed < 400, "{long_s:?}");
         let (long_s, _) = expected(1e-4, 1e-6, 1_000_000_000);
         assert!(is_near(long_s, 1000.0), "{long_s:?}");
-        // A short run is left alone after its first few ticks.
+        // In a short run, only the first few ticks are timed.
         assert_eq!(expected(1e-4, 1e-6, 100_000), (None, FIRST_TICKS));
-        // What takes long to set up is not long for that.
+        // A long time to set the run up does not make its ticks long.
         let (short_s, _) = expected(0.5, 1e-6, 100_000);
         assert_eq!(short_s.and_then(about), None, "{short_s:?}");
     }
@@ -174,8 +175,8 @@ mod tests {
         Checked::new(load::parse(&text).unwrap()).unwrap()
     }
 
-    /// Were it wrong, someone would wait for hours without a word, or be warned of a run that is over at once. No machine runs days of
-    /// simulated time in seconds, or a second of it in three.
+    /// If this fails, a run of hours begins without a message, or a message announces a run that ends at once. No machine runs days of
+    /// simulated time in seconds. No machine needs three seconds for one simulated second.
     #[test]
     fn long_runs_are_announced() {
         let said = |program: &str| {

@@ -1,8 +1,12 @@
 //! The `cophase` command.
 //!
-//! Exit status: 0 done; 1 the run ended in a fault, or a simulated motor slipped and the controller did not
-//! see it, or no board takes the settings, and everything was still written; 2 bad input, and nothing was written; 130 and 143 ended by SIGINT and SIGTERM, and
-//! nothing was written.
+//! Exit status:
+//!
+//! - 0: done;
+//! - 1: the run ended in a fault, or a simulated motor slipped and the controller did not detect it, or no board takes the settings,
+//!   and everything was still written;
+//! - 2: bad input, and nothing was written;
+//! - 130 and 143: ended by SIGINT and SIGTERM, and nothing was written.
 #![forbid(unsafe_code)]
 
 mod campaign;
@@ -68,7 +72,7 @@ enum What {
 }
 
 impl Command {
-    /// Carries the command out, printing to `out`, and errors to `err`.
+    /// Carries the command out. Prints to `out`, and errors to `err`.
     pub fn carry_out(self, out: &mut impl Write, err: &mut impl Write) -> Status {
         let done = match self.what {
             What::Run(args) => run::run(&args, out, err),
@@ -90,13 +94,13 @@ impl Command {
         };
         match done.and_then(|status| out.flush().map(|()| status).map_err(CommandError::from)) {
             Ok(status) => status,
-            // Whoever was reading has seen enough (`cophase scenes default | head`).
+            // The reader has closed the pipe (`cophase scenes default | head`).
             Err(CommandError::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
                 Status::Done
             }
             Err(error) => {
                 for line in error.to_string().lines() {
-                    // Where errors cannot be written, the status still says that there was one.
+                    // If the error cannot be written, the status still reports it.
                     let _ = writeln!(err, "cophase: {line}");
                 }
                 Status::BadInput

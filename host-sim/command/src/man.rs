@@ -17,7 +17,7 @@ pub(super) struct ManArgs {
 }
 
 pub(super) fn man(args: &ManArgs, out: &mut impl Write) -> Result<Status, CommandError> {
-    // `help` only repeats what the other pages say.
+    // `help` only repeats the other pages.
     let mut command = Command::command().disable_help_subcommand(true);
     command.build();
     let mut pages = Vec::new();

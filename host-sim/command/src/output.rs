@@ -1,4 +1,4 @@
-//! Writing a file that an option of a command names, by the rule of all outputs: its folder is created if there is none.
+//! Output to a file that an option of a command names. As for all outputs, its folder is created if there is none.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! `cophase scenes`: what there is to run, and to start from; and how other commands take a scene.
+//! `cophase scenes`: the built-in scenes, to run or to start from. It also reads the scenes of other commands.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -67,7 +67,7 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
     Ok(Status::Done)
 }
 
-/// That there is no such scene, and which there are.
+/// Returns the error that there is no such scene, with the names of all scenes.
 pub(super) fn unknown(name: &str) -> String {
     let known: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
     let meant = load::nearest(name, &known).map(|near| format!("did you mean `{near}`? "));
@@ -78,7 +78,7 @@ pub(super) fn unknown(name: &str) -> String {
     )
 }
 
-/// A file if there is one of that name, else a built-in scene.
+/// Reads a scene: a file if there is one with this name, else a built-in scene.
 pub(super) fn read(name: &str) -> Result<Checked, String> {
     let path = Path::new(name);
     match library::find(name) {

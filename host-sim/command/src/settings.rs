@@ -1,4 +1,4 @@
-//! `cophase settings`: a scene goes in, a settings file for a board comes out.
+//! `cophase settings`: converts a scene to a settings file for a board.
 
 use std::fs;
 use std::io::Write;
@@ -15,7 +15,7 @@ use host_sim::report;
 use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods, Wiring};
 use host_sim::scene::{Checked, Scene, entry};
 
-/// Both slots: in one alone, the file would lose against a later one in the other.
+/// Addresses of both slots. A file in one slot only would be superseded by a later file in the other slot.
 const SLOT_ADDRESSES: [u32; 2] = [FLASH_ADDRESS + SLOT_A_OFFSET, FLASH_ADDRESS + SLOT_B_OFFSET];
 
 #[derive(Debug, clap::Args)]
@@ -60,7 +60,7 @@ pub(super) fn settings(args: &SettingsArgs, out: &mut impl Write) -> Result<Stat
     })
 }
 
-/// UF2 file that places a settings file in both slots.
+/// Returns a UF2 file that places a settings file in both slots.
 fn drag_and_drop(settings_file: &[u8]) -> Vec<u8> {
     let pages = SLOT_ADDRESSES.iter().flat_map(|&start| {
         let addresses = (start..).step_by(PAGE_BYTES);
@@ -124,7 +124,7 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
     Ok(text)
 }
 
-/// Keys of a scene that say something, and not to the control loop.
+/// Returns the keys that a scene sets and that do not affect the control loop.
 fn left_out(scene: &Scene) -> Vec<String> {
     let axes = &scene.axes;
     let cam = scene.cam.as_ref();
@@ -192,17 +192,17 @@ fn left_out(scene: &Scene) -> Vec<String> {
     keys
 }
 
-/// Writes a file, all or not at all.
+/// Writes a whole file, or nothing.
 fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let show = path.display();
-    // Put in place by its name, a file would take the place of whatever is there.
+    // The finished file is put in place by its name, which would replace anything with that name.
     let is_taken = fs::symlink_metadata(path).is_ok_and(|there| !there.is_file());
     if is_taken && path.file_name().is_some() {
         return Err(format!(
             "-o: {show} is there and is not a plain file; take it away, or give another name"
         ));
     }
-    // A slip of the pen must not cost somebody the scene, or whatever it is.
+    // A mistyped name must not overwrite the scene or another file.
     if let Ok(there) = fs::read(path)
         && !(there.starts_with(&MAGIC) || uf2::is_uf2(&there))
     {

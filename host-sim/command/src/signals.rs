@@ -1,28 +1,29 @@
-//! Signals that end the command: files that are not finished are taken away first.
+//! Signals that end the command. Unfinished files are removed first.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// True while a command ends its work by itself at the first SIGINT.
 static IS_CAUGHT: AtomicBool = AtomicBool::new(false);
-/// True once that has come.
+/// True once this SIGINT has arrived.
 static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// From now on the first SIGINT ends no process. Returns whether it has come; the next one ends the process.
+/// Catches the first SIGINT, which then does not end the process. The next one does. Returns a function that is true
+/// once the first one has arrived.
 pub(crate) fn catch_interrupt() -> impl Fn() -> bool {
     IS_CAUGHT.store(true, Ordering::SeqCst);
     || IS_INTERRUPTED.load(Ordering::SeqCst)
 }
 
-/// Takes unfinished files away when SIGINT or SIGTERM comes, and ends the process with status 128 + signal: 130 or 143.
+/// Removes unfinished files when SIGINT or SIGTERM arrives, and ends the process with status 128 + signal: 130 or 143.
 ///
-/// Elsewhere than on Unix it does nothing, and a command that is ended leaves hidden `.part` files.
+/// On systems other than Unix, it does nothing, and a command that is ended leaves hidden `.part` files.
 pub fn clean_up_on_signals() {
     #[cfg(unix)]
     {
         use signal_hook::consts::{SIGINT, SIGTERM};
         use signal_hook::iterator::Signals;
 
-        // A command without this thread runs as well.
+        // The command also runs without this thread.
         let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
             return;
         };

@@ -8,9 +8,9 @@ use std::io;
 pub enum Status {
     /// Done.
     Done = 0,
-    /// The run ended in a fault, no board takes the settings, two runs part, or a claim failed; everything was written.
+    /// The run ended in a fault, no board takes the settings, two runs differ, or a claim failed. Everything was written.
     Fault = 1,
-    /// Bad input; nothing was written.
+    /// Bad input. Nothing was written.
     BadInput = 2,
 }
 

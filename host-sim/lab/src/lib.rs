@@ -1,7 +1,7 @@
-//! The laboratory: methods and model levels compared ([`chart`]), the loop's claims tested on thousands of machines
-//! ([`campaign`]), and published figures beside ours ([`reproduced`]).
+//! The laboratory. It compares methods and model levels ([`chart`]), tests the loop's claims on thousands of machines
+//! ([`campaign`]), and puts published figures beside ours ([`reproduced`]).
 //!
-//! Nothing here takes part in running a scene; that is [`host_sim`].
+//! Nothing here takes part in running a scene. [`host_sim`] runs scenes.
 #![forbid(unsafe_code)]
 
 pub mod campaign;

@@ -1,4 +1,4 @@
-// The page: makes all parts, and passes them what the server sends.
+// The page: makes all parts, and passes them the messages of the server.
 
 import { Circle, Level } from './circle.js';
 import { Controls, REASONS } from './controls.js';
@@ -19,7 +19,7 @@ import { View } from './view.js';
 
 const find = (id) => document.getElementById(id);
 
-/** All parts, once the server has said what machine there is. */
+/** All parts, once the server has sent the data of the machine. */
 let parts;
 
 const message = (text, isError) => {
@@ -96,13 +96,13 @@ function begin(hello) {
   requestAnimationFrame(draw);
 }
 
-/** Changes all plots, and draws them again even where the window is stopped. */
+/** Changes all plots, and draws them again even if the window is stopped. */
 function redrawn(change) {
   parts.plots.forEach(change);
   parts.drawn = undefined;
 }
 
-/** Loads a program; the sentence to show, or an error with the reason. */
+/** Loads a program. Returns the sentence to show, or throws an error with the reason. */
 async function load(text) {
   await socket.request('load', { text });
   return 'Loaded. It runs until the controller restarts.';
@@ -113,7 +113,7 @@ function showStatus(status) {
   const badge = find('state');
   badge.textContent = status.holding ? `${status.state}, held` : status.state;
   badge.dataset.state = status.state;
-  // What keeps the machine from a start, while it rests.
+  // The reason why the machine cannot start, while it is at rest.
   const missing = ['idle', 'parked'].includes(status.state) ? REASONS.start(status) : undefined;
   find('hint').textContent = missing === undefined ? '' : `To start: ${missing}.`;
   const notes = [
@@ -202,5 +202,5 @@ function draw() {
   requestAnimationFrame(draw);
 }
 
-// Tests compare what is drawn with what was saved.
+// Tests compare the drawn values with the saved ones.
 globalThis.cophaseScope = { get parts() { return parts; } };

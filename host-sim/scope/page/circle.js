@@ -1,4 +1,4 @@
-// The circle of motors, with the phase error of each, and the tilt as a spirit level. Both as SVG.
+// The circle of motors, with the phase error of each, and the tilt as a spirit level. Both are SVG.
 
 const SVG = 'http://www.w3.org/2000/svg';
 
@@ -23,14 +23,14 @@ function make(parent, name, attributes = {}, text = undefined) {
   return element;
 }
 
-/** Writes a text where it differs: the same text again would be laid out again. */
+/** Writes a text if it differs, so that the browser does not lay out an equal text again. */
 function write(element, text) {
   if (element.textContent !== text) {
     element.textContent = text;
   }
 }
 
-/** Text of a number with its sign and so many digits. */
+/** Returns the text of a number with its sign and a number of digits. */
 export function signed(value, digits) {
   if (!Number.isFinite(value)) return '–';
   const text = value.toFixed(digits);
@@ -42,7 +42,7 @@ export class Circle {
   #scale;
   #crank;
 
-  /** @param {HTMLElement} scale Where the full scale of the needles is written. */
+  /** @param {HTMLElement} scale Element for the full scale of the needles. */
   constructor(svg, scale, axes) {
     this.#scale = scale;
     svg.setAttribute('viewBox', '-110 -106 220 218');
@@ -51,7 +51,7 @@ export class Circle {
     this.#crank = make(svg, 'line', { x1: 0, y1: 0, x2: 0, y2: -15, class: 'crank' });
     make(svg, 'circle', { r: 2.5, class: 'hub' });
     this.#motors = Array.from({ length: axes }, (_, i) => {
-      // Axis 0 is on the x axis; the others follow against the clock.
+      // Axis 0 is on the x axis. The others follow anticlockwise.
       const angle = (2 * Math.PI * i) / axes;
       const group = make(svg, 'g', { transform: `translate(${RADIUS * Math.cos(angle)} ${-RADIUS * Math.sin(angle)})` });
       group.style.setProperty('--color', `var(--axis-${i})`);
@@ -61,7 +61,7 @@ export class Circle {
       }
       const needle = make(group, 'line', { x1: 0, y1: 0, x2: 0, y2: -20, class: 'needle' });
       make(group, 'text', { y: 16, class: 'name' }, String(i));
-      // Values of the upper motors are above them, so that they meet no other motor.
+      // Values of the upper motors are above them, so that they do not overlap another motor.
       const value = make(group, 'text', { y: Math.sin(angle) > 0.1 ? -28 : 36, class: 'value' });
       return { needle, value };
     });
@@ -88,7 +88,7 @@ export class Level {
   #svg;
 
   /**
-   * @param {HTMLElement} value Where the tilt is written.
+   * @param {HTMLElement} value Element for the tilt.
    * @param {number} limit Limit of the tilt, mrad: the outer ring.
    */
   constructor(svg, value, limit) {

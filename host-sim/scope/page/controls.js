@@ -1,6 +1,6 @@
 // Controls of the machine, each with the reason why it is not possible now.
 
-/** Time between two requests of a jog, ms: less than half of what one lasts. */
+/** Time between two requests of a jog, ms: less than half the duration of one request. */
 const JOG_MS = 200;
 
 const AT_REST = ['idle', 'parked'];
@@ -25,7 +25,7 @@ function needsArm(status) {
   return needsInputs(status) ?? (status.armed ? undefined : 'arm first');
 }
 
-/** Why an action is not possible in a status; nothing if it is. The controller checks all of it again. */
+/** Reason why an action is not possible in a status; `undefined` if it is. The controller checks everything again. */
 export const REASONS = {
   control: (status) => (status.control === 'other' ? needsControl(status) : undefined),
   arm: (status) => needsControl(status) ?? needsState(AT_REST, status) ?? needsInputs(status),
@@ -54,7 +54,7 @@ export class Controls {
 
   /**
    * @param {HTMLElement} root Element whose descendants with `data-action` are controls.
-   * @param {(text: string, isError: boolean) => void} message Shows what became of a request.
+   * @param {(text: string, isError: boolean) => void} message Shows the result of a request.
    */
   constructor(root, socket, message) {
     this.#root = root;
@@ -64,7 +64,7 @@ export class Controls {
       if (button.dataset.action === 'jog') {
         this.#wireJog(button);
       } else if (button.type !== 'submit') {
-        // A form has its own use for its button.
+        // A form handles its own button.
         button.addEventListener('click', () => this.act(button.dataset.action));
       }
     }
@@ -76,12 +76,12 @@ export class Controls {
     });
   }
 
-  /** Shows which controls are possible. */
+  /** Shows the controls that are possible. */
   update(status) {
     this.#status = status;
     for (const control of this.#root.querySelectorAll('[data-action]')) {
       const reason = REASONS[control.dataset.action]?.(status);
-      // A control that is not possible keeps its focus, and says why when it is used.
+      // A control that is not possible keeps its focus, and shows the reason when it is used.
       control.setAttribute('aria-disabled', String(reason !== undefined && !this.#jogging));
       control.title = reason === undefined ? (control.dataset.title ?? '') : `Not now: ${reason}`;
     }
@@ -93,7 +93,7 @@ export class Controls {
     const arm = this.#root.querySelector('[data-action=arm]');
     arm.textContent = status.armed ? 'Armed' : 'Arm';
     arm.setAttribute('aria-pressed', String(status.armed));
-    // The slider follows the machine, except while a hand is on it.
+    // The slider follows the machine, except while a user moves it.
     if (performance.now() - (this.sliderMoved ?? -1e4) > 1000) {
       const percent = status.override_permille / 10;
       this.#root.querySelector('input[data-action=override]').value = percent;

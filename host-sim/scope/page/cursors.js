@@ -33,7 +33,7 @@ export class Cursors {
       line.firstChild.className = 'signal';
       return line;
     }));
-    // What moves at the left, by what the cranks differ at the right.
+    // The left table shows the motion. The right table shows the differences between cranks.
     this.#element.replaceChildren(table([times, ...rows.slice(0, 2)]), table(rows.slice(2)));
   }
 }
@@ -51,7 +51,7 @@ function table(groups) {
   return element;
 }
 
-/** A number with so many digits; zero has no sign. */
+/** Returns the text of a number with a number of digits. Zero has no sign. */
 function text(value, digits) {
   const digitsOnly = value.toFixed(digits);
   return Number(digitsOnly) === 0 ? digitsOnly.replace('-', '') : digitsOnly.replace('-', '−');

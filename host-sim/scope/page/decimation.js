@@ -1,18 +1,18 @@
-// Samples to points: two for each pixel, the least and the greatest value in it. So no peak is left out, however short.
+// Conversion of samples to points: two for each pixel, the least and the greatest value in it. So even short peaks are drawn.
 //
-// A pixel has a whole number of ticks, and begins at a multiple of them. So a point does not change while the window moves on, and
+// A pixel has a whole number of ticks, and begins at a multiple of them. So a point does not change while the window moves, and
 // only new samples have to be visited.
 
 export class Decimation {
   #names;
   #key = {};
-  /** Pixel that is in each place of the ring; −1 for none. */
+  /** Pixel in each place of the ring; −1 for none. */
   #pixels;
   #lows;
   #highs;
-  /** Whether the least value came first. */
+  /** True if the least value came first. */
   #order;
-  /** Samples that were visited, and the first pixel that is complete. */
+  /** Number of visited samples, and first complete pixel. */
   #next;
   #first;
 
@@ -22,8 +22,8 @@ export class Decimation {
   }
 
   /**
-   * Points of a window: the times, then the columns, as uPlot takes them. Pixels without a sample are gaps. Where a pixel has
-   * fewer than two samples, these are the points.
+   * Returns the points of a window: the times, then the columns, in the form for uPlot. Pixels without a sample are gaps. If a pixel
+   * has fewer than two samples, these are the points.
    */
   points(history, from, to, pixels) {
     const { tickHz, every } = history;
@@ -102,13 +102,13 @@ export class Decimation {
   }
 }
 
-/** All samples of a window; a gap where some are missing. */
+/** Returns all samples of a window, with a gap for missing ones. */
 function samples(history, names, from, to) {
   const columns = names.map((name) => history.columns[history.places.get(name)]);
   const { mask, ticks, tickHz, every } = history;
   const times = [];
   const values = columns.map(() => []);
-  // One more at either side, so that lines do not end inside of the window.
+  // One more sample at either side, so that lines do not end inside the window.
   const first = Math.max(history.find(from) - 1, history.start);
   const end = Math.min(history.find(to) + 1, history.end);
   for (let i = first; i < end; i++) {

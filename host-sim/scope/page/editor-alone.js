@@ -1,4 +1,4 @@
-// The editor without a controller, for tests: nothing can be loaded, so Load shows the length of the text.
+// The editor without a controller, for tests. Without a controller, Load only shows the length of the text.
 
 import { createEditor } from './editor.js';
 

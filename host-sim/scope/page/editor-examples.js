@@ -1,9 +1,9 @@
-// Example programs, scaled to what the machine reaches.
+// Example programs, scaled to the limits of the machine.
 
 /** Standard gravity, m/s²: the unit of `amax_g`. */
 const GRAVITY = 9.80665;
 
-/** Programs; `level(part)` is a part of the amplitude that the machine reaches, in g. */
+/** Programs. `level(part)` is a part of the largest amplitude of the machine, in g. */
 export const EXAMPLES = [
   {
     name: 'One level',
@@ -49,14 +49,14 @@ segments = [
   },
 ];
 
-/** Replaces the program of a pane's text by an example; `limits` are those of the last scene without mistakes. */
+/** Replaces the program of a pane's text by an example. `limits` are those of the last scene without mistakes. */
 export function insertExample(pane, index, limits) {
   const most_g = (limits?.amax_mps2 ?? 10 * GRAVITY) / GRAVITY;
   const level = (part) => String(Number((part * most_g).toPrecision(2)));
   pane.replace(withProgram(pane.text, EXAMPLES[index].program(level)));
 }
 
-/** The text with another program, which stands where the first entry was, or else at the end. */
+/** Returns the text with another program, in the place of the first entry, or at the end if there is none. */
 export function withProgram(text, program) {
   const kept = [];
   let at = null;

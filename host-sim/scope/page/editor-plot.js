@@ -1,4 +1,4 @@
-// Plot of a preview: amplitude and speed against time, the limits, the states, and where a limit takes effect.
+// Plot of a preview: amplitude and speed against time, the limits, the states, and the times at which a limit takes effect.
 //
 // It is one SVG with a fixed coordinate system, scaled by the browser. A row of the preview is a column of the plot: curves are
 // areas between the smallest and the largest value, with an outline, so that no spike is lost.
@@ -50,12 +50,12 @@ export class Plot {
     element.addEventListener('keydown', (event) => this.#key(event));
   }
 
-  /** True while the text has mistakes: the plot is that of the last text without. */
+  /** True while the text has mistakes. The plot is then that of the last text without mistakes. */
   set isOutdated(isOutdated) {
     this.#element.classList.toggle('is-outdated', isOutdated);
   }
 
-  /** Draws rows with limits (see host-sim/scope/wasm/src/answer.rs); those are not known while the first preview grows. */
+  /** Draws rows with limits (see host-sim/scope/wasm/src/answer.rs). The limits are undefined while the first preview grows. */
   draw(rows, limits) {
     if (rows.length === 0) return;
     const end_s = rows.last_s(rows.length - 1);
@@ -106,7 +106,7 @@ export class Plot {
     const step = steps[event.key];
     if (step === undefined || !this.#drawing || event.target !== this.#element) return;
     event.preventDefault();
-    // What a pointer reads is not announced: it changes with every pixel.
+    // Values at the pointer are not announced, because they change with every pixel.
     this.#readout.setAttribute('aria-live', 'polite');
     const { rows, row } = this.#drawing;
     this.#moveTo(Math.min(rows.length - 1, Math.max(0, (row ?? 0) + (event.shiftKey ? 10 : 1) * step)));
@@ -139,7 +139,7 @@ export class Plot {
 
 const HINT = 'Point at the plot, or focus it and use the arrow keys, to read values.';
 
-/** The row that a time falls into. */
+/** Returns the row that contains a time. */
 function rowAt(rows, t_s) {
   let [low, high] = [0, rows.length - 1];
   while (low < high) {
@@ -150,7 +150,7 @@ function rowAt(rows, t_s) {
   return low;
 }
 
-/** A panel with its scale: a limit far beyond the data is not drawn, so that it does not flatten them. */
+/** Returns a panel with its scale. A limit far beyond the data is not drawn, so that it does not flatten the curves. */
 function panel(place, most, limit) {
   const isDrawn = Boolean(limit) && limit <= 3 * most;
   const top = Math.max(most, isDrawn ? limit : 0) * 1.08 || 1;
@@ -189,7 +189,7 @@ function curve(rows, channel, unit, x, { y }, className) {
   return svg('path', { d: `M${[...upper, ...lower].join('L')}Z`, class: `pe-curve ${className}` });
 }
 
-/** Runs of rows with equal values: first and last row, and the value. */
+/** Returns the runs of rows with equal values: first and last row, and the value. */
 function runs(rows, value) {
   const found = [];
   for (let row = 0; row < rows.length; row++) {
@@ -216,7 +216,7 @@ function lanes(rows, x, [channel, words, className], top) {
     const from = x(rows.first_s(first));
     return svg('rect', { x: from, y: top + 2, width: Math.max(1, x(rows.last_s(last)) - from), height: LANE - 4, class: `pe-lane-${className}` });
   });
-  // Without marks there is nothing to name.
+  // A lane without marks has no label.
   return marks.length === 0 ? [] : [...marks, label(LEFT - 6, top + LANE - 3, words, 'pe-lane-text', 'end')];
 }
 
@@ -228,7 +228,7 @@ function timeAxis(end_s, x) {
   return [...marks, label(LEFT + (WIDTH - LEFT - RIGHT) / 2, AXIS_TOP + 30, 'time since power-up, s', 'pe-title', 'middle')];
 }
 
-/** Round numbers from 0 to `most`, about `count` of them. */
+/** Returns about `count` round numbers from 0 to `most`. */
 function ticks(most, count) {
   const raw = most / count;
   const power = 10 ** Math.floor(Math.log10(raw));

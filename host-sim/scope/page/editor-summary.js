@@ -1,14 +1,14 @@
-// Summary of a preview, in words and numbers.
+// Summary of a preview as text.
 
 import { STATES } from './preview.js';
 
 const GRAVITY = 9.80665;
 const TURN = 2 * Math.PI;
 
-/** A number with three digits. */
+/** Returns the text of a number with three digits. */
 export const digits = (value) => (value === 0 ? '0' : String(Number(value.toPrecision(3))));
 
-/** A duration, such as 57 s, 2 min 5 s or 3 h 0 min. */
+/** Returns a duration as text, such as 57 s, 2 min 5 s or 3 h 0 min. */
 export function duration(seconds) {
   if (seconds < 60) return `${digits(seconds)} s`;
   const whole = Math.round(seconds);
@@ -16,17 +16,17 @@ export function duration(seconds) {
   return h ? `${h} h ${min} min` : `${min} min ${s} s`;
 }
 
-/** Largest value of a channel. */
+/** Returns the largest value of a channel. */
 export function greatest(rows, channel) {
   let most = 0;
   for (let i = 0; i < rows.length; i++) most = Math.max(most, rows.high(i, channel), -rows.low(i, channel));
   return most;
 }
 
-/** True if a channel is ever set. */
+/** Returns true if a channel is set in any row. */
 const ever = (rows, channel) => greatest(rows, channel) > 0;
 
-/** Terms and descriptions of a summary. */
+/** Returns the terms and descriptions of a summary. */
 export function summarise(scene, rows) {
   const amplitude = (channel) => {
     const mps2 = greatest(rows, channel);

@@ -1,6 +1,6 @@
 // Text area with line numbers, and mistakes at the ends of their lines.
 //
-// The text area has a transparent background. Behind it lies a copy of its lines, which marks those with mistakes; both have
+// The text area has a transparent background. Behind it is a copy of its lines, which marks those with mistakes. Both have
 // the same font and scroll together.
 
 import { html } from './html.js';
@@ -36,7 +36,7 @@ export class TextPane {
     const { area } = this.#parts;
     area.focus();
     area.select();
-    // Nothing else keeps the history of edits.
+    // Only this command keeps the history of edits.
     if (!document.execCommand('insertText', false, text)) {
       area.setRangeText(text, 0, area.value.length, 'end');
       area.dispatchEvent(new Event('input'));

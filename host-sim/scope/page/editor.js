@@ -1,4 +1,4 @@
-// Editor of a scene's program: text with line numbers and mistakes at their lines, and a plot of what the controller commands.
+// Editor of a scene's program: text with line numbers and mistakes at their lines, and a plot of the controller's commands.
 
 import { insertExample, EXAMPLES } from './editor-examples.js';
 import { Plot } from './editor-plot.js';
@@ -11,8 +11,8 @@ import { Previews } from './previews.js';
 const LIST_ID = 'program-mistakes';
 
 /**
- * Makes an editor inside `element`. `text` is the scene (TOML) to begin with. `onLoad(text)` loads a text; it may return or
- * promise a sentence to show, and throws an error with the sentence if the text is refused.
+ * Makes an editor inside `element`. `text` is the initial scene (TOML). `onLoad(text)` loads a text. It may return a sentence to
+ * show, or a promise of one. It throws an error with a sentence if the text is refused.
  *
  * Returns `{ text, setText(text), close() }`. The element receives the event `preview` when a preview is drawn, with
  * `{ answer, rows, ms }` in its `detail`: `ms` is the time since the text changed.

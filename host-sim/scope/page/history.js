@@ -1,13 +1,13 @@
 // Samples of the last minutes, in ring buffers of typed arrays.
 
-/** Samples that are kept: 131 s at 2 kHz. */
+/** Number of samples that are kept: 131 s at 2 kHz. */
 const CAPACITY = 1 << 18;
 
 export class History {
-  /** Samples that were added so far, and those that were missing between them. */
+  /** Number of samples added so far, and number of samples missing between them. */
   end = 0;
   missing = 0;
-  /** Number of times that it was emptied. */
+  /** Number of times that the history was emptied. */
   generation = 0;
   /** Changes of the state: number of the sample, and the new state. */
   changes = [];
@@ -23,7 +23,7 @@ export class History {
     this.capacity = capacity;
     this.mask = capacity - 1;
     this.ticks = new Uint32Array(capacity);
-    // Steps need more digits than 32 bits have; all else is drawn and read with fewer.
+    // Steps need more digits than 32 bits have. All other columns are drawn and read with fewer digits.
     this.columns = names.map((name) => (name.startsWith('steps') ? new Float64Array(capacity) : new Float32Array(capacity)));
     this.places = new Map(names.map((name, i) => [name, i]));
   }
@@ -68,7 +68,7 @@ export class History {
     this.changes = [];
   }
 
-  /** Number of the oldest sample. */
+  /** Returns the number of the oldest sample. */
   get start() {
     return Math.max(0, this.end - this.capacity);
   }
@@ -77,22 +77,22 @@ export class History {
     return this.end === 0;
   }
 
-  /** Time of sample number `i`, s. */
+  /** Returns the time of sample number `i`, s. */
   time(i) {
     return this.ticks[i & this.mask] / this.tickHz;
   }
 
-  /** Time of the newest sample, s. */
+  /** Returns the time of the newest sample, s. */
   get now() {
     return this.isEmpty ? 0 : this.time(this.end - 1);
   }
 
-  /** Value of a column in sample number `i`. */
+  /** Returns the value of a column in sample number `i`. */
   value(name, i) {
     return this.columns[this.places.get(name)][i & this.mask];
   }
 
-  /** Number of the first sample at or after a time, s. */
+  /** Returns the number of the first sample at or after a time, s. */
   find(time) {
     const tick = Math.ceil(time * this.tickHz - 1e-6);
     let [low, high] = [this.start, this.end];
@@ -107,7 +107,7 @@ export class History {
     return low;
   }
 
-  /** Number of the sample nearest to a time; none if there is no sample. */
+  /** Returns the number of the sample nearest to a time; `undefined` if there is no sample. */
   nearest(time) {
     const after = this.find(time);
     if (after > this.start && (after === this.end || time - this.time(after - 1) < this.time(after) - time)) {
@@ -116,7 +116,7 @@ export class History {
     return after < this.end ? after : undefined;
   }
 
-  /** Copy of the samples of a window, which later samples do not change. */
+  /** Returns a copy of the samples of a window, which later samples do not change. */
   copy(from, to) {
     const [first, end] = [this.find(from), this.find(to)];
     const count = end - first;

@@ -1,4 +1,4 @@
-// Keys. The table is also what the help shows.
+// Keys. The help shows the same table.
 
 /**
  * @param {Array<{ key: string, text: string, down: (event: KeyboardEvent) => void, up?: () => void }>} keys `key` is that of a
@@ -7,7 +7,7 @@
 export function wireKeys(keys) {
   const isText = (target) => target.closest('textarea, input:not([type=range], [type=checkbox], [type=radio]), [contenteditable]') !== null;
   const isTyping = (target) => isText(target) || target.closest('select') !== null;
-  // Space stops the machine also while a button or a list has the focus, which it would press. In a text it is a space.
+  // Space stops the machine, even if a button or a list has the focus. It does not press the button. In a text it is a space.
   const takes = (event) => (event.key === ' ' ? !isText(event.target) : !isTyping(event.target));
   // A key that is released together with Shift has another name.
   const named = (event) => keys.find(({ key }) => key === event.key || key === event.key.toLowerCase());
@@ -26,7 +26,7 @@ export function wireKeys(keys) {
     if (event.key === ' ' && takes(event)) event.preventDefault();
     named(event)?.up?.();
   }, true);
-  // A key that is released elsewhere is not reported here.
+  // The page receives no event for a key that is released in another window.
   addEventListener('blur', releaseAll);
   document.addEventListener('visibilitychange', releaseAll);
 }

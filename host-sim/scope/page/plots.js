@@ -7,7 +7,7 @@ import { unitOf } from './signals.js';
 /** Width of the scale at the left, CSS pixels. */
 export const LEFT = 58;
 
-/** Colour of style.css in the present theme. */
+/** Returns a colour of style.css in the current theme. */
 export function color(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
@@ -20,10 +20,10 @@ export class Plot {
   #hidden = new Set();
   #hasTimes;
   #decimation;
-  /** Points that were drawn last, as uPlot has them; tests read them. */
+  /** Points that were drawn last, in the form for uPlot. Tests read them. */
   data = [[]];
 
-  /** @param {boolean} hasTimes Whether the scale of time is at this plot. */
+  /** @param {boolean} hasTimes True if this plot has the scale of time. */
   constructor(parent, config, view, hasTimes) {
     this.#hasTimes = hasTimes;
     this.#view = view;
@@ -63,7 +63,7 @@ export class Plot {
     return button;
   }
 
-  /** Makes the plot anew, in the colours of the theme. */
+  /** Makes the plot again, in the colours of the theme. */
   build() {
     this.#plot?.destroy();
     const { clientWidth: width, clientHeight: height } = this.canvas;
@@ -144,7 +144,7 @@ export class Plot {
     return this.#plot.posToVal(event.clientX - box.left, 'x');
   }
 
-  /** A click places cursor A, with Shift cursor B. A drag is no click. */
+  /** Places cursor A on a click, or cursor B on a click with Shift. A drag is no click. */
   #place(event) {
     if (!this.wasDragged) {
       this.#view.setCursor(event.shiftKey ? 1 : 0, this.#timeAt(event));
@@ -152,7 +152,7 @@ export class Plot {
     this.wasDragged = false;
   }
 
-  /** A drag zooms to what it covers. */
+  /** Zooms to the range of a drag. */
   #select(plot) {
     const { left, width } = plot.select;
     if (width < 4) {
@@ -191,7 +191,7 @@ export class Plot {
   }
 }
 
-/** Range of the scale: all values with some room, at least ±`side`, and never a line blown up to noise. */
+/** Returns the range of the scale: all values with some room, at least ±`side`, and wide enough to keep noise small. */
 function range(least, greatest, side = 0) {
   if (least === null || greatest === null) {
     return [-Math.max(side, 1), Math.max(side, 1)];

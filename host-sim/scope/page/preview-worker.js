@@ -1,4 +1,4 @@
-// Computes previews beside the page, so that typing never waits. The first message is the compiled module; each further one is
+// Computes previews in a worker, so that typing never waits. The first message is the compiled module. Each further one is
 // `{ text, buckets, ticks }`, answered by any number of `{ progress }` and one `{ result }` or `{ failed }`.
 
 import { instantiate } from './preview.js';

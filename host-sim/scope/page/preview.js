@@ -1,7 +1,7 @@
-// The controller in WebAssembly: a scene's text in, what its controller commands out.
-// Runs in a browser's worker and in Node. Its other side is host-sim/scope/wasm/src/exports.rs.
+// The controller in WebAssembly: it converts a scene's text to the commands of its controller.
+// It runs in a browser's worker and in Node. Its other side is host-sim/scope/wasm/src/exports.rs.
 
-/** Values of a tick, in the order of the rows; each has its smallest and its largest value in a row. */
+/** Values of a tick, in the order of the rows. A row has the smallest and the largest of each. */
 export const CHANNELS = [
   'requested_mps2',
   'commanded_mps2',
@@ -18,7 +18,7 @@ export const STATES = ['idle', 'homing', 'run', 'stop', 'parked', 'fault'];
 
 /** Rows of buckets. */
 export class Rows {
-  /** Rows from their numbers: first and last time (s), then smallest and largest value of each channel. */
+  /** Makes rows from their numbers: first and last time (s), then smallest and largest value of each channel. */
   constructor(numbers) {
     this.numbers = numbers;
     this.width = 2 + 2 * CHANNELS.length;
@@ -43,9 +43,9 @@ export class Rows {
 }
 
 /**
- * Makes a function `preview(text, { buckets, ticks })` of the compiled module. It returns `{ answer, rows }`: the answer of
- * host-sim/scope/wasm/src/answer.rs, and the numbers of the rows. `onProgress({ rows, ticks, expectedTicks })` is called
- * meanwhile. After an exception the instance is unusable; make another one.
+ * Makes a function `preview(text, { buckets, ticks })` from the compiled module. It returns `{ answer, rows }`: the answer of
+ * host-sim/scope/wasm/src/answer.rs, and the numbers of the rows. During the preview, it calls
+ * `onProgress({ rows, ticks, expectedTicks })`. After an exception the instance is unusable, and a new one must be made.
  */
 export async function instantiate(module, onProgress = () => {}) {
   const instance = await WebAssembly.instantiate(module, {
@@ -55,7 +55,7 @@ export async function instantiate(module, onProgress = () => {}) {
     },
   });
   const wasm = instance.exports;
-  // Memory may grow in any call, and then has another buffer: everything is copied out of it.
+  // Memory may grow in any call, and then has another buffer. So all numbers are copied.
   const numbers = (pointer, count) => new Float64Array(wasm.memory.buffer, pointer, count * wasm.row_length()).slice();
   return (text, { buckets = 1500, ticks = Infinity } = {}) => {
     const bytes = new TextEncoder().encode(text);

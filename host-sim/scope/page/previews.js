@@ -1,8 +1,8 @@
-// The latest text's preview, computed in a worker.
+// Preview of the latest text, computed in a worker.
 
 import { Rows } from './preview.js';
 
-/** Longest time that a preview goes on once a newer text waits, ms: shorter ones are not worth a new worker. */
+/** Longest time for which a preview continues while a newer text waits, ms. A shorter one needs no new worker. */
 const GRACE_MS = 60;
 
 /** Buckets of a preview, about as many as a plot has pixels. */
@@ -11,7 +11,7 @@ const BUCKETS = 1500;
 /** Ticks after which a preview ends: under three hours at 2 kHz. */
 export const MOST_TICKS = 20_000_000;
 
-/** Previews of texts: of those that wait only the newest is computed. */
+/** Previews of texts. Of the waiting texts, only the newest is computed. */
 export class Previews {
   /** Calls `onProgress({ rows, ticks, expectedTicks })`, `onResult({ answer, rows })` and `onFailed(message)`. */
   constructor({ onProgress, onResult, onFailed }) {
@@ -35,14 +35,14 @@ export class Previews {
     this.worker.postMessage(this.module);
   }
 
-  /** Ends the worker; the next preview starts another. */
+  /** Ends the worker. The next preview starts another one. */
   close() {
     this.worker?.terminate();
     this.worker = null;
     this.isBusy = false;
   }
 
-  /** Computes a text's preview as soon as possible, instead of those that wait. */
+  /** Computes a text's preview as soon as possible, instead of those of waiting texts. */
   async request(text) {
     this.waiting = text;
     try {
@@ -51,7 +51,7 @@ export class Previews {
       this.handlers.onFailed(String(error));
       return;
     }
-    // An earlier request that waited as well may have taken the text.
+    // An earlier request that also waited may have taken the text.
     if (this.waiting === null) return;
     if (!this.isBusy) this.next();
     else this.grace ??= setTimeout(() => this.abandon(), GRACE_MS);

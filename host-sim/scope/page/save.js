@@ -1,6 +1,6 @@
 // Samples as files: CSV with all columns, VCD with state, flags and step counts.
 
-/** Samples of a window as CSV. Values are those of the plots' samples, in the units of the column names. */
+/** Returns the samples of a window as CSV. Values are those of the plots' samples, in the units of the column names. */
 export function csv(history, from, to, states) {
   const rows = [['t_s', 'tick', 'state', ...history.names].join(',')];
   for (let i = history.find(from); i < history.end && history.time(i) <= to; i++) {
@@ -11,7 +11,7 @@ export function csv(history, from, to, states) {
   return `${rows.join('\n')}\n`;
 }
 
-/** A number that reads back as the same 32-bit float, with as few digits as that takes; nothing if it is none. */
+/** Returns the shortest text that reads back as the same 32-bit float. Returns an empty text if the value is not a number. */
 function text(value) {
   if (Number.isNaN(value)) return '';
   if (Math.fround(value) !== value) return String(value);
@@ -23,8 +23,8 @@ function text(value) {
 }
 
 /**
- * State, flags and step counts of a window as VCD. A change has the time of its tick: edges within a tick are not part of the
- * samples.
+ * Returns state, flags and step counts of a window as VCD. A change has the time of its tick, because edges within a tick are
+ * not part of the samples.
  */
 export function vcd(history, from, to) {
   const names = history.names.filter((name) => ['state_code', 'flags', 'override_permille'].includes(name) || name.startsWith('steps'));

@@ -1,9 +1,9 @@
 // Plots: their signals, with the column, the name, and the colour of each. `--trace-*` are colours of style.css. Scales with
-// `least` show at least that on both sides of zero, so that noise is not blown up.
+// `least` show at least this value on both sides of zero, so that noise does not fill the plot.
 
 const G = 9.80665;
 
-/** Unit of a column, and by what its values are multiplied to have it. */
+/** Returns the unit of a column, and the factor that converts its values to this unit. */
 export function unitOf(column) {
   if (column.endsWith('_mps2')) return { unit: 'g', scale: 1 / G, digits: 2 };
   if (column.startsWith('speed')) return { unit: 'rev/s', scale: 1, digits: 3 };
@@ -12,7 +12,7 @@ export function unitOf(column) {
   return { unit: '', scale: 1, digits: 3 };
 }
 
-/** Plots of a machine with so many axes, from top to bottom. */
+/** Returns the plots of a machine with a number of axes, from top to bottom. */
 export function plots(axes) {
   return [
     {

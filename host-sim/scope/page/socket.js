@@ -35,7 +35,7 @@ export class Socket {
     });
   }
 
-  /** Makes a request; fails with the reason of a refusal. */
+  /** Makes a request. Fails with the reason if it is refused. */
   request(request, fields = {}) {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
@@ -59,7 +59,7 @@ export class Socket {
   }
 }
 
-/** Batch of samples: first tick, ticks between two, number of samples, and a Float64Array for each column. */
+/** Decodes a batch of samples: first tick, ticks between two, number of samples, and a Float64Array for each column. */
 function decode(buffer) {
   const [tick, every, count, columns] = new Uint32Array(buffer, 0, HEADER_WORDS);
   const start = HEADER_WORDS * Uint32Array.BYTES_PER_ELEMENT;

@@ -1,8 +1,8 @@
-// Light and dark theme: that of the system, until the switch is used.
+// Light and dark theme. The theme is that of the system until the switch is used.
 
 const KEY = 'cophase-scope-theme';
 
-/** Wires the switch; `changed` is called after the colours have changed. */
+/** Wires the switch. `changed` is called after the colours have changed. */
 export function wireTheme(button, changed) {
   const system = matchMedia('(prefers-color-scheme: dark)');
   const own = () => localStorage.getItem(KEY);

@@ -2,7 +2,7 @@
 
 import { LEFT, color } from './plots.js';
 
-/** Room at the right, CSS pixels, as the plots have it. */
+/** Room at the right, CSS pixels, equal to that of the plots. */
 const RIGHT = 8;
 
 export class Timeline {
@@ -14,7 +14,7 @@ export class Timeline {
 
   /**
    * @param {HTMLCanvasElement} canvas
-   * @param {HTMLElement} list Where events are listed, the newest first.
+   * @param {HTMLElement} list Element for the list of events, the newest first.
    * @param {string[]} states Names of the states.
    */
   constructor(canvas, list, view, states) {
@@ -24,7 +24,7 @@ export class Timeline {
     this.#states = states;
   }
 
-  /** Adds an event, or its better name. Events come twice where the server repeats them. */
+  /** Adds an event. An event that the server repeats is ignored. */
   add(event) {
     if (this.#events.has(event.number)) {
       return;
@@ -97,7 +97,7 @@ export class Timeline {
   }
 }
 
-/** Runs of the same state in a window. */
+/** Returns the runs of the same state in a window. */
 function runs(history, from, to) {
   return history.changes
     .map(({ i, state }, k, all) => ({

@@ -70,7 +70,7 @@ export class Toolbar {
     element('span').value = known === undefined ? '' : String(known);
   }
 
-  /** Shows what the trigger does. */
+  /** Shows the state of the trigger. */
   draw() {
     const state = this.#trigger.isWaiting ? 'waiting' : this.#view.trigger === undefined ? '' : `at ${this.#view.trigger.toFixed(4)} s`;
     const element = this.#element('trigger-state');

@@ -6,7 +6,7 @@ export class Trigger {
   #history;
   #view;
   #next = 0;
-  /** Time at which it fired, s, and when the window is complete. */
+  /** Time at which the trigger fired, s, and time at which the window is complete. */
   #fired;
   /** `off`, `level` or `fault`. */
   kind = 'off';
@@ -32,7 +32,7 @@ export class Trigger {
     return this.kind !== 'off' && !this.#view.isPaused;
   }
 
-  /** A fault has its tick, so that it does not matter when its event comes. */
+  /** Handles an event. A fault has its tick, so a late event does not matter. */
   event(event) {
     const isNew = this.#next < this.#history.end ? event.t_s >= this.#history.time(this.#next) : true;
     if (this.kind === 'fault' && event.kind === 'fault' && isNew && !this.#view.isPaused) {
@@ -40,7 +40,7 @@ export class Trigger {
     }
   }
 
-  /** Looks through samples that are new. */
+  /** Checks the new samples. */
   update() {
     if (!this.isWaiting) {
       this.#next = this.#history.end;

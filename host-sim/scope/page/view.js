@@ -8,11 +8,11 @@ export class View {
   #stopped;
   #listeners = [];
   span = 10;
-  /** Cursors A and B, s; none until they are placed. */
+  /** Cursors A and B, s; `undefined` until they are placed. */
   cursors = [undefined, undefined];
   /** Time of the trigger that stopped the window, s. */
   trigger = undefined;
-  /** Number of changes so far: a stopped window is drawn again only after one. */
+  /** Number of changes so far. A stopped window is drawn again only after a change. */
   version = 0;
 
   constructor(history) {
@@ -23,7 +23,7 @@ export class View {
     return this.#stopped !== undefined;
   }
 
-  /** Samples that are shown. */
+  /** Returns the samples that are shown. */
   get history() {
     return this.#stopped?.history ?? this.#live;
   }
@@ -45,7 +45,7 @@ export class View {
     this.#listeners.forEach((listener) => listener());
   }
 
-  /** Stops at the newest sample. All samples that are still there can be reached by zoom and pan. */
+  /** Stops at the newest sample. Zoom and pan reach all samples that are still kept. */
   pause() {
     if (!this.isPaused) {
       this.#stop(this.#live.now);
@@ -57,7 +57,7 @@ export class View {
     this.#changed();
   }
 
-  /** Stops with the instant of a trigger at its place in the window. */
+  /** Stops the window, with the time of a trigger at its place in it. */
   stopAt(trigger, to) {
     this.trigger = trigger;
     this.#stop(to);
@@ -69,14 +69,14 @@ export class View {
     this.#changed();
   }
 
-  /** Zooms by steps of the span; `about` is the time that keeps its place. */
+  /** Zooms by steps of the span. `about` is the time that keeps its place. */
   zoom(steps, about = this.isPaused ? (this.from + this.to) / 2 : this.to) {
     const at = SPANS.findIndex((span) => span >= this.span * (1 - 1e-9));
     const place = Math.min(Math.max((at < 0 ? SPANS.length - 1 : at) + steps, 0), SPANS.length - 1);
     this.show(about - ((about - this.from) * SPANS[place]) / this.span, SPANS[place]);
   }
 
-  /** Shows a window of time; a live one keeps its end at the newest sample. */
+  /** Shows a window of time. The end of a live window stays at the newest sample. */
   show(from, span) {
     this.span = span;
     if (this.#stopped) {
@@ -91,7 +91,7 @@ export class View {
     this.show(this.from + part * this.span, this.span);
   }
 
-  /** Places a cursor; the nearest sample has its time. */
+  /** Places a cursor at the time of the nearest sample. */
   setCursor(number, time) {
     const i = time === undefined ? undefined : this.history.nearest(time);
     this.cursors[number] = i === undefined ? undefined : this.history.time(i);

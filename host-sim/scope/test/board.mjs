@@ -1,4 +1,4 @@
-// The page against the emulated board: the real firmware, behind a TCP port.
+// Test of the page with the emulated board, which runs the real firmware behind a TCP port.
 
 import { existsSync } from 'node:fs';
 import { join } from 'node:path';

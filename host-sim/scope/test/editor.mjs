@@ -2,8 +2,8 @@
 //
 //     npm ci && node editor.mjs [--screenshots FOLDER]
 //
-// Types into the editor as a user does: a mistake appears at its line, a valid program changes the curve, and a program of many
-// hours does not hold typing up. Prints each check and the time from a key to its curve.
+// Types into the editor like a user. A mistake appears at its line, a valid program changes the curve, and a program of many
+// hours does not delay typing. Prints each check and the time from a key to its curve.
 
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
@@ -15,9 +15,9 @@ import { chromium } from 'playwright-core';
 
 const PAGE = fileURLToPath(new URL('../page/', import.meta.url));
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm' };
-/** The policy of `cophase scope`, but for the socket; the page's own frame is in editor.html. */
+/** The policy of `cophase scope`, except for the socket. The page's own frame is in editor.html. */
 const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'";
-/** Keys whose times are measured. */
+/** Number of keys whose times are measured. */
 const KEYS = 40;
 
 const { screenshots } = parseArgs({ options: { screenshots: { type: 'string' } } }).values;
@@ -48,7 +48,7 @@ const server = await serve();
 const browser = await chromium.launch({ executablePath: executable(), args: ['--no-sandbox', '--disable-gpu'] });
 const problems = [];
 
-/** The page with the editor, once its first preview is drawn. */
+/** Opens the page with the editor, and waits until its first preview is drawn. */
 async function open(options = {}) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 900 }, ...options });
   page.on('pageerror', (error) => problems.push(error.message));
@@ -66,7 +66,7 @@ async function open(options = {}) {
   return page;
 }
 
-/** Does something, and waits for the preview that follows. */
+/** Carries out an action, and waits for the preview that follows. */
 async function previewAfter(page, action) {
   const before = await page.evaluate(() => globalThis.previews.length);
   await action();
@@ -77,7 +77,7 @@ async function previewAfter(page, action) {
   });
 }
 
-/** Puts the caret behind the first place of a text in the editor. */
+/** Puts the caret behind the first occurrence of a text in the editor. */
 const caretBehind = (page, text) =>
   page.evaluate((text) => {
     const area = document.querySelector('textarea');
@@ -110,7 +110,7 @@ check('a mistake appears at its line, and goes', async () => {
   const note = page.locator(`.pe-copy .has-mistake[data-line="${line}"]`);
   assert.ok((await note.innerText()).includes(answer.mistakes[0].text), 'the mistake is at its line');
   assert.equal(await page.locator('.pe-numbers .has-mistake').innerText(), String(line));
-  // Text and copy have to lie on each other, or the mark is at another line.
+  // Text and copy must coincide. Otherwise the mark is at another line.
   const [area, copy] = await page.evaluate(() => ['.pe-area', '.pe-copy'].map((name) => {
     const element = document.querySelector(name);
     return { width: element.clientWidth, font: getComputedStyle(element).font, top: element.getBoundingClientRect().top, height: element.scrollHeight };
@@ -187,7 +187,7 @@ check('a program of many hours does not hold typing up', async () => {
   await page.waitForFunction(() => /Computing: \d+ %/.test(document.querySelector('.pe-summary').textContent));
   await page.evaluate(() => globalThis.longTasks.splice(0));
   await caretBehind(page, 'hold_s = 30000');
-  // The page answers to keys and draws the short program, while the long one would still be computed.
+  // The page responds to keys and draws the short program, before the long one could be finished.
   const { answer } = await previewAfter(page, async () => {
     for (let i = 0; i < 4; i++) await page.keyboard.press('Backspace');
   });

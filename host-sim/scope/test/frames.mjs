@@ -15,7 +15,7 @@ export async function frames(chrome) {
     await enabled(page, 'start');
     await press(page, 'start');
     await state(page, 'run');
-    // Time of the page's thread on a processor, s: what else runs on the computer is not in it.
+    // Processor time of the page's thread, s. It does not contain other processes.
     const session = await page.context().newCDPSession(page);
     await session.send('Performance.enable', { timeDomain: 'threadTicks' });
     const cpu = async () => {

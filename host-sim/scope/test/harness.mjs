@@ -1,4 +1,4 @@
-// What the scenarios need: the server, a browser, and checks that are printed.
+// Support for the scenarios: the server, a browser, and checks that are printed.
 
 import { spawn } from 'node:child_process';
 import { existsSync } from 'node:fs';
@@ -20,7 +20,7 @@ export function check(what, isTrue, detail = '') {
 
 export const failed = () => failures;
 
-/** Starts a program, and resolves with its first line that matches. Its other lines go to the standard error. */
+/** Starts a program, and resolves with the first line that matches. Other lines go to the standard error. */
 export function start(program, args, pattern, options = {}) {
   const child = spawn(program, args, { stdio: ['pipe', 'pipe', 'inherit'], ...options });
   const ready = new Promise((resolve, reject) => {
@@ -41,7 +41,7 @@ export function start(program, args, pattern, options = {}) {
   return { ready, stop };
 }
 
-/** `cophase scope` on a line, and the address of its page. */
+/** Starts `cophase scope` on a line, and returns the address of its page. */
 export async function scope(...args) {
   const program = process.env.COPHASE ?? join(ROOT, 'target/debug/cophase');
   if (!existsSync(program)) {
@@ -52,7 +52,7 @@ export async function scope(...args) {
   return { url, stop: server.stop };
 }
 
-/** Headless chromium. */
+/** Starts headless chromium. */
 export async function browser() {
   const paths = [process.env.CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
   const executablePath = paths.find((path) => path && existsSync(path));
@@ -62,7 +62,7 @@ export async function browser() {
   return chromium.launch({ executablePath, args: ['--no-sandbox', '--disable-gpu'] });
 }
 
-/** Page of the scope, once its controller is there. Errors of the page are failures. */
+/** Opens the page of the scope, and waits for its controller. Errors of the page are failures. */
 export async function open(chrome, url, options = {}) {
   const context = await chrome.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   const page = await context.newPage();
@@ -79,7 +79,7 @@ export async function open(chrome, url, options = {}) {
 export const state = (page, name) => page.waitForFunction(
   (name) => document.getElementById('state').dataset.state === name, name, { timeout: 120_000 });
 
-/** Points of a plot that are drawn now: [times, ...columns]. */
+/** Returns the points of a plot that are drawn now: [times, ...columns]. */
 export const drawn = (page, id) => page.evaluate((id) => {
   const names = [...document.querySelectorAll('.plot')].map((plot) => plot.dataset.plot);
   return globalThis.cophaseScope.parts.plots[names.indexOf(id)].data;

@@ -1,4 +1,4 @@
-// The page without a mouse.
+// Test of the page without a mouse.
 
 import { check, enabled, state } from './harness.mjs';
 
@@ -19,7 +19,7 @@ export async function keyboard(page) {
   await page.waitForFunction(() => !/held/.test(document.getElementById('state').textContent));
   check('the keys h and r hold and resume', true);
 
-  // Space stops, and does not press the button that has the focus.
+  // Space stops the machine, and does not press the button that has the focus.
   await page.focus('#theme');
   const theme = await page.evaluate(() => document.documentElement.dataset.theme);
   await page.keyboard.press('Space');

@@ -18,7 +18,7 @@ export async function screenshots(chrome) {
       return history.value('program_s', history.end - 1) > s;
     }, seconds);
     await passed(8);
-    // A little slip on one axis, so that the drawings have something to show.
+    // A small slip on one axis, so that the drawings show a phase error.
     await page.selectOption('#faults [name=axis]', '1');
     await page.fill('#faults [name=value]', '15');
     await page.fill('#faults [name=lasts]', '0.05');
@@ -27,7 +27,7 @@ export async function screenshots(chrome) {
     await page.click('#pause');
     await page.evaluate(() => {
       const { view } = globalThis.cophaseScope.parts;
-      // The drawings show the machine at cursor A: after the slip.
+      // The drawings show the machine at cursor A, after the slip.
       view.setCursor(0, view.from + 0.9 * view.span);
       view.setCursor(1, view.from + 0.3 * view.span);
     });

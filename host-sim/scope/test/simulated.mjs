@@ -1,4 +1,4 @@
-// The page against the simulated controller.
+// Test of the page with the simulated controller.
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
@@ -97,7 +97,7 @@ async function faultIsReset(page) {
   await press(page, 'reset');
   await state(page, 'idle');
   check('a reset leaves the fault state', await page.isHidden('#fault'));
-  // The crank that slipped is beyond what homing may correct.
+  // The crank that slipped is beyond the homing range.
   await press(page, 'restart');
   await page.waitForFunction(() => globalThis.cophaseScope.parts.history.now < 2);
   check('a restart begins the simulation anew', await page.locator('#event-list li').count() === 0);

@@ -1,8 +1,8 @@
-// Light and dark theme, and the contrast of their colours.
+// Test of the light and the dark theme, and of the contrast of their colours.
 
 import { check, open } from './harness.mjs';
 
-/** Least contrast of text, as WCAG 2.1 AA has it; and of what is no text. */
+/** Least contrast of text and of other parts, as in WCAG 2.1 AA. */
 const TEXT = 4.5;
 const GRAPHIC = 3;
 
@@ -30,7 +30,7 @@ export async function themes(chrome, url) {
   check('the themes differ', backs[0] !== backs[1], backs.join(', '));
 }
 
-/** Colours whose contrast to the panels is too low. */
+/** Returns the colours whose contrast to the panels is too low. */
 function contrasts([names, least]) {
   const style = getComputedStyle(document.documentElement);
   const luminance = (name) => {

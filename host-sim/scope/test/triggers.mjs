@@ -1,4 +1,4 @@
-// Triggers: the window stops with the crossing at its place, to the sample.
+// Test of triggers: the window stops with the crossing at its place, to the sample.
 
 import { check, enabled, press, state } from './harness.mjs';
 

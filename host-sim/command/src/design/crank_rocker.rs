@@ -29,7 +29,7 @@ pub struct CrankRockerArgs {
     pub svg: Option<PathBuf>,
 }
 
-/// The object that `--json` prints. Lengths are over the rocker's.
+/// The object that `--json` prints. Lengths are relative to that of the rocker.
 #[derive(Serialize)]
 struct Figures {
     crank_ratio: f64,
@@ -47,7 +47,7 @@ struct Figures {
     rocker_speed_min: f64,
     rocker_acceleration_max: f64,
     rocker_acceleration_min: f64,
-    /// None without a screw.
+    /// `None` without a screw.
     stroke_mm: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! `cophase design five-bar`: joint angles for a place of the hand.
+//! `cophase design five-bar`: joint angles for a position of the hand.
 
 use std::io::Write;
 

@@ -131,7 +131,7 @@ struct Figures {
     torque_curve: [f64; 3],
     rim_inertia_kgm2: f64,
     disc_inertia_kgm2: f64,
-    /// At rated load, and at the fastest and the slowest speed.
+    /// Torque of the shaft at rated load, and at the fastest and the slowest speed.
     shaft_torque_rated_nm: f64,
     shaft_torque_fastest_nm: Option<f64>,
     shaft_torque_slowest_nm: Option<f64>,

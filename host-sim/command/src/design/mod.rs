@@ -1,6 +1,6 @@
 //! `cophase design`: design methods from the command line.
 //!
-//! Without a machine's name it sizes the vibration platform; each other machine is a subcommand.
+//! Without a machine's name, it sizes the vibration platform. Each other machine is a subcommand.
 
 pub mod crank_rocker;
 pub mod five_bar;
@@ -60,10 +60,10 @@ enum Other {
 /// Reason why `cophase design` failed.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignCommandError {
-    /// Bad input (exit status 2); nothing was written. Has a line for each number that is wrong.
+    /// Bad input (exit status 2). Nothing was written. The message has a line for each wrong number.
     #[error("{0}")]
     Input(String),
-    /// The drawing could not be written (exit status 2); nothing of it is left.
+    /// The drawing could not be written (exit status 2). No part of it remains.
     #[error(transparent)]
     Drawing(#[from] NotWritten),
     /// The output could not be written.

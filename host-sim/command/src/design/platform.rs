@@ -44,13 +44,13 @@ pub struct PlatformArgs {
     pub svg: Option<PathBuf>,
 }
 
-/// A number; whether it is in range is seen to with everything else.
+/// Parses a number. Its range is checked later, with all other inputs.
 fn number(text: &str) -> Result<f64, &'static str> {
     text.parse()
         .map_err(|_| "give a number without a unit, with a point for fractions, such as 12.5")
 }
 
-/// A number of motors; whether it is in range is seen to with everything else.
+/// Parses a number of motors. Its range is checked later, with all other inputs.
 fn count(text: &str) -> Result<u32, &'static str> {
     text.parse().map_err(|_| "must be a whole number; try 4")
 }
@@ -120,7 +120,7 @@ fn picture(design: &Design) -> Result<String, DesignCommandError> {
     }
 }
 
-/// Designs what `args` request and writes text, one JSON object or a scene to `out`, and a picture to the file of `--svg`.
+/// Designs the requested platform. Writes text, one JSON object or a scene to `out`, and a picture to the file of `--svg`.
 ///
 /// In the object, `torque_max_exact_nm` has the source's gravity sign (platform below the cranks), as
 /// `torque_max_two_term_nm` has; `peak_power_w` is that of a platform above, all motors together, without

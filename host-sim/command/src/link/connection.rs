@@ -15,14 +15,13 @@ use host_sim::scene::file::FaultAt;
 
 use super::transport::Transport;
 
-/// Time for which a reply is waited for. A flash erase takes up to 0.4 s.
+/// Longest wait for a reply. A flash erase takes up to 0.4 s.
 const REPLY_WAIT: Duration = Duration::from_millis(1500);
 
-/// Longest time without a frame while messages are waited for: half of the shortest time after which settings may take a host for
-/// lost.
+/// Longest time without a frame while the host waits for messages: half of the shortest host timeout that settings may have.
 const ALIVE_EVERY: Duration = Duration::from_millis(50);
 
-/// Times that a request without an effect is sent again.
+/// Number of times that a request without an effect is sent again.
 const RETRIES: u32 = 2;
 
 /// Time between two attempts to reach a controller that restarts.
@@ -50,7 +49,7 @@ pub(crate) enum LinkError {
     Input(String),
 }
 
-/// Message that is no reply.
+/// Message that is not a reply.
 #[derive(Clone, Debug)]
 pub(crate) enum Incoming {
     Status(Status),
@@ -58,7 +57,7 @@ pub(crate) enum Incoming {
     Samples(Vec<Sample>),
 }
 
-/// Reply whose bytes are its own.
+/// Reply that owns its bytes.
 enum Reply {
     Done,
     Identity(Identity),
@@ -76,9 +75,9 @@ pub(crate) struct Connection {
     incoming: VecDeque<Incoming>,
     /// Time of the last frame that was sent.
     sent: Instant,
-    /// Request whose reply is waited for. Others only show that this host is there.
+    /// Number of the request whose reply is awaited. Other requests only show that this host is connected.
     awaited: Option<u16>,
-    /// Its reply, once that has come.
+    /// Reply to the awaited request, once it has arrived.
     reply: Option<Result<Reply, Refusal>>,
 }
 
@@ -99,13 +98,13 @@ impl Connection {
         self.transport.is_simulated()
     }
 
-    /// Frames of the controller so far.
+    /// Returns the counts of frames from the controller so far.
     pub(super) const fn frames(&self) -> FrameCounts {
         self.client.counts()
     }
 
     pub(crate) fn identify(&mut self) -> Result<Identity, LinkError> {
-        // Ends what may be left of a frame on the line.
+        // Ends a partial frame that may be left on the line.
         self.transport.send(&[0])?;
         match self.request("identify", &Request::Identify { version: VERSION }, RETRIES)? {
             Reply::Identity(identity) => {
@@ -167,7 +166,7 @@ impl Connection {
         }
     }
 
-    /// Events from a number on, as far as the controller still has them.
+    /// Returns the events from a number on that the controller still has.
     pub(crate) fn events(&mut self, first: u32) -> Result<Vec<EventRecord>, LinkError> {
         let mut all: Vec<EventRecord> = Vec::new();
         loop {
@@ -232,7 +231,7 @@ impl Connection {
             } else {
                 Err(LinkError::NoReply("restart"))
             };
-            // It answers once more before it goes, and its line may be lost then.
+            // The controller may answer once more before it restarts. Its line may be lost then.
             let is_over = identity
                 .as_ref()
                 .is_ok_and(|identity| identity.restarts != before.restarts);
@@ -248,14 +247,14 @@ impl Connection {
     /// Opens the line again; false if the controller is not there yet.
     pub(crate) fn reopen(&mut self) -> bool {
         self.client = Client::new();
-        // What came before is of another session.
+        // Earlier messages belong to another session.
         self.awaited = None;
         self.reply = None;
         self.incoming.clear();
         self.transport.reopen()
     }
 
-    /// Next message that is no reply, within a time.
+    /// Returns the next message that is not a reply, within a time.
     pub(crate) fn next(&mut self, within: Duration) -> Result<Option<Incoming>, LinkError> {
         let end = Instant::now() + within;
         loop {
@@ -270,7 +269,7 @@ impl Connection {
         }
     }
 
-    /// Lets time pass, and keeps what arrives.
+    /// Waits for a time, and keeps the messages that arrive.
     pub(super) fn wait(&mut self, time: Duration) -> Result<(), LinkError> {
         let end = Instant::now() + time;
         while Instant::now() < end {
@@ -280,7 +279,7 @@ impl Connection {
         Ok(())
     }
 
-    /// Sends a frame if there was none for a while: settings may require a host that started the machine to be there.
+    /// Sends a frame if there was none for a while: settings may require that the host that started the machine stays connected.
     fn keep_alive(&mut self) -> Result<(), LinkError> {
         if self.sent.elapsed() >= ALIVE_EVERY {
             self.send("alive", &Request::Counters)?;
@@ -324,7 +323,7 @@ impl Connection {
         Err(LinkError::NoReply(name))
     }
 
-    /// Reads what has arrived.
+    /// Reads the bytes that have arrived, and handles their messages.
     fn read(&mut self) -> Result<(), LinkError> {
         let mut buffer = [0; 4096];
         let count = self.transport.receive(&mut buffer)?;

@@ -12,7 +12,7 @@ use super::connection::{Connection, Incoming, LinkError};
 use super::show::describe;
 use crate::Status;
 
-/// Time between two requests of a jog: half of what one lasts.
+/// Time between two requests of a jog: half the duration of one request.
 const JOG_EVERY: Duration = Duration::from_millis(200);
 
 /// Carries out a command.
@@ -49,7 +49,7 @@ pub(super) fn operate(
             begin(link, "jog", &Request::Jog)?;
             let end = Instant::now() + Duration::from_secs_f64(jog.for_s);
             while Instant::now() + JOG_EVERY < end {
-                // Frames in between show the controller that this host is there.
+                // Frames in between show the controller that this host is connected.
                 link.wait(JOG_EVERY)?;
                 link.command("jog", &Request::Jog)?;
             }
@@ -116,7 +116,7 @@ fn begin_and_wait(
     Ok(Status::Done)
 }
 
-/// Number of the next event.
+/// Returns the number of the next event.
 fn next_event(link: &mut Connection) -> Result<u32, LinkError> {
     Ok(link.events(0)?.last().map_or(0, |event| event.number + 1))
 }

@@ -1,4 +1,4 @@
-//! `cophase link record`: what a controller streams, as the files of a run.
+//! `cophase link record`: writes the stream of a controller as the files of a run.
 
 use std::io::Write;
 
@@ -70,7 +70,7 @@ const FILES: [&str; 4] = [
     PAGE,
 ];
 
-/// Channels that are streamed: the named ones and the state, or all.
+/// Returns the streamed channels: the named ones and the state, or all.
 fn channels(names: &[ChannelName]) -> Channels {
     if names.is_empty() {
         return ALL_CHANNELS;
@@ -80,7 +80,7 @@ fn channels(names: &[ChannelName]) -> Channels {
     })
 }
 
-/// Records until the program is over, the time is, or Ctrl-C.
+/// Records until the program or the time is over, or until Ctrl-C.
 pub(super) fn record(
     args: &RecordArgs,
     link_args: &LinkArgs,
@@ -132,14 +132,14 @@ pub(super) fn record(
     let mut session = Session::new(recording, identity, args.quiet);
     if starts {
         link.take_control(link_args.take_over)?;
-        // Or the recording might begin with a machine whose drives are on already.
+        // Otherwise the recording may begin with a machine whose drives are already on.
         session.wait_for_sample(link)?;
         begin(link, "start", &Request::Start)?;
     }
     let recorded = session.record(link, args.for_s);
     let (counters, lost_line) = match recorded.and_then(|()| session.end(link, next)) {
         Ok(counters) => (counters, None),
-        // What came before is recorded all the same.
+        // The samples before the loss are still recorded.
         Err(Problem::Link(error @ (LinkError::Line(_) | LinkError::NoReply(_)))) => {
             (Counters::default(), Some(error.to_string()))
         }
@@ -179,7 +179,7 @@ pub(super) fn record(
     })
 }
 
-/// Settings that the controller runs, with the clock of its board.
+/// Returns the settings that the controller runs, with the clock of its board.
 fn settings(link: &mut Connection, identity: &Identity) -> Result<Settings, LinkError> {
     let mut settings = decode(&link.read_file(File::Settings)?)
         .map_err(|e| LinkError::Input(format!("the controller's settings: {e}")))?;

@@ -1,4 +1,4 @@
-//! A recording while it is under way: what arrives, when it ends, and its progress.
+//! A recording in progress: the messages that arrive, its end, and its progress.
 
 use std::io::{Seek, Write};
 use std::time::{Duration, Instant};
@@ -13,13 +13,13 @@ use super::Problem;
 use super::connection::{Connection, Incoming, LinkError};
 use crate::signals;
 
-/// Time between two requests that show the controller that the host is there, and between two updates of the progress.
+/// Time between two requests that show the controller that the host is connected, and between two updates of the progress.
 const ALIVE_EVERY: Duration = Duration::from_millis(250);
 
-/// Time within which the first sample comes, as slow as it may be.
+/// Longest wait for the first sample, also at the slowest rate.
 const FIRST_WITHIN: Duration = Duration::from_secs(30);
 
-/// Recording that is under way.
+/// Recording in progress.
 pub(super) struct Session<W: Write + Seek> {
     recording: Recording<W>,
     events: Vec<EventRecord>,
@@ -31,9 +31,9 @@ pub(super) struct Session<W: Write + Seek> {
 /// Progress of the machine.
 #[derive(Default)]
 struct Watched {
-    /// A program ran, or a motion ended in a fault.
+    /// True if a program ran, or a motion ended in a fault.
     has_run: bool,
-    /// Tick since which nothing moves after that.
+    /// Tick since which nothing moves, after the program or the fault.
     rests_since: Option<u32>,
 }
 
@@ -70,7 +70,7 @@ impl<W: Write + Seek + 'static> Session<W> {
         }
     }
 
-    /// Waits until the first sample has come.
+    /// Waits until the first sample has arrived.
     pub(super) fn wait_for_sample(&mut self, link: &mut Connection) -> Result<(), Problem> {
         let end = Instant::now() + FIRST_WITHIN;
         while self.recording.last().is_none() {
@@ -84,7 +84,7 @@ impl<W: Write + Seek + 'static> Session<W> {
         Ok(())
     }
 
-    /// Records until the program is over, the time is, or Ctrl-C.
+    /// Records until the program or the time is over, or until Ctrl-C.
     pub(super) fn record(
         &mut self,
         link: &mut Connection,
@@ -110,7 +110,7 @@ impl<W: Write + Seek + 'static> Session<W> {
         Ok(())
     }
 
-    /// Takes a message; true if the program is over.
+    /// Takes a message. Returns true if the program is over.
     fn take(&mut self, incoming: Incoming) -> Result<bool, Problem> {
         match incoming {
             Incoming::Event(event) => self.events.push(event),
@@ -150,7 +150,7 @@ impl<W: Write + Seek + 'static> Session<W> {
             every: 1,
         };
         link.repeatable("record", &none)?;
-        // The controller keeps the last ones only; earlier ones came as they happened.
+        // The controller keeps the last events only. Earlier ones arrived as they happened.
         let kept = link.events(next)?;
         let first = kept.first().map_or(u32::MAX, |event| event.number);
         self.events.retain(|event| event.number < first);
@@ -160,7 +160,7 @@ impl<W: Write + Seek + 'static> Session<W> {
 
     /// Ends the recording with the events up to its last sample.
     pub(super) fn finish(self) -> Result<Recorded, String> {
-        // What happened after the last sample is not part of the recording.
+        // Events after the last sample are not part of the recording.
         let last = self.recording.last().map(|sample| sample.tick);
         let events: Vec<_> = self
             .events
@@ -195,7 +195,7 @@ mod tests {
             });
             over.push(watched.is_over(tick, 2));
         }
-        // Parked from tick 5 on; more than two ticks later is tick 8.
+        // The machine is parked from tick 5 on. Tick 8 is more than two ticks later.
         assert_eq!(over.iter().position(|&over| over), Some(8));
     }
 }

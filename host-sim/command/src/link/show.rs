@@ -104,7 +104,7 @@ pub(super) fn log(
     Ok(())
 }
 
-/// Shows statuses and events until the time is over, or for ever.
+/// Shows statuses and events until the time is over, or without an end if there is no time.
 pub(super) fn monitor(
     link: &mut Connection,
     identity: &Identity,
@@ -137,7 +137,7 @@ pub(super) fn monitor(
     })
 }
 
-/// One line of the monitor.
+/// Returns one line of the monitor.
 fn line(status: &MachineStatus, tick_hz: u32) -> String {
     let t_s = f64::from(status.tick) / f64::from(tick_hz);
     let worst = status
@@ -182,13 +182,13 @@ fn line(status: &MachineStatus, tick_hz: u32) -> String {
     )
 }
 
-/// An event with its time, as one line.
+/// Returns an event with its time, as one line.
 pub(super) fn describe(record: &EventRecord, tick_hz: u32) -> String {
     let t_s = f64::from(record.tick) / f64::from(tick_hz);
     format!("{t_s:10.3} s  {}", what(&record.event))
 }
 
-/// An event in words.
+/// Returns an event in words.
 pub(crate) fn what(event: &Event) -> String {
     let fault = |record: &FaultRecord| match record.fault() {
         Some(fault) => report::fault_words(&fault),

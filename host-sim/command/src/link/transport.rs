@@ -14,7 +14,7 @@ use serialport::{SerialPort, SerialPortInfo, SerialPortType};
 
 use crate::scenes;
 
-/// Time for which a read waits for bytes.
+/// Longest wait of a read for bytes.
 const READ_WAIT: Duration = Duration::from_millis(5);
 
 /// A line that carries bytes both ways.
@@ -22,15 +22,15 @@ pub(crate) trait Transport {
     /// Sends all bytes.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Reads what has arrived, after a short wait at most; nothing may have.
+    /// Reads the bytes that have arrived, after a short wait at most. There may be none.
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize>;
 
-    /// Opens the line again, after the controller has restarted; false if it is not there yet.
+    /// Opens the line again after the controller has restarted. Returns false if the controller is not there yet.
     fn reopen(&mut self) -> bool {
         true
     }
 
-    /// True if the controller ends with this process.
+    /// Returns true if the controller ends with this process.
     fn is_simulated(&self) -> bool {
         false
     }
@@ -70,7 +70,7 @@ pub(crate) fn open(
     }
 }
 
-/// Serial ports, and whether a controller is at each.
+/// Returns the serial ports, each with true if a controller is connected to it.
 pub(crate) fn ports() -> Result<Vec<(SerialPortInfo, bool)>, String> {
     let ports = serialport::available_ports().map_err(|e| format!("serial ports: {e}"))?;
     let is_controller = |port: &SerialPortInfo| match &port.port_type {
@@ -132,7 +132,7 @@ impl Serial {
 
 fn open_port(name: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
     let mut port = serialport::new(name, baud).timeout(READ_WAIT).open()?;
-    // The controller takes the signal for an open port. A pseudo-terminal has none.
+    // The controller regards a port with this signal as open. A pseudo-terminal has no such signal.
     let _ = port.write_data_terminal_ready(true);
     Ok(port)
 }
@@ -161,7 +161,7 @@ impl Transport for Serial {
     }
 }
 
-/// Nothing arrived in time: no error.
+/// Converts a timeout of a read to 0 bytes, as it is no error.
 fn quiet(read: io::Result<usize>) -> io::Result<usize> {
     match read {
         Err(e)
@@ -223,7 +223,7 @@ impl Transport for Tcp {
 /// Controller of a scene, simulated in real time in this process.
 struct Simulated {
     hub: Hub<SimulatedDevice, 1>,
-    /// Bytes that the controller sent, and that were not fetched yet.
+    /// Bytes from the controller that were not fetched yet.
     arrived: VecDeque<u8>,
 }
 
@@ -243,8 +243,8 @@ impl Simulated {
         })
     }
 
-    /// Fetches what waits in the loop. The hub has room for a few frames only: it is emptied after every sample, so that
-    /// none is lost however long the last call was ago.
+    /// Fetches the bytes that wait in the loop. The hub has room for a few frames only. It is emptied after every sample, so
+    /// that no frame is lost after a long time without a call.
     fn fetch(&mut self) {
         let mut bytes = [0; MAX_FRAME_BYTES];
         loop {
@@ -302,7 +302,8 @@ mod tests {
     use super::*;
     use crate::link::connection::{Connection, Incoming};
 
-    /// The hub has room for a few frames. A host that comes late would lose samples, if they were not fetched one by one.
+    /// If this fails, a host that reads late loses samples. The hub has room for a few frames, so samples must be fetched
+    /// one by one.
     #[test]
     fn a_host_that_comes_late_loses_no_sample_of_the_simulated_controller() {
         let mut link = Connection::new(open(Some("sim"), 0, Faults::OfScene).unwrap());

@@ -60,7 +60,7 @@ pub(crate) fn program_file(
         .ok_or_else(|| LinkError::Input(format!("{name}: the program is too long")))
 }
 
-/// Settings of the controller.
+/// Reads the settings of the controller.
 pub(crate) fn settings(link: &mut Connection) -> Result<Settings, LinkError> {
     decode(&link.read_file(File::Settings)?)
         .map_err(|e| LinkError::Input(format!("the controller's settings: {e}")))

@@ -1,4 +1,4 @@
-//! Live rows of a run: they are sent while it runs, in step with the wall clock.
+//! Live rows of a run, which are sent during the run, in step with the wall clock.
 
 use std::net::SocketAddr;
 
@@ -8,7 +8,7 @@ use host_sim::trace::{RowsUdp, SentRows};
 
 use super::RunArgs;
 
-/// The receiver of rows, and the speed.
+/// Receiver of the rows, and speed of the run.
 pub(super) struct Live {
     rows: Option<(SocketAddr, RowsUdp)>,
     speed: Option<f64>,
@@ -18,7 +18,7 @@ impl Live {
     /// Opens the socket that was requested.
     ///
     /// # Errors
-    /// In words: there is no way to the receiver.
+    /// The receiver cannot be reached. The error is a message for the user.
     pub(super) fn new(args: &RunArgs, checked: &Checked) -> Result<Self, String> {
         let open = |receiver| match RowsUdp::new(receiver, checked.scene.axes.count) {
             Ok(rows) => Ok((receiver, rows)),
@@ -32,13 +32,13 @@ impl Live {
         })
     }
 
-    /// The parts that observe a run that begins now.
+    /// Returns the observers of a run that begins now.
     pub(super) fn begin(&mut self) -> (Option<&mut RowsUdp>, Option<WallClock>) {
         let rows = self.rows.as_mut().map(|(_, rows)| rows);
         (rows, self.speed.map(WallClock::new))
     }
 
-    /// Ends the sending. Returns the receiver, and the number of sent rows.
+    /// Ends the transmission. Returns the receiver, and the number of sent rows.
     pub(super) fn finish(self) -> Option<(SocketAddr, SentRows)> {
         self.rows.map(|(receiver, rows)| (receiver, rows.finish()))
     }

@@ -1,4 +1,4 @@
-//! `cophase run`: a scene goes in, files and a page of words come out.
+//! `cophase run`: runs a scene, writes its files, and prints a page of text.
 
 mod live;
 mod page;
@@ -28,7 +28,7 @@ use host_sim::trace::{
     Every, Format, Recorder, RunFiles, ScopeData, SentRows, Window, gtkwave_layout,
 };
 
-/// The files of a trace, unless others are requested.
+/// Default files of a trace.
 const TRACE: [Format; 2] = [Format::Csv, Format::Vcd];
 
 #[derive(Debug, clap::Args)]
@@ -65,7 +65,7 @@ pub(super) struct RunArgs {
 }
 
 impl RunArgs {
-    /// As if a scene file had been given, and a folder to write to.
+    /// Creates the arguments of a run with a scene file and an output folder.
     pub(super) fn of(scene: &Path, out: &Path, quiet: bool) -> Self {
         Self {
             scene: scene.display().to_string(),
@@ -99,19 +99,19 @@ impl RunArgs {
         Ok(())
     }
 
-    /// The files of the trace, each once.
+    /// Returns the formats of the trace, each once.
     fn files(&self) -> impl Iterator<Item = Format> {
         let all = Format::ALL.into_iter();
         all.filter(|format| self.trace.contains(format))
     }
 
-    /// Name of the layout of steps.fst, if that is one of the files.
+    /// Returns the name of the layout of steps.fst, if that is one of the files.
     fn layout(&self) -> Option<&'static str> {
         self.trace.contains(&Format::Fst).then_some(LAYOUT)
     }
 }
 
-/// Runs a scene: prints what it came to to `out`, and how long that will take to `err` if it is long.
+/// Runs a scene. Prints the results to `out`, and the expected duration to `err` if it is long.
 pub(super) fn run(
     args: &RunArgs,
     out: &mut impl Write,
@@ -164,7 +164,7 @@ pub(super) fn run(
     })
 }
 
-/// A file of the trace, and what it shows.
+/// Returns the name of a file of the trace, with its content in brackets.
 fn described(format: Format, written: Written) -> String {
     let shows = match (format.has_edges(), written.every) {
         (true, _) => format!(
@@ -186,7 +186,7 @@ const RANGE: &str = "torque.svg";
 /// Name of the layout with which GTKWave shows steps.fst.
 const LAYOUT: &str = "steps.gtkw";
 
-/// Runs a scene and writes its files: all of them, or none. Returns the scene with the values of what was requested.
+/// Runs a scene and writes all of its files, or none. Returns the scene with the answers to its questions.
 fn record(
     args: &RunArgs,
     checked: Checked,
@@ -203,8 +203,8 @@ fn record(
     let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
     let (mut files, checked, outcome, written) =
         record_window(args, checked, began, window, Some(live))?;
-    // What went wrong by itself is known after a run only, as is that the run ended before its first fault. The same run again shows
-    // the edges at that time.
+    // Two cases are detected only after the run: a slip or a latched fault without an injected fault, and a run that ended before its
+    // first injected fault. The scene is then run again, with the window of edges at the right time.
     let never_began = !is_requested && window != Window::FirstMotion && written.is_empty();
     let by_itself = window == Window::FirstMotion && checked.scene.fault.is_empty();
     let effect_s = outcome.statistics.first_effect_s();
@@ -217,7 +217,7 @@ fn record(
     let (checked, outcome, written) = match other {
         Some(window) => {
             drop(files);
-            // It was live once already.
+            // The first run has already sent the live rows.
             let again = record_window(args, checked, began, window, None)?;
             files = again.0;
             (again.1, again.2, again.3)
@@ -240,8 +240,8 @@ fn record(
     Ok((checked, outcome, written))
 }
 
-/// Refuses to write into a folder in which another one has the name of a file: found before the run, as afterwards the files
-/// before it would be in place already.
+/// Refuses an output folder in which a folder has the name of a file. This is checked before the run. Later, some of the files would
+/// already be in place.
 pub(super) fn refuse_folders<'a>(
     out: &Path,
     mut names: impl Iterator<Item = &'a str>,
@@ -256,12 +256,12 @@ pub(super) fn refuse_folders<'a>(
     }
 }
 
-/// A time without the digits that are rounding, s.
+/// Returns a time without the digits that are rounding errors, s.
 fn shortest(time_s: f64) -> f64 {
     (time_s * 1e9).round() / 1e9
 }
 
-/// That a window that was requested shows nothing.
+/// Returns the error that a requested window contains no part of the run.
 fn outside(args: &RunArgs, checked: &Checked, outcome: &Outcome) -> String {
     let lasted_s = outcome.simulated_s();
     let wrong = |from_s: f64, to_s: f64| {
@@ -286,7 +286,7 @@ fn outside(args: &RunArgs, checked: &Checked, outcome: &Outcome) -> String {
     }
 }
 
-/// Runs a scene, and writes its files with the edges of a window; they are not in place yet.
+/// Runs a scene, and writes its files with the edges of a window. The files are not in place yet.
 fn record_window(
     args: &RunArgs,
     checked: Checked,

@@ -6,7 +6,7 @@ use host_sim::sim::Outcome;
 use host_sim::sim::events::EventKind;
 use host_sim::trace::{Moved, ScopeData, ScopeFrame};
 
-/// The scene on the page.
+/// Returns the frame of the page for a scene.
 pub(crate) fn frame(checked: &Checked) -> ScopeFrame {
     let scene = &checked.scene;
     ScopeFrame {
@@ -31,7 +31,7 @@ pub(crate) fn frame(checked: &Checked) -> ScopeFrame {
     }
 }
 
-/// Events that are worth a mark on the page; the states have a ribbon of their own.
+/// Marks notable events on the page. The states have their own ribbon.
 pub(super) fn mark(scope: &mut ScopeData, outcome: &Outcome) {
     let mut slips = vec![0; outcome.statistics.slipped_cycles.len()];
     if outcome

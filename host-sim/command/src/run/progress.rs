@@ -1,8 +1,8 @@
-//! The progress of a run.
+//! Progress of a run.
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar that shows on a terminal only, and only once a run takes its time.
+/// Creates a progress bar. It shows on a terminal only, and only in a long run.
 pub(super) fn progress_bar(quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();

@@ -1,8 +1,8 @@
 //! Access control: the token, and the server's own host and origin.
 //!
 //! The token is in the path of the page, so that every file and the socket need it, and no cookie carries it to another
-//! page. `Host` must be the server's own: a name that somebody else resolves to this computer is refused. `Origin`, which a
-//! page of another site cannot change, must be the server's own where there is one; a socket needs it.
+//! page. `Host` must be the server's own: a foreign name that resolves to this computer is refused. `Origin`, which a page
+//! of another site cannot change, must be the server's own if it is present. A socket requires it.
 
 use std::net::SocketAddr;
 
@@ -11,7 +11,7 @@ use subtle::ConstantTimeEq;
 /// Bytes of randomness in a token.
 const TOKEN_BYTES: usize = 16;
 
-/// Head of a request, as far as access depends on it.
+/// Part of a request's head on which access depends.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Credentials<'a> {
     pub(super) path: &'a str,
@@ -39,7 +39,7 @@ pub(super) struct Access {
 }
 
 impl Access {
-    /// Draws the token of a server at an address.
+    /// Draws a random token for a server at an address.
     pub(super) fn new(address: SocketAddr) -> Result<Self, getrandom::Error> {
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes)?;
@@ -58,17 +58,17 @@ impl Access {
         })
     }
 
-    /// Address of the page.
+    /// Returns the address of the page.
     pub(super) fn url(&self) -> String {
         format!("http://{}/{}/", self.hosts[0], self.token)
     }
 
-    /// Origins that sockets of the page may connect to.
+    /// Returns the origins to which sockets of the page may connect.
     pub(super) fn sockets(&self) -> impl Iterator<Item = String> {
         self.hosts.iter().map(|host| format!("ws://{host}"))
     }
 
-    /// Path of the file that a request is for, if it is let in.
+    /// Returns the path of the file that a request names, if access is permitted.
     pub(super) fn check<'a>(&self, credentials: &Credentials<'a>) -> Result<&'a str, Denied> {
         let own = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
         let host = credentials.host.filter(|host| own(host));

@@ -1,4 +1,4 @@
-//! The controller on one side, and all browsers on the other.
+//! Bench: passes messages between the controller and all browsers.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, TryRecvError};
@@ -15,7 +15,7 @@ use super::{ScopeArgs, scene};
 use crate::link::connection::{Connection, Incoming, LinkError};
 use crate::link::write;
 
-/// Something that a browser wants.
+/// Job from a browser.
 #[derive(Debug)]
 pub(super) enum Job {
     Joined(Browser),
@@ -25,7 +25,7 @@ pub(super) enum Job {
 }
 
 impl Job {
-    /// True if it stops the machine.
+    /// Returns true if the job stops the machine.
     fn is_stop(&self) -> bool {
         let Self::Request(_, text) = self else {
             return false;
@@ -37,7 +37,7 @@ impl Job {
 /// Time between two statuses of the controller, ms.
 const STATUS_MS: u16 = 50;
 
-/// Longest time that samples wait to be sent: a frame of the page.
+/// Longest time for which samples wait to be sent: a frame of the page.
 const BATCH: Duration = Duration::from_millis(16);
 
 /// Time between two attempts to reach a controller that was lost.
@@ -92,10 +92,10 @@ impl Bench {
         self.link.repeatable("samples", &samples)
     }
 
-    /// Passes on what arrives from either side, until there can be no more browsers.
+    /// Passes messages on in both directions, until there can be no more browsers.
     pub(super) fn run(&mut self, jobs: &Receiver<Job>) -> Result<(), LinkError> {
         loop {
-            // A stop does not wait behind what else was requested.
+            // A stop does not wait behind other requests.
             let mut waiting = VecDeque::new();
             loop {
                 match jobs.try_recv() {
@@ -119,7 +119,7 @@ impl Bench {
         }
     }
 
-    /// The line is lost: control ends, and the same controller is waited for.
+    /// Handles a lost line: ends control, and waits for the same controller.
     fn reach_again(&mut self, error: &LinkError) -> Result<(), LinkError> {
         self.browsers.set_owner(None);
         let error = Some(error.to_string());
@@ -130,7 +130,7 @@ impl Bench {
         let identity = loop {
             match self.link.identify() {
                 Ok(identity) => break identity,
-                // It has a line already, and has not begun yet; or the line is lost again.
+                // The controller has a line, but does not answer yet, or the line is lost again.
                 Err(LinkError::NoReply(_) | LinkError::Line(_)) => {
                     std::thread::sleep(REOPEN);
                     while !self.link.reopen() {
@@ -224,7 +224,7 @@ impl Bench {
                 }
             }
             Job::Request(id, text) => {
-                // A request that is not understood has its number in the reply, too.
+                // The reply to an invalid request has its number, too.
                 let number = serde_json::from_str(&text).map_or(0, |Numbered { id }| id);
                 let done = match serde_json::from_str(&text) {
                     Ok(request) => self.request(id, &request),
@@ -240,9 +240,9 @@ impl Bench {
         }
     }
 
-    /// Welcomes a browser with all that does not change, and with the events so far.
+    /// Sends a new browser all constant data, and the events so far.
     fn welcome(&mut self, mut browser: Browser) {
-        // The batch that waits began before the browser came.
+        // The waiting batch began before the browser joined.
         self.send_batch();
         browser.report(&Report::hello(
             browser.name(),
@@ -253,7 +253,7 @@ impl Bench {
             self.link.is_simulated(),
             &self.text,
         ));
-        // Without them, the page has those that come.
+        // If they cannot be read, the page shows later events only.
         for record in self.link.events(self.first_event).unwrap_or_default() {
             browser.report(&Report::event(&record, self.identity.tick_hz));
         }

@@ -1,4 +1,4 @@
-//! One browser: its requests go to the bench, reports and samples come from a queue.
+//! One browser: its requests go to the bench, and its reports and samples come from a queue.
 
 use std::io;
 use std::net::TcpStream;
@@ -11,10 +11,10 @@ use tungstenite::{Error, Message, WebSocket};
 use super::bench::Job;
 use super::browsers::Browser;
 
-/// Messages that wait for a browser: some four seconds of samples.
+/// Greatest number of messages that wait for a browser: about four seconds of samples.
 const QUEUE: usize = 256;
 
-/// Time for which a read or a write waits, so that the other one has its turn.
+/// Longest wait of a read or a write, after which the other one has its turn.
 const TURN: Duration = Duration::from_millis(4);
 
 /// Longest request, bytes: a scene is no larger than 1 MiB, and JSON escapes some of its characters.
@@ -33,7 +33,7 @@ pub(super) fn serve(stream: TcpStream, jobs: &Sender<Job>) -> io::Result<()> {
     let browser = Browser::new(address, queue);
     let id = browser.id;
     if jobs.send(Job::Joined(browser)).is_ok() {
-        // Every end is the same: the browser has gone.
+        // The reason does not matter: the browser has left.
         let _ = exchange(socket, id, jobs, &waiting);
         let _ = jobs.send(Job::Left(id));
     }
@@ -61,14 +61,14 @@ fn exchange(
             Err(error) if is_turn_over(&error) => {}
             Err(error) => return Err(error),
         }
-        // A browser that is too slow leaves messages in the queue, which counts what finds no room. Its requests are
-        // read nevertheless.
+        // A browser that is too slow leaves messages in the queue. Messages that find no room are counted. Its requests
+        // are still read.
         loop {
             if is_sent {
                 let Ok(message) = waiting.try_recv() else {
                     break;
                 };
-                // What cannot be written yet waits in the socket.
+                // A message that cannot be written yet waits in the socket.
                 done(socket.write(message))?;
             }
             is_sent = done(socket.flush())?;
@@ -79,7 +79,7 @@ fn exchange(
     }
 }
 
-/// True if all was sent; false if the rest has to wait for another turn.
+/// Returns true if everything was sent, and false if the rest has to wait for another turn.
 fn done(sent: Result<(), Error>) -> Result<bool, Error> {
     match sent {
         Ok(()) => Ok(true),

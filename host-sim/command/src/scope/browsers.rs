@@ -1,4 +1,4 @@
-//! All browsers, and which of them has control.
+//! All browsers, and the one that has control.
 
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -7,13 +7,13 @@ use std::sync::mpsc::SyncSender;
 use serde::Serialize;
 use tungstenite::Message;
 
-/// A browser as the bench knows it.
+/// Data of the bench about a browser.
 #[derive(Debug)]
 pub(super) struct Browser {
     pub(super) id: u32,
     address: SocketAddr,
     queue: SyncSender<Message>,
-    /// Samples and reports that found no room in the queue.
+    /// Numbers of samples and of reports that found no room in the queue.
     pub(super) dropped_samples: u64,
     pub(super) dropped_reports: u64,
 }
@@ -30,13 +30,13 @@ impl Browser {
         }
     }
 
-    /// Name by which others know it.
+    /// Returns the name that other browsers show for it.
     pub(super) fn name(&self) -> String {
         format!("browser {} ({})", self.id, self.address)
     }
 
     pub(super) fn report(&mut self, report: &impl Serialize) {
-        // A report has no keys that JSON refuses.
+        // All keys of a report are valid in JSON.
         let text = serde_json::to_string(report).unwrap_or_default();
         if self.queue.try_send(Message::text(text)).is_err() {
             self.dropped_reports += 1;
@@ -56,7 +56,7 @@ impl Browsers {
         self.all.push(browser);
     }
 
-    /// Removes a browser; true if it had control, which it has no longer.
+    /// Removes a browser, and ends its control. Returns true if it had control.
     pub(super) fn leave(&mut self, id: u32) -> bool {
         self.all.retain(|browser| browser.id != id);
         self.owner.take_if(|owner| *owner == id).is_some()
@@ -81,7 +81,7 @@ impl Browsers {
         }
     }
 
-    /// Sends a batch of samples to all, and counts those of them that find no room.
+    /// Sends a batch of samples to all browsers, and counts the samples that find no room.
     pub(super) fn samples(&mut self, batch: &[u8], count: u64) {
         let message = Message::binary(batch.to_vec());
         for browser in &mut self.all {
@@ -99,7 +99,7 @@ impl Browsers {
         self.owner = owner;
     }
 
-    /// Name of the browser that has control.
+    /// Returns the name of the browser that has control.
     pub(super) fn owner_name(&self) -> Option<String> {
         let owner = self.owner?;
         self.all

@@ -1,18 +1,18 @@
 //! Samples of the loop as columns in physical units, in binary batches.
 //!
-//! A batch is little-endian: first tick, ticks between two samples, number of samples, number of columns, 32 bits each; then
-//! the columns one after another, 64-bit floats. Samples of a batch follow each other without a gap.
+//! A batch is little-endian. It begins with first tick, ticks between two samples, number of samples and number of columns, 32
+//! bits each. The columns follow one after another, as 64-bit floats. Samples of a batch follow each other without a gap.
 //!
 //! Two amplitudes follow from speeds, by the controller's own mechanism. The *commanded* one is that of the master's speed. The
-//! *actual* one is that of the mean speed of the cranks over the last turn of the master: its phase and the common mode of
-//! the measured phase errors. It is not a number until a turn has been measured, and at rest.
+//! *actual* one is that of the mean speed of the cranks over the last turn of the master. This speed follows from the master's
+//! phase and the common mode of the measured phase errors. It is not a number until a turn has been measured, and at rest.
 
 use cophase_core::mechanism::{AnyMechanism, Mechanism};
 use cophase_core::settings::Settings;
 use cophase_core::units::Turns;
 use cophase_link::sample::{ALL_CHANNELS, Channel, Channels, Sample};
 
-/// Channels of the stream: all but those that no column needs.
+/// Channels of the stream: all except those that no column needs.
 pub(super) const CHANNELS: Channels =
     ALL_CHANNELS & !(Channel::Acceleration as Channels | Channel::Lead as Channels);
 
@@ -86,14 +86,14 @@ impl Columns {
         &self.names
     }
 
-    /// Forgets what came before, as the controller has restarted.
+    /// Discards earlier samples, because the controller has restarted.
     pub(super) const fn restart(&mut self) {
         self.last = None;
         self.turn = None;
         self.actual_speed = None;
     }
 
-    /// Values of one sample, in the order of the names.
+    /// Returns the values of one sample, in the order of the names.
     pub(super) fn row(&mut self, sample: &Sample) -> Vec<f64> {
         self.follow(sample);
         let amax = |speed: i64| self.mechanism.amax(Turns::from_bits(speed)).to_num::<f64>();
@@ -167,7 +167,7 @@ impl Batch {
         }
     }
 
-    /// True if a sample of this tick follows those of the batch.
+    /// Returns true if a sample of this tick follows those of the batch.
     pub(super) fn is_next(&self, tick: u32) -> bool {
         let ticks = (self.rows.len() as u32).wrapping_mul(self.every.into());
         self.rows.is_empty() || tick == self.first.wrapping_add(ticks)
@@ -180,7 +180,7 @@ impl Batch {
         self.rows.push(row);
     }
 
-    /// Takes the samples out, as the bytes of a batch and their number; none if there are none.
+    /// Takes the samples out. Returns the bytes of the batch and the number of samples, or `None` if there are no samples.
     pub(super) fn take(&mut self) -> Option<(Vec<u8>, u64)> {
         let rows = std::mem::take(&mut self.rows);
         let columns = rows.first()?.len();

@@ -1,4 +1,4 @@
-//! Requests of browsers: who may make each, and what it is on the link.
+//! Requests of browsers: the browsers that may make each request, and its form on the link.
 
 use cophase_link::message::{ControlRequest, File, Request as LinkRequest, StopKind};
 use host_sim::scene::file::FaultAt;
@@ -16,7 +16,7 @@ impl Bench {
     fn restart(&mut self) -> Result<(), LinkError> {
         self.send_batch();
         let identity = self.link.restart(&self.identity, &LinkRequest::Restart)?;
-        // A board begins a new log. The hub of a simulated controller goes on with its own.
+        // A board begins a new log. The hub of a simulated controller continues its log.
         let last = self.link.events(0)?.last().map(|event| event.number + 1);
         self.first_event = last.filter(|_| self.link.is_simulated()).unwrap_or(0);
         self.browsers.report(&Report::Restarted);
@@ -33,7 +33,7 @@ impl Bench {
     pub(super) fn request(&mut self, id: u32, request: &Request) -> Result<(), String> {
         let text = |error: LinkError| error.to_string();
         match request {
-            // Whoever watches may stop the machine.
+            // Every browser may stop the machine, also without control.
             Request::Stop { now } => {
                 let kind = if *now {
                     StopKind::Now

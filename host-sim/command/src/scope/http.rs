@@ -19,7 +19,7 @@ const HEAD_BYTES: usize = 8192;
 /// Greatest number of headers of a request.
 const HEADERS: usize = 64;
 
-/// Time within which a browser sends its request, and takes the answer.
+/// Longest wait for the request of a browser, and for the end of the answer.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Greatest number of connections at the same time.
@@ -36,7 +36,7 @@ pub(super) fn serve(listener: &TcpListener, access: &Arc<Access>, jobs: &Sender<
         open.fetch_add(1, Ordering::Relaxed);
         let (access, jobs, open) = (access.clone(), jobs.clone(), open.clone());
         std::thread::spawn(move || {
-            // The browser has gone: nothing is left to do for it.
+            // The browser has left, and nothing remains to be done for it.
             let _ = answer(stream, &access, &jobs);
             open.fetch_sub(1, Ordering::Relaxed);
         });
@@ -60,7 +60,7 @@ fn answer(mut stream: TcpStream, access: &Access, jobs: &Sender<Job>) -> io::Res
             .headers
             .iter()
             .filter(|header| header.name.eq_ignore_ascii_case(name));
-        // A header that comes twice could mean one thing here, and another thing to a browser.
+        // A browser could read a repeated header in another way than this server.
         let (value, twice) = (same.next(), same.next());
         value
             .filter(|_| twice.is_none())
@@ -75,7 +75,7 @@ fn answer(mut stream: TcpStream, access: &Access, jobs: &Sender<Job>) -> io::Res
     let credentials = Credentials {
         path,
         host: header("host"),
-        // An origin that cannot be read is no origin of this server.
+        // An unreadable origin is not the origin of this server.
         origin: header("origin").or_else(|| is_given("origin").then_some("")),
     };
     let file = match access.check(&credentials) {
@@ -122,7 +122,7 @@ fn read_head(stream: &mut TcpStream) -> io::Result<Vec<u8>> {
     let mut head = Vec::new();
     let end = Instant::now() + PATIENCE;
     while !head.ends_with(b"\r\n\r\n") {
-        // Byte by byte, as what follows belongs to the socket. A head is short.
+        // The head is read byte by byte, because the following bytes belong to the socket. A head is short.
         let mut byte = [0];
         if head.len() == HEAD_BYTES || Instant::now() > end || stream.read(&mut byte)? == 0 {
             return Err(io::ErrorKind::InvalidData.into());
@@ -132,7 +132,8 @@ fn read_head(stream: &mut TcpStream) -> io::Result<Vec<u8>> {
     Ok(head)
 }
 
-/// Content-Security-Policy of the page: own files and the own socket only. The editor compiles the core from WebAssembly.
+/// Returns the Content-Security-Policy of the page: own files and the own socket only. The editor compiles the core from
+/// WebAssembly.
 fn policy(access: &Access) -> String {
     let sockets: Vec<String> = access.sockets().collect();
     format!(

@@ -1,8 +1,8 @@
 //! `cophase scope`: a local web page that shows a controller live, and operates it.
 //!
-//! The thread that began the command is the only one that talks to the controller ([`bench`]). Every browser has a thread of
-//! its own ([`browser`]), which passes JSON requests to it, and takes JSON reports and binary batches of samples from a
-//! queue. Files of the page are in the binary ([`page`]). [`access`] decides who is let in.
+//! Only the main thread of the command communicates with the controller ([`bench`]). Every browser has its own thread
+//! ([`browser`]), which passes JSON requests to the main thread, and takes JSON reports and binary batches of samples from a
+//! queue. Files of the page are in the binary ([`page`]). [`access`] checks each request.
 
 mod access;
 mod bench;
@@ -79,7 +79,7 @@ pub(crate) fn scope(args: &ScopeArgs, out: &mut impl Write) -> Result<Status, Co
     let access = Arc::new(access);
     let mut bench = Bench::new(Connection::new(transport), args)
         .map_err(|error| CommandError::Input(error.to_string()))?;
-    // In one piece, as a program that reads the address may close the pipe behind it.
+    // The text is written in one piece, because a program that reads the address may then close the pipe.
     out.write_all(
         format!(
             "{}\nOpen this page in a browser; Ctrl-C ends it.\n",

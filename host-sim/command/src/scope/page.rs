@@ -59,7 +59,7 @@ const FILES: &[File] = files![
     "vendor/uPlot.min.css" CSS,
 ];
 
-/// File at a path; the page itself is at the empty one.
+/// Returns the file at a path. The page itself has the empty path.
 pub(super) fn find(path: &str) -> Option<&'static File> {
     let path = if path.is_empty() { "index.html" } else { path };
     FILES.iter().find(|file| file.path == path)

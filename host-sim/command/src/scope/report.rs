@@ -13,9 +13,9 @@ use crate::link::show::what;
 #[derive(Debug, Serialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub(super) enum Report<'a> {
-    /// The first one: what does not change while the page is open.
+    /// The first report, with the data that do not change while the page is open.
     Hello {
-        /// Name by which other browsers know this one.
+        /// Name that other browsers show for this one.
         name: String,
         board: &'a str,
         serial: String,
@@ -26,9 +26,9 @@ pub(super) enum Report<'a> {
         tick_hz: u32,
         every: u16,
         axes: usize,
-        /// Names of the columns of a batch, in their order; a name has its unit.
+        /// Names of the columns of a batch, in their order. A name contains the unit.
         columns: &'a [String],
-        /// Names of the states, each at its number.
+        /// Names of the states. The index is the number of the state.
         states: [&'static str; State::ALL.len()],
         limits: Limits,
         /// Text of the scene for the editor.
@@ -41,9 +41,9 @@ pub(super) enum Report<'a> {
         #[serde(skip_serializing_if = "Option::is_none")]
         error: Option<String>,
     },
-    /// The controller has restarted: its time begins again.
+    /// The controller has restarted, and its time begins again.
     Restarted,
-    /// The line to the controller is lost, or there again.
+    /// The line to the controller is lost, or restored.
     Line {
         error: Option<String>,
     },

@@ -36,16 +36,16 @@ pub(super) enum Request {
     Load {
         text: String,
     },
-    /// Restarts the controller; a simulated one with its machine as it was at first.
+    /// Restarts the controller. A simulated controller restarts with its machine in the initial state.
     Restart,
-    /// Injects a fault into a simulated machine: the keys of `[[fault]]` but `at_s`.
+    /// Injects a fault into a simulated machine: the keys of `[[fault]]` except `at_s`.
     Inject {
         fault: Map<String, Value>,
     },
 }
 
 impl Request {
-    /// Name of the request, for errors.
+    /// Returns the name of the request, for errors.
     pub(super) const fn name(&self) -> &'static str {
         match self {
             Self::TakeControl | Self::ReleaseControl => "control",

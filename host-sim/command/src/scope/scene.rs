@@ -1,4 +1,4 @@
-//! Text of the scene whose program the editor opens with.
+//! Text of the scene whose program the editor shows first.
 
 use std::path::Path;
 

@@ -86,7 +86,7 @@ impl Axis {
 }
 
 fn tick_label(value: f64, is_plain: bool) -> String {
-    // 1, 2 and 5 in each decade are all that is needed; what is left of rounding goes with {:.0}.
+    // Only 1, 2 and 5 in each decade are needed. {:.0} removes the remaining rounding error.
     let exponent = (value.log10() + 1e-9).floor();
     let digit = value / 10.0_f64.powf(exponent);
     if is_plain {

@@ -98,7 +98,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     Ok(Drawn::one(csv, svg, says))
 }
 
-/// Returns the change of the mean energy over so many turns, relative to the initial kinetic energy; infinite if a step failed.
+/// Returns the change of the mean energy over a number of turns, relative to the initial kinetic energy; infinite if a step failed.
 fn drift(
     scheme: Scheme,
     free: &Driven,

@@ -1,5 +1,5 @@
-//! Colours and strokes. The colours are those of Okabe and Ito, which the colour-blind distinguish. The strokes keep two lines
-//! visible that coincide.
+//! Colours and strokes. The colours are those of Okabe and Ito, which colour-blind readers can distinguish. The strokes keep
+//! both of two coinciding lines visible.
 
 use cophase_methods::Scheme;
 

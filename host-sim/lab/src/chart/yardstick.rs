@@ -29,7 +29,7 @@ impl Yardstick {
         };
         let best = (0..TRIES).map(|_| time()).fold(f64::INFINITY, f64::min);
         Self {
-            sine_s: best.max(1e-12), // a clock that stands still
+            sine_s: best.max(1e-12), // in case the clock does not advance
         }
     }
 

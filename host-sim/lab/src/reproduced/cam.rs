@@ -8,8 +8,8 @@ use super::{Figure, ReproducedError, Section};
 
 const FILE: &str = "host-sim/methods/references/tests/references/chain.rs";
 
-/// Largest accelerations of the first and the third mass, m/s², largest deviation of the third from the law, mm, and mean power of a damper between the
-/// first mass and the ground, kW, in the periodic regime.
+/// Returns results in the periodic regime: largest accelerations of the first and the third mass, m/s², largest deviation of the third
+/// from the law, mm, and mean power of a damper between the first mass and the ground, kW.
 fn periodic(law: Law, shaft: Shaft) -> Result<[f64; 4], ReproducedError> {
     const STEPS: u32 = 1 << 15;
     const SETTLING: u32 = 6;

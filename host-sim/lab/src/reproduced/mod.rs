@@ -1,7 +1,7 @@
 //! Published figures beside those of this project: the list behind `docs/reproduced.md`, which `cophase reproduced` writes.
 //!
-//! A file a machine. The published numbers stand here and in the tests on purpose: a test does not take its expectation from this list, and
-//! this list does not take its figures from a test.
+//! Each machine has a file. The published numbers are here and in the tests on purpose. A test does not take its expectation from
+//! this list, and this list does not take its figures from a test.
 
 mod cam;
 mod crank_rocker;

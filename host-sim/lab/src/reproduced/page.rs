@@ -66,12 +66,12 @@ fn list(values: &[f64], text: fn(f64) -> String) -> String {
     all.join(", ")
 }
 
-/// As it is published.
+/// Formats a published value with its own digits.
 fn plain(value: f64) -> String {
     minus(format!("{value}"))
 }
 
-/// Seven digits, without zeros at the end.
+/// Formats a value with seven digits, without zeros at the end.
 fn seven(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -93,7 +93,7 @@ fn minus(text: String) -> String {
 
 fn difference(figure: &Figure) -> String {
     match figure.difference() {
-        // Less than this is rounding, which another platform's functions may change.
+        // A smaller difference is rounding, which may differ on another platform.
         off if off < 1e-9 => "0".to_owned(),
         off => format!("{off:.1e}"),
     }

@@ -44,7 +44,7 @@ fn of_lambda(lambda: f64) -> Result<SliderCrank, ReproducedError> {
     SliderCrank::new(lambda, 1.0).map_err(ReproducedError::of)
 }
 
-/// Lowest exact and two-term acceleration for λ, of R ω², each with its angle, degrees.
+/// Returns the lowest exact and two-term acceleration for λ, relative to R ω², each with its angle, degrees.
 fn lowest(lambda: f64) -> Result<[f64; 4], ReproducedError> {
     let mechanism = of_lambda(lambda)?;
     let two_term = mechanism.extrema_two_term(1.0).lowest();

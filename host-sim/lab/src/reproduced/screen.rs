@@ -27,7 +27,7 @@ fn screen(vibrating_kg: f64, moment_kg_m: f64, speed_rpm: f64) -> Result<Design,
     .map_err(ReproducedError::of)
 }
 
-/// Largest amplitude of a run-up, mm, with the shaft's speed there, rpm, and both at its end.
+/// Returns the largest amplitude of a run-up, mm, with the shaft's speed there, rpm, and both at the end of the run-up.
 fn run_up(torque_over_rated: f64) -> Result<[f64; 4], ReproducedError> {
     const STEP_S: f64 = 1e-3;
     let screen = Screen { torque_over_rated };

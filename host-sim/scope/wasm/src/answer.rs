@@ -1,4 +1,4 @@
-//! Answer to the page: what is wrong with a text, or what its scene comes to.
+//! Answer to the page: the mistakes of a text, or the results of its scene.
 
 use std::f64::consts::TAU;
 
@@ -17,10 +17,10 @@ pub struct Answer {
     pub scene: Option<Scene>,
 }
 
-/// Something wrong with the text.
+/// Mistake in the text.
 #[derive(Debug, PartialEq, Serialize)]
 pub struct Mistake {
-    /// Line, counted from 1; none if it is on no line in particular.
+    /// Line, counted from 1; `None` if the mistake belongs to no single line.
     pub line: Option<usize>,
     /// Sentence of `cophase run`: key, problem and fix, without the file's name and line.
     pub text: String,
@@ -50,7 +50,7 @@ pub struct Ended {
     pub state: &'static str,
     /// Fault that latched, if one did.
     pub fault: Option<&'static str>,
-    /// The run goes on, and was previewed up to here only.
+    /// True if the run continues, and was previewed only up to here.
     pub is_cut_off: bool,
 }
 
@@ -88,7 +88,7 @@ impl Answer {
 }
 
 impl Mistake {
-    /// The page marks the line, so that it is not repeated in the text.
+    /// Converts an error. The text does not repeat the line, because the page marks it.
     fn of(error: SceneError) -> Self {
         let line = error.line;
         let unplaced = SceneError {

@@ -2,7 +2,7 @@
 //!
 //! The page writes UTF-8 text into the room that [`room`] returns, and calls [`preview`]. The results remain until the next call:
 //! [`answer`] is JSON (UTF-8), [`envelope`] is rows of 64-bit floats. A row is one bucket: its first and last time (s), then smallest
-//! and largest value of each channel. All pointers come with a length from a second function, as a function returns one number.
+//! and largest value of each channel. Each pointer has its length in a second function, because a function returns one number.
 
 #![expect(
     unsafe_code,
@@ -17,7 +17,7 @@ use crate::{CHANNELS, compute};
 
 #[link(wasm_import_module = "page")]
 unsafe extern "C" {
-    /// Called now and then while a preview grows: rows so far, their number, and the ticks done and expected.
+    /// Receives the state of a growing preview at intervals: rows so far, their number, and the ticks done and expected.
     safe fn progress(rows: *const f64, count: usize, ticks: f64, expected_ticks: f64);
 }
 
@@ -27,7 +27,7 @@ thread_local! {
     static ROWS: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Room for a text of so many bytes.
+/// Returns room for a text with a number of bytes.
 #[unsafe(no_mangle)]
 extern "C" fn room(length: usize) -> *mut u8 {
     TEXT.with_borrow_mut(|text| {
@@ -41,7 +41,7 @@ extern "C" fn room(length: usize) -> *mut u8 {
 #[unsafe(no_mangle)]
 extern "C" fn preview(most_buckets: usize, most_ticks: f64) {
     let text = TEXT.take();
-    // A page's text has no lone surrogates once it is encoded.
+    // The encoded text of a page has no lone surrogates.
     let text = String::from_utf8_lossy(&text);
     let (answer, envelope) = compute(
         &text,
@@ -58,25 +58,25 @@ extern "C" fn preview(most_buckets: usize, most_ticks: f64) {
     ROWS.set(rows(&envelope));
 }
 
-/// Answer of the last preview.
+/// Returns the answer of the last preview.
 #[unsafe(no_mangle)]
 extern "C" fn answer() -> *const u8 {
     ANSWER.with_borrow(|answer| answer.as_ptr())
 }
 
-/// Length of the answer, bytes.
+/// Returns the length of the answer, bytes.
 #[unsafe(no_mangle)]
 extern "C" fn answer_length() -> usize {
     ANSWER.with_borrow(Vec::len)
 }
 
-/// Rows of the last preview.
+/// Returns the rows of the last preview.
 #[unsafe(no_mangle)]
 extern "C" fn envelope() -> *const f64 {
     ROWS.with_borrow(|rows| rows.as_ptr())
 }
 
-/// Number of the rows.
+/// Returns the number of the rows.
 #[unsafe(no_mangle)]
 extern "C" fn envelope_rows() -> usize {
     ROWS.with_borrow(Vec::len) / ROW

@@ -1,7 +1,7 @@
 //! Preview of a scene's program: the commands of its controller, computed while the scene is typed.
 //!
 //! The page of `cophase scope` calls this crate as WebAssembly. It checks the scene's text as `cophase run` does, with the same
-//! errors. Then it runs the same control loop against a machine to which nothing happens, and folds every tick into an
+//! errors. Then it runs the same control loop with an undisturbed machine, and folds every tick into an
 //! [`Envelope`](host_sim::trace::Envelope).
 //!
 //! [`compute`] is the whole computation; `exports` is its interface for JavaScript. `host-sim/scope/build` compiles it.

@@ -14,9 +14,9 @@ use host_sim::units::{mps2, speed_hz, turns};
 
 use crate::answer::{Answer, Ended, Scene};
 
-/// Values of a tick, in the order of the envelope's channels: amax requested and commanded (m/s²), speed (rad/s), acceleration of the
-/// shaft (rad/s²), then 1 or 0: the speed lags behind the program as the acceleration is limited, it is held at the edge of a
-/// forbidden band, it crosses such a band; last the number of the supervisor's state.
+/// Number of values of a tick. In order: amax requested and commanded (m/s²), speed (rad/s), acceleration of the shaft (rad/s²). Three
+/// flags, 1 or 0: the speed lags behind the program because of the acceleration limit, it is held at the edge of a forbidden band, it
+/// crosses such a band. Last, the number of the supervisor's state.
 pub const CHANNELS: usize = 8;
 
 /// Ticks between two reports of the envelope.
@@ -24,10 +24,10 @@ const REPORT_TICKS: u64 = 1 << 16;
 
 /// Checks a scene's text and previews it. The envelope has at most `most_buckets` buckets, and the run at most `most_ticks` ticks.
 ///
-/// `report` receives the preview now and then while it grows, and the expected number of ticks.
+/// `report` receives the growing preview at intervals, and the expected number of ticks.
 ///
-/// A machine to which nothing happens has no faults, noise or late deadlines. Its model level is the lowest that it has, as
-/// model levels differ in what the machine does, and not in what is commanded.
+/// The previewed machine has no faults, noise or late deadlines. Its model level is the lowest that it has, because
+/// model levels change the motion of the machine, and not the commands.
 pub fn compute(
     text: &str,
     most_buckets: usize,
@@ -46,7 +46,7 @@ pub fn compute(
     })
 }
 
-/// The same scene with nothing that disturbs its machine, on the lowest model level that it has.
+/// Returns the same scene without disturbances of its machine, on the lowest model level that it has.
 fn undisturbed(mut checked: Checked) -> Result<Checked, SceneError> {
     checked.scene.fault.clear();
     checked.scene.late.clear();
@@ -97,13 +97,13 @@ impl Preview {
         }
     }
 
-    /// Amax at a speed in rev/s, m/s².
+    /// Returns amax at a speed in rev/s, m/s².
     pub(crate) fn amax_at(&self, speed_hz: f64) -> f64 {
         let speed = Turns::saturating_from_num(speed_hz / f64::from(self.tick_hz));
         mps2(self.mechanism.amax(speed))
     }
 
-    /// The envelope so far.
+    /// Returns the envelope so far.
     pub const fn envelope(&self) -> &Envelope {
         &self.envelope
     }

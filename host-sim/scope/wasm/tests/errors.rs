@@ -1,4 +1,4 @@
-//! Mistakes of a preview are those that `cophase run` prints for the same text, line for line.
+//! Tests that the mistakes of a preview equal those that `cophase run` prints for the same text, line for line.
 
 mod support;
 
@@ -9,7 +9,7 @@ use cophase::{Command, Status};
 use cophase_random_scenes::{Kinds, draw};
 use host_sim::scene::library;
 
-/// Changes of the built-in scene `default`, each a wrong text: what is replaced, and by what.
+/// Changes of the built-in scene `default`, each of which makes a wrong text: the replaced text, and the new one.
 const WRONG: [(&str, &str); 12] = [
     ("amax_g = 70", "amax_g = 700"),
     ("amax_g = 70", "amax_g = \"70\""),
@@ -28,7 +28,7 @@ const WRONG: [(&str, &str); 12] = [
     ("[[program]]              # mix", "[[program]"),
 ];
 
-/// Texts that are wrong, each in its own way.
+/// Returns wrong texts, each with its own mistake.
 fn texts() -> Vec<String> {
     let default = library::find("default").expect("a built-in scene").text;
     let changed = WRONG.iter().map(|&(from, to)| {
@@ -44,7 +44,7 @@ fn texts() -> Vec<String> {
     changed.chain(others).collect()
 }
 
-/// Error text of `cophase run` with a scene file; the file's name is `scene.toml`.
+/// Returns the error text of `cophase run` with a scene file of the name `scene.toml`.
 fn of_the_command(text: &str) -> String {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = folder.path().join("scene.toml");
@@ -99,7 +99,7 @@ fn mistakes_are_those_of_the_command() {
     }
 }
 
-/// A page has no folder, so a curve from a file is refused by what to give instead.
+/// A curve from a file is refused, because a page has no folder. The message names the keys to give instead.
 #[test]
 fn tables_in_files_are_refused() {
     let mut drawn = (0..).map(|seed| draw(seed, Kinds::ALL));

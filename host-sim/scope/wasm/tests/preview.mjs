@@ -1,4 +1,4 @@
-// Previews every scene of a folder by the WebAssembly module, every tick in a row of its own.
+// Previews every scene of a folder with the WebAssembly module. Every tick has its own row.
 //
 //     node preview.mjs PROGRAM.wasm FOLDER
 //

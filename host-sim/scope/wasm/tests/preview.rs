@@ -1,4 +1,4 @@
-//! Bounds of a preview, and what it leaves out.
+//! Tests of the bounds of a preview, and of the disturbances that it leaves out.
 
 use cophase_scope_wasm::{Answer, compute};
 use host_sim::scene::library;
@@ -6,7 +6,7 @@ use host_sim::trace::Envelope;
 
 const TICK_HZ: f64 = 2000.0;
 
-/// Text of the built-in scene `default`, with one place replaced.
+/// Returns the text of the built-in scene `default`, with one part replaced.
 fn default_with(from: &str, to: &str) -> String {
     let text = library::find("default").expect("a built-in scene").text;
     assert!(text.contains(from), "{from}");
@@ -17,7 +17,7 @@ fn whole(text: &str) -> (Answer, Envelope) {
     compute(text, 1500, u64::MAX, |_, _| {})
 }
 
-/// A page that computed a program of months would never show it.
+/// If this fails, a page computes a program of months and never shows it.
 #[test]
 fn a_long_program_is_reported_while_it_grows_and_cut_off() {
     const MOST_TICKS: u64 = 200_000;
@@ -49,7 +49,7 @@ fn a_long_program_is_reported_while_it_grows_and_cut_off() {
     );
 }
 
-/// The scene's own faults would stop the machine; the preview is that of a machine to which nothing happens.
+/// If this fails, the scene's own faults stop the machine of the preview, which must be undisturbed.
 #[test]
 fn faults_are_left_out() {
     let undisturbed = library::find("default").expect("a built-in scene").text;
@@ -64,7 +64,7 @@ fn faults_are_left_out() {
     assert!(envelope.rows().eq(expected.rows()));
 }
 
-/// The limits that the page draws, against the scene's own numbers: amax at the greatest speed is 4 π² r f² (1 + λ).
+/// The limits that the page draws equal the scene's own numbers: amax at the greatest speed is 4 π² r f² (1 + λ).
 #[test]
 fn limits_are_those_of_the_scene() {
     let (answer, _) = whole(library::find("default").expect("a built-in scene").text);

@@ -1,8 +1,9 @@
-//! Ticks of a preview equal those of native runs, bit for bit.
+//! Tests that ticks of a preview equal those of native runs, bit for bit.
 //!
-//! On the same model level every tick is equal. On the scene's own model level, which `cophase run` takes, homing and parking last a
-//! little longer or shorter, as cranks that torque moves are not quite where commanded. The program begins from whatever speed homing
-//! has reached. Once the shaft has caught up, its ticks are equal, up to the first fault that the run latches by itself. Faults, noise and late deadlines of scenes are left out on both sides.
+//! On the same model level, every tick is equal. On the scene's own model level, which `cophase run` takes, homing and parking last a
+//! little longer or shorter, because cranks that torque moves have small phase errors. The program begins at the speed that homing has
+//! reached. Once the shaft has caught up, its ticks are equal, up to the first fault that the run latches by itself. Faults, noise and
+//! late deadlines of scenes are left out on both sides.
 
 mod support;
 
@@ -20,7 +21,7 @@ use host_sim::sim::{Moment, Observer, simulate};
 /// The channel of the state.
 const STATE_CHANNEL: usize = cophase_scope_wasm::CHANNELS - 1;
 
-/// Time within which the shaft catches up with a program, s: the scene `screen` ramps up as fast as its limits allow.
+/// Time in which the shaft catches up with a program, s. The scene `screen` ramps up as fast as its limits allow.
 const CATCHES_UP_S: f64 = 2.0;
 
 /// Seeds of random scenes.
@@ -61,7 +62,7 @@ fn run(checked: &Checked) -> Ticks {
     ticks
 }
 
-/// A scene to whose machine nothing happens.
+/// Returns a scene with an undisturbed machine.
 fn quiet(text: &str) -> Checked {
     let mut scene = load::parse(text).expect("the scene is well-formed");
     scene.fault.clear();
@@ -70,13 +71,13 @@ fn quiet(text: &str) -> Checked {
     Checked::new(scene).expect("the scene is accepted")
 }
 
-/// The same on the lowest model level that it has.
+/// Returns the same scene on the lowest model level that it has.
 fn lowest(checked: &Checked) -> Checked {
     let level = fidelity::available(checked)[0];
     checked.on(level).expect("an available model level")
 }
 
-/// Ticks of a preview.
+/// Returns the ticks of a preview.
 fn ticks_of(name: &str, previewed: &support::Previewed) -> Vec<[f64; 4]> {
     assert_eq!(
         previewed.answer["mistakes"],
@@ -111,7 +112,7 @@ fn assert_equal(name: &str, there: &[[f64; 4]], here: &[[f64; 4]]) {
     assert_eq!(there.len(), here.len(), "{name}: ticks");
 }
 
-/// The ticks in which the program is played.
+/// Returns the ticks in which the program is played.
 fn program(ticks: &[[f64; 4]]) -> Vec<[f64; 4]> {
     let run = f64::from(State::Run as u8);
     ticks

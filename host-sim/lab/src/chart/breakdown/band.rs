@@ -1,7 +1,7 @@
 //! Slow crossing of a band: a frame on soft springs, and a shaft that must pass its resonance.
 //!
-//! Failure: the slower the crossing, the more the resonance builds up; it is complete if the shaft dwells there. Guard: a forbidden
-//! band. A program that requests a speed inside gets the nearer edge, and the limits determine the time inside.
+//! Failure: the slower the crossing, the more the resonance builds up. It builds up completely if the shaft dwells there. Guard: a
+//! forbidden band. A program that requests a speed inside gets the nearer edge, and the limits determine the time inside.
 
 use super::panel::{Curve, Shown, failing};
 use super::runs::run;

@@ -3,7 +3,7 @@
 //!
 //! Failure: with 1.05 of its rated torque, the motor of the vibrating screen stays near the natural speed of 195 rpm, at five times the
 //! working amplitude. Guards: the scene's forbidden band follows from its resonance. A scene whose motors have less torque than the
-//! resonance requires is refused. The controller stops shafts that lag together, and names the capture.
+//! resonance requires is refused. The controller stops shafts that lag together, and reports the capture.
 
 use std::f64::consts::TAU;
 

@@ -74,7 +74,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     })
 }
 
-/// A panel as a picture of its own, with a legend that is valid in this panel only.
+/// Makes a separate picture of a panel, with a legend that is valid in this panel only.
 fn picture(shown: Shown) -> DrawnPicture {
     let panel = Panel {
         title: String::new(),

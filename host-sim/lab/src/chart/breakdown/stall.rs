@@ -37,7 +37,7 @@ pub fn scene(rock_kn: f64) -> Option<String> {
     Some(text.replacen("rock_kn = 1310", &format!("rock_kn = {rock_kn}"), 1))
 }
 
-/// Runs it.
+/// Runs the scene with rock of a peak force.
 ///
 /// # Errors
 /// The scene is refused.

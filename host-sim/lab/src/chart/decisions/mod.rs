@@ -5,11 +5,11 @@
 //! lifts off its cam ([`lift_off`]).
 //!
 //! The search for the threshold of a method with a step begins at the reference's threshold. The distance is 1e-10 of it at first, and
-//! ten times as large each time, until the outcome changes. Bisection follows between the last two. So the error is known to a
+//! ten times as large each time, until the outcome changes. Bisection follows between the last two. This gives the error to a
 //! thousandth of itself. There is no threshold if the outcome is the same between half and twice the reference, or if the method
 //! diverges or does not converge.
 //!
-//! Reference thresholds come from a library's solvers, see the tests, which compute them again.
+//! A library's solvers gave the reference thresholds. The tests compute them again.
 
 mod decision;
 mod lift_off;

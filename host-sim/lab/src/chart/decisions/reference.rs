@@ -99,8 +99,8 @@ fn is_out(machine: &PullsOut, drive: f64, library: Library) -> bool {
     led.is_out(pull_out::END_S, &state)
 }
 
-/// The last turn is solved in steps of at most a 4096th of it, and sampled 16 times in each: between those a parabola
-/// is off by less than 1e-12 of what the fastest mode that takes part, 5610 rad/s, contributes.
+/// Returns the least contact force in the last turn. Steps are at most a 4096th of the turn, with 16 samples in each. Between
+/// samples, the error of a parabola is less than 1e-12 of the contribution of the fastest mode that takes part, 5610 rad/s.
 fn least_contact_n(drive: f64, library: Library) -> f64 {
     const SAMPLES: u32 = 65_536;
     let chain = lift_off::chain(drive);
@@ -180,7 +180,7 @@ fn assert_reference(decision: &dyn Decision, found: [f64; 2]) {
     );
 }
 
-/// If this fails, the chart gives errors against a wrong threshold. (Each was found between far wider bounds.)
+/// If this fails, the chart gives errors against a wrong threshold. (Each threshold was found between far wider bounds.)
 #[test]
 fn thresholds_are_the_librarys() {
     let near = |at: f64| (at * (1.0 - 1e-5), at * (1.0 + 1e-5));
@@ -218,8 +218,8 @@ fn rk4_comes_to_the_reference() {
     }
 }
 
-/// If this fails, the screen is not the published one. That runs up to 5.00 mm at 837 turns per minute, is captured near 187 with 28 mm
-/// at 1.05 of the rated torque, and runs up at 1.1, to 2 %.
+/// If this fails, the screen is not the published one. The published screen runs up to 5.00 mm at 837 turns per minute. At 1.05 of the
+/// rated torque, it is captured near 187 with 28 mm. At 1.1, it runs up. All numbers agree to 2 %.
 #[test]
 fn the_screen_does_what_is_published_of_it() {
     let end = |torque_over_rated: f64| {

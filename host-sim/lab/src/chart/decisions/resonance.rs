@@ -1,7 +1,7 @@
 //! Least torque with which a screen passes its resonance.
 //!
-//! From rest, it either passes 40 rad/s, twice the resonance, within 10.24 s, or is captured. Near the threshold, the outcome takes
-//! longer the nearer it is. So the time is part of the definition.
+//! From rest, it either passes 40 rad/s, twice the resonance, within 10.24 s, or is captured. The closer the torque is to the
+//! threshold, the longer the outcome takes. So the time is part of the definition.
 
 use cophase_methods::Scheme;
 use cophase_methods::problems::Screen;

@@ -77,7 +77,7 @@ fn call(name: &str, format: &str) -> Option<Call> {
             let (y, x) = vector(bits);
             idsp::atan2(y, x) as u64
         },
-        // cordic's overflows on steep vectors, and panics where overflow is looked for.
+        // The function of cordic overflows on steep vectors, and panics in builds that check for overflow.
         ("micromath `atan2`", _) => |bits| {
             let (y, x) = vector_f32(bits);
             u64::from(micromath::F32(y).atan2(micromath::F32(x)).0.to_bits())
@@ -101,7 +101,7 @@ pub fn sines_a_call(name: &str, format: &str, yardstick: Yardstick) -> Option<f6
         let began = Instant::now();
         let (mut bits, mut sum) = (1_u64, 0_u64);
         for _ in 0..CALLS {
-            // Any bits do (the multiplier is Knuth's of MMIX).
+            // Any bits are suitable. The multiplier is that of Knuth's MMIX.
             bits = bits
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1_442_695_040_888_963_407);

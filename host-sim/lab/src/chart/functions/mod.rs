@@ -81,7 +81,7 @@ impl Candidate {
 
     /// Returns the name of its point; the crate is in the legend.
     fn point(&self) -> String {
-        // Some crates share a colour, so their names are in full.
+        // Some crates share a colour, so their points have full names.
         let is_shared = self.offered_by().1 == Ink::Sky;
         let (_, called) = match self.name.split_once('`') {
             Some(named) if !is_shared => named,

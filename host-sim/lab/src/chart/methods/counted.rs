@@ -52,7 +52,7 @@ impl Equations for Counted<'_> {
         differences: &mut Differences,
         jacobian: &mut DMatrix<f64>,
     ) {
-        // The cost by differences, and about that by a formula: one evaluation for each column, and one to differ from.
+        // Cost by differences: one evaluation for each column, and one as the reference. A formula costs about the same.
         self.count(self.dimension() as u64 + 1);
         self.equations.jacobian(t_s, y, differences, jacobian);
     }
@@ -66,7 +66,7 @@ impl Linear for Counted<'_> {
     fn matrix(&self) -> DMatrix<f64> {
         match self.equations.linear() {
             Some(linear) => linear.matrix(),
-            None => DMatrix::zeros(0, 0), // not called: `linear` says that there is none
+            None => DMatrix::zeros(0, 0), // not called, because `linear` returns `None`
         }
     }
 

@@ -47,7 +47,7 @@ impl Curve {
         let (fewest, doublings) = problem.steps;
         let mut runs: Vec<Run> = Vec::new();
         for doubling in 0..=doublings {
-            // One error below the range may be a curve that crosses zero; two are its end.
+            // One error below the range may be a zero crossing of the curve. Two errors below the range are its end.
             let unresolved = |run: &Run| run.error < problem.shown().0;
             let is_over = runs.len() >= 2 && runs[runs.len() - 2..].iter().all(unresolved);
             if runs.len() >= FEWEST && is_over || size == Size::Small && runs.len() >= SMALL {

@@ -20,9 +20,9 @@ use super::{ChartError, Drawn, Progress, Size};
 use measure::Curve;
 use problems::Problem;
 
-/// Smallest error that is shown, relative to the wanted error.
+/// Smallest error that is shown, relative to the required error.
 const LEAST: f64 = 1e-5;
-/// Largest error that is shown, relative to the wanted error.
+/// Largest error that is shown, relative to the required error.
 const MOST: f64 = 1e4;
 /// Ratio of the smallest error shown to the difference of two references, at least.
 const UNCERTAINTY_MARGIN: f64 = 10.0;
@@ -126,7 +126,7 @@ fn panel(problem: &Problem, curves: &[Curve]) -> Panel {
     }
 }
 
-/// Cheapest method for the wanted error of each problem.
+/// Cheapest method for the required error of each problem.
 #[derive(Default)]
 struct Cheapest {
     /// Cheapest methods, each with its problems.

@@ -116,7 +116,7 @@ fn led(freedom: Freedom) -> Result<Driven, ChartError> {
     Ok(driven)
 }
 
-/// Returns the method of a scene that leaves it open.
+/// Returns the default method of a scene.
 ///
 /// # Errors
 /// The machine is refused.
@@ -166,7 +166,7 @@ fn phased() -> Result<Problem, ChartError> {
     })
 }
 
-/// Nine tenths of the rise: the cam's law has no corner there.
+/// Returns the problem of the chain over nine tenths of the rise, where the cam's law has no corner.
 fn chain() -> Problem {
     Problem {
         name: "elastic chain behind a cam, linear",
@@ -189,7 +189,7 @@ fn chain() -> Problem {
     }
 }
 
-/// The first second of the run-up.
+/// Returns the problem of the screen over the first second of its run-up.
 fn screen() -> Problem {
     Problem {
         name: "screen on springs, run-up",
@@ -211,7 +211,7 @@ fn screen() -> Problem {
     }
 }
 
-/// A free swing on the balancer.
+/// Returns the problem of the arm: a free swing on the balancer.
 fn arm() -> Problem {
     let mut arm = FiveBarArm::assumed(five_bar::GRAVITY_MPS2);
     arm.load = five_bar::Load::Balancer(9.81);
@@ -229,7 +229,7 @@ fn arm() -> Problem {
     }
 }
 
-/// Through the middle of the closing stroke: the rock's force has no corner there.
+/// Returns the problem of the crusher through the middle of its closing stroke, where the rock's force has no corner.
 fn crusher() -> Problem {
     let crusher = Crusher::SOURCE.with_rock(crusher::Shape::LinearRise, 1.5e6);
     let [from, _] = crusher.linkage.closing_stroke_rad();
@@ -268,7 +268,7 @@ fn oscillator() -> Problem {
     }
 }
 
-/// Published angles differ by 1.43e-9 from what two libraries agree on.
+/// Returns Andrews' problem. Its published angles differ by 1.43e-9 from the result on which two libraries agree.
 fn andrews() -> Problem {
     let mut start = Andrews::START.to_vec();
     start.resize(2 * Andrews::START.len(), 0.0);

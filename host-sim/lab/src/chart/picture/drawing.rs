@@ -21,7 +21,7 @@ const CELL: (f64, f64) = (500.0, 410.0);
 const MARGINS: (f64, f64) = (74.0, 20.0);
 const FONT: &str = "sans-serif";
 const SAYS_SIZE: u32 = 15;
-/// Approximate width of a letter, relative to its size; the viewer's font is not known here.
+/// Approximate width of a letter, relative to its size. The viewer's font is unknown.
 const LETTER: f64 = 0.53;
 
 /// Returns the picture as SVG text.
@@ -94,13 +94,13 @@ fn lay_out(panel: Panel) -> (Vec<Plot>, Layout) {
     }
     plots.extend(names(&lines, &x, &y));
     if plots.is_empty() {
-        // kuva draws no axes around nothing.
+        // kuva draws no axes for an empty panel.
         plots.push(Plot::Line(LinePlot::new()));
     }
     let mut layout = Layout::new(x.range(), y.range())
         .with_title(title)
         .with_title_size(15)
-        // kuva would leave room for the lifted numbers of a logarithmic axis.
+        // Otherwise kuva leaves room for the lifted numbers of a logarithmic axis.
         .with_force_margins(MARGINS.0, MARGINS.1)
         .with_font_family(FONT);
     layout = x.lay_out_x(layout);
@@ -116,9 +116,9 @@ fn lay_out(panel: Panel) -> (Vec<Plot>, Layout) {
     (plots, layout)
 }
 
-/// Marks and names under, the line above them.
+/// Returns the marks of a line, and the line above them.
 fn draw(line: &Line, x: &Axis, y: &Axis) -> Vec<Plot> {
-    // Off the axes a line goes on to the edge; kuva clips it there.
+    // A line beyond the axes continues to the edge, where kuva clips it.
     let drawn = |&&(at, value): &&(f64, f64)| x.can_show(at) && y.can_show(value);
     let place = |&(at, value): &(f64, f64)| (x.place(at), y.place(value));
     let mut plots = Vec::new();
@@ -161,8 +161,8 @@ fn names(lines: &[Line], x: &Axis, y: &Axis) -> Option<Plot> {
     (!names.is_empty()).then_some(Plot::Scatter(plot))
 }
 
-/// kuva numbers clip paths across the whole process; numbered from the picture's beginning, the same data give the same
-/// bytes.
+/// Numbers the clip paths from the beginning of the picture, so that the same data give the same bytes. kuva numbers them
+/// across the whole process.
 fn number_clips(scene: &mut Scene) {
     let mut clips = 0;
     for element in &mut scene.elements {
@@ -178,7 +178,7 @@ fn number_clips(scene: &mut Scene) {
     }
 }
 
-/// Writes the message under the picture, in as many lines as it takes.
+/// Writes the message under the picture, in as many lines as it needs.
 fn say(scene: &mut Scene, says: &str) {
     let margin = 24.0;
     let size = f64::from(SAYS_SIZE);

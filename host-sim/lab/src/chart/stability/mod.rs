@@ -27,9 +27,10 @@ const TRIM: &str = "trim of an axis";
 /// Returns the limit of theory in closed form, if there is a formula, for an oscillation with damping ratio ζ; the inner `None`
 /// means no limit.
 ///
-/// Explicit Euler's eigenvalues 1 − ζhω ± i hω √(1 − ζ²) have magnitude 1 at hω = 2ζ. One of symplectic Euler's comes to
-/// −1 where (hω)² + 4ζhω = 4, velocity Verlet's at 2 / (ζ + √(1 − 3ζ²)) as long as ζ < ½, and RK4's have magnitude 1 at 2√2
-/// without damping.
+/// - Explicit Euler: the eigenvalues 1 − ζhω ± i hω √(1 − ζ²) have magnitude 1 at hω = 2ζ.
+/// - Symplectic Euler: one eigenvalue reaches −1 where (hω)² + 4ζhω = 4.
+/// - Velocity Verlet: one eigenvalue reaches −1 at hω = 2 / (ζ + √(1 − 3ζ²)) as long as ζ < ½.
+/// - RK4: the eigenvalues have magnitude 1 at hω = 2√2 without damping.
 fn theory(scheme: Scheme, zeta: f64) -> Option<Option<f64>> {
     match scheme {
         Scheme::ExplicitEuler => Some(Some(2.0 * zeta)),

@@ -61,7 +61,7 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
         encoder: false,
         cycle_steps: 0,
         trim_limit_turns: LIMIT_TURNS,
-        trim_rate_hz: 10.0, // four limits' way in a turn
+        trim_rate_hz: 10.0, // four times the limit in a turn
         rotor_inertia_kgm2: 0.0,
     };
     settings.axes = std::iter::once(axis).collect();

@@ -1,8 +1,8 @@
 //! Benefit of a faster control tick, and its cost on the board.
 //!
-//! Scenes are run at every rate. The measured motion is that which is *played*: the amplitude of the shaft's speed, compared with the
-//! program at the same time since the deadline of the start command. So the lag of the loop counts, too: a tick is planned at one
-//! deadline and played from the next.
+//! Scenes are run at every rate. The *played* motion is measured: the amplitude of the shaft's speed, compared with the program at
+//! the same time since the deadline of the start command. So the lag of the loop counts, too: a tick is planned at one deadline and
+//! played from the next.
 //!
 //! The cost of a rate follows from the emulated cycles of a tick (`docs/emulated.csv`).
 

@@ -14,7 +14,7 @@ use host_sim::units::speed_hz;
 pub struct ProgramLevels(Vec<f64>);
 
 impl ProgramLevels {
-    /// At this rate a smooth ramp of 2 s leaves the straight lines by less than 1e-8 of its height.
+    /// Fastest rate, Hz. At this rate, a smooth ramp of 2 s deviates from the straight lines by less than 1e-8 of its height.
     pub const TICK_HZ: u32 = 10_000;
 
     /// Computes the levels of a scene with ticks at [`Self::TICK_HZ`].

@@ -1,4 +1,4 @@
-//! Previews by the WebAssembly module that the page has, run by Node.
+//! Previews by the WebAssembly module of the page, which Node runs.
 
 use std::fs;
 use std::path::Path;
@@ -11,11 +11,11 @@ const ROW: usize = 2 + 2 * cophase_scope_wasm::CHANNELS;
 pub struct Previewed {
     /// The answer.
     pub answer: serde_json::Value,
-    /// One row a tick.
+    /// One row per tick.
     pub rows: Vec<[f64; ROW]>,
 }
 
-/// Previews scenes, each a text; none if Node is not installed and not required.
+/// Previews the texts of scenes. Returns `None` if Node is not installed and not required.
 pub fn preview(texts: &[&str]) -> Option<Vec<Previewed>> {
     if !has_node() {
         return None;
