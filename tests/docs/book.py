@@ -43,7 +43,8 @@ def main():
         page = chapter.get('source_path')
         if page == 'contributing.md':
             text = (ROOT / 'CONTRIBUTING.md').read_text(encoding='utf-8')
-            # Seen from docs/, what is in docs/ is beside, and the rest above.
+            # Links are relative to docs/: files in docs/ are beside the page, and all others are
+            # one folder above.
             chapter['content'] = re.sub(r'\]\((?![a-z][a-z0-9+.-]*:|#)(?:docs/)?', lambda m: '](' if 'docs/' in m[0] else '](../', text)
         if page:
             chapter['content'] = outward(chapter['content'], page)

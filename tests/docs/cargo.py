@@ -95,7 +95,7 @@ def check_test(words, kind):
             roots += [folder / test['path'] for folder, manifest in chosen.values() for test in manifest.get('test', []) if 'path' in test]
     files = {path for root in roots for path in sources(root)}
     for name in filters:
-        # A filter is part of module::function; files are modules.
+        # A filter is part of module::function. Files are modules.
         function = name.rsplit('::', 1)[-1]
         named = re.compile(rf'\b(?:fn|mod) \w*{re.escape(function)}|^ +\w*{re.escape(function)}\w*[,;:]', re.M)  # or in a macro's list
         if not any(function in path.stem or function in path.parts or named.search(path.read_text()) for path in files):

@@ -41,7 +41,7 @@ class Quoted:
         self.written = text
         self.text = re.sub(r'^cargo sim(?= |$)', 'cophase', text)
         self.output = output
-        self.nth = 1  # how many times the page has had it so far
+        self.nth = 1  # how many times the page has had this command so far
 
 
 def quoted(page):

@@ -23,7 +23,7 @@ def check(pages):
             if name.startswith('..') or not (name in by_name or (ROOT / name).exists()):
                 problems.append(f'{where}: the link {target} leads to no file; correct its path')
             elif anchor and name.endswith('.md'):
-                # A page outside the list is one that a self-test made up.
+                # A page outside the list comes from a self-test.
                 if anchor not in (by_name.get(name) or Page(name)).anchors():
                     problems.append(f'{where}: {name} has no heading for #{anchor}; correct the anchor')
     return problems, external
@@ -58,7 +58,7 @@ def check_book(folder):
     files = {path: _Html(path.read_text(encoding='utf-8')) for path in sorted(folder.rglob('*.html'))}
     problems = []
     for path, page in files.items():
-        if path.name in ('print.html', '404.html', 'toc.html'):  # made of the others; anchors there are joined
+        if path.name in ('print.html', '404.html', 'toc.html'):  # made from the other pages; anchors there are joined
             continue
         for target in page.targets:
             if re.match(r'[a-z][a-z0-9+.-]*:', target):

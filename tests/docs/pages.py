@@ -41,7 +41,7 @@ class Page:
                 at += len(line)
             fenced.append((found.start(), found.end(), found['language'].strip(), lines))
         yield from fenced
-        # Indented code begins behind an empty line; inside a list it is indented by four more than the item's text.
+        # Indented code begins after an empty line. Inside a list it is indented by four more than the item's text.
         at, depth, before, block = 0, 0, '', None
         for line in self.text.splitlines(keepends=True):
             inside = any(start <= at < end for start, end, *_ in fenced)

@@ -63,7 +63,7 @@ def check_refusals(text):
 def check_sayings(text):
     """What the tables quote as said is said somewhere in the sources."""
     sources = '\n'.join((pages.ROOT / name).read_text() for name in pages.tracked('host-sim/*.rs', 'firmware/*.rs'))
-    sources = re.sub(r'\\\n\s*', '', sources)  # a string goes on behind a backslash
+    sources = re.sub(r'\\\n\s*', '', sources)  # a string continues after a backslash
     problems, says = [], False
     for line in text.splitlines():
         says = line.startswith('| it says') or says and line.startswith('|')

@@ -1,4 +1,4 @@
-// The bench: runs scenarios on the firmware, prints what they found, and fails if anything does not hold.
+// The bench: runs scenarios on the firmware, prints their results, and fails if a check fails.
 
 import fs from 'node:fs';
 import path from 'node:path';

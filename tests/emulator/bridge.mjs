@@ -13,7 +13,7 @@ import { Server } from './bench/serve.mjs';
 
 /** The scene whose settings are built into the firmware. */
 const BUILT_IN_SCENE = 'default';
-/** Time of the board for its firmware to attach to USB, and for the host to configure it. */
+/** Time on the board's clock in which its firmware attaches to USB, and the host configures it. */
 const MOST_S = 5;
 
 const HELP = `usage: node bridge.mjs [--elf FILE] [--transport usb|uart] [--uart 0|1] [--baud RATE] [--port PORT] [--scene SCENE] [--fast]

@@ -28,11 +28,11 @@ MACHINE = HERE / "machine.json"
 CASES = [(3, "rigid"), (4, "elastic")]
 LEVELS_RAD = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6]
 
-# MuJoCo: integrator, and the time constant of rigid rods in steps. Each as short as it stays stable, or a little above.
+# MuJoCo: integrator, and the time constant of rigid rods in steps. Each is the shortest stable one, or a little above.
 PEERS = [("Euler", 1.3), ("implicitfast", 1.3), ("discrete", 1e-3), ("RK4", 0.5), ("RK4", 0.6), ("RK4", 0.8), ("RK4", 1.0)]
 
 OURS = ["symplectic Euler", "velocity Verlet", "RK4", "implicit midpoint", "SDIRK4"]
-# Steps a tick; below one, drives are commanded as much less often, on both sides.
+# Steps a tick. Below one, drives are commanded less often by that factor, on both sides.
 STEPS = [1 / 4, 1 / 2, 1, 2, 4, 8, 16]
 
 
@@ -115,14 +115,14 @@ def reference(machine, axes, rods, keep):
 
 def play(machine, axes, rods, truth, rounds):
     runs = [Run("cophase", method, steps) for method in OURS for steps in STEPS]
-    # Springs have no constraints to set: each integrator once.
+    # Springs have no constraints to set, so each integrator runs once.
     peers = PEERS if rods == "rigid" else dict(PEERS).items()
     runs += [Run("MuJoCo", name, steps, stiffness if rods == "rigid" else 0.0) for name, stiffness in peers for steps in STEPS]
     peer = Peer(machine, axes, rods, Platform(machine, axes, rods).start())
     for _ in range(rounds):
         for run in runs:
             if run.side == "cophase":
-                # Long enough that the process's start does not count for much.
+                # Enough repeats to make the start of the process a small part of the time.
                 repeats = max(1, int(0.15 / run.seconds)) if np.isfinite(run.seconds) else 5
                 judge(run, cophase(machine, axes, run, repeats), truth, axes)
             else:
@@ -183,7 +183,7 @@ def picture(results):
 
     matplotlib.rcParams.update({"svg.hashsalt": "cophase", "font.size": 10, "svg.fonttype": "none"})
     figure, panels = plt.subplots(1, len(results), figsize=(11, 4.6), sharey=True)
-    # Of the time constants of RK4 one is drawn, to keep the picture clear.
+    # Only one of the time constants of RK4 is drawn, to keep the picture clear.
     marks = dict(zip(["symplectic Euler", "velocity Verlet", "RK4", "implicit midpoint", "SDIRK4", "Euler",
                       "implicitfast", "discrete"], "v^so*v>D"))
     for panel, ((axes, rods), runs) in zip(panels, results.items()):

@@ -69,7 +69,7 @@ def mjcf(machine, axes, rods, integrator, step_s, stiffness_s):
         if rods == "elastic":
             spring = f'springlength="{length}" stiffness="{machine["rod_n_per_m"]}" damping="{machine["rod_ns_per_m"]}"'
         tendons += f'<spatial name="rod{i}" {spring}><site site="pin{i}"/><site site="corner{i}"/></spatial>'
-        # Impedance as near to 1 as MuJoCo lets it be, all the way.
+        # Impedance as near to 1 as MuJoCo allows, over the whole range.
         if rods == "rigid":
             constraints += (
                 f'<tendon tendon1="rod{i}" solref="{stiffness_s} 1" solimp="0.9999 0.9999 0.001 0.5 2"/>'

@@ -126,7 +126,8 @@ class Platform:
         machine, y = self.machine, self.start()
         tick_s, rows, step_s = machine["tick_s"], [], None
         for tick in range(ticks(machine)):
-            # A tick at a time: the field's speed jumps between ticks, and no step may reach over that.
+            # One tick at a time: the field's speed jumps between ticks, and no step may extend over a
+            # jump.
             part = solve_ivp(
                 self.rates, (0.0, tick_s), y, method, rtol=tolerance, atol=tolerance,
                 args=fields(machine, tick), first_step=step_s,

@@ -42,7 +42,7 @@ PERIPHERALS = 0x4000_0000
 REGISTERS = ((0x1400_0000, 0x500_0000), (PERIPHERALS, 0x2000_0000), (SIO, 0x1000), (0xE000_0000, 0x10_0000))
 
 MOST_INSTRUCTIONS = 200_000_000
-# Reads of one register, with no other access between, after which the code is taken to poll it.
+# Reads of one register, with no other access between, after which the code counts as polling it.
 PATIENCE = 8
 
 

@@ -10,13 +10,13 @@ from machine import Difference, StateMachine
 CYCLES_PER_US = 125
 NOISE = 8 * CYCLES_PER_US
 LOSS = 10 * CYCLES_PER_US
-# Two glitches with less than this between them are one: the input is looked at once in 36 cycles.
+# Two glitches with less than this between them are one: the input is read once in 36 cycles.
 APART = 36
-# Phases: longer than any way through the program that does not wait.
+# Phases: longer than any path through the program that does not wait.
 PHASES = 80
-# When the simulated control loop clears the flag.
+# Time at which the simulated control loop clears the flag.
 CLEARED_AFTER = 60
-# After the last change of the input: longer than all that may follow from it.
+# Time after the last change of the input: longer than all of its effects.
 SETTLED = 200
 # docs/wiring.md
 DRIVE_ENABLE, ENABLE = 21, 26

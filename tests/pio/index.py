@@ -58,7 +58,7 @@ def run(machine, given, end, polls_before=0, emptied=lambda cycle: True):
         nonlocal now, coming
         while coming and coming[0] <= cycle:
             now, coming = coming[1], next(at, None)
-        # What is on other pins is not the machine's.
+        # The machine must ignore the levels of other pins.
         return now | 0xA5A5_A500
 
     player = StateMachine(machine, inputs)

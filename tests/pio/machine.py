@@ -129,7 +129,7 @@ class StateMachine:
             opcode = self.code[slot]
             if opcode >> 13 == JMP:
                 coming.append(opcode & 31)
-            if opcode & 0xE0E0:  # anything but a jump that is always taken
+            if opcode & 0xE0E0:  # any instruction but a jump that is always taken
                 coming.append(bits(EXECCTRL, 11, 7) if slot == bits(EXECCTRL, 16, 12) else slot + 1)
         return sorted(found)
 
@@ -142,7 +142,7 @@ class StateMachine:
             "MOV that reverses bits": operation == MOV and low >> 3 & 3 == 2,
             "MOV of STATUS": operation == MOV and low & 7 == 5,
             "IRQ of another kind than 'set flag 0'": operation == IRQ and low & ~0x20 != 0,
-            # pioemu writes all pins from 0 on; only pin 0 is looked at.
+            # pioemu writes all pins from 0 on; only pin 0 is checked.
             "MOV to other pins than the first IN pin": operation == MOV and low >> 5 == 0 and not one_pin,
         }
 

@@ -16,10 +16,10 @@ CLOCK_HZ = 125_000_000
 DEFAULT_TICK_HZ = 2000
 
 # A word's time begins where the one before ends: STEP changes 2 cycles before the next word is pulled. A machine that
-# waits pulls a word in the cycle in which it is there.
+# waits pulls a word in the cycle in which it becomes available.
 BEGINS = -2
 
-# Edges may be off by so many cycles.
+# Edges may be off by this number of cycles.
 TOLERANCE = 0
 
 

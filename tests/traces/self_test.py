@@ -53,7 +53,7 @@ def run():
     assert set(names(shorter, VCD)) == {"t_s", "state", "steps_0", "phase_error_deg_0"}, "a row less"
     assert names(present.replace("steps_0", "counts_0"), VCD) == ["steps_0", "counts_0"], "gone, and new"
 
-    # Exceptions allow what they say, no more, and only what differs.
+    # Exceptions allow only the stated amount, and only for columns that differ.
     allowed = {"scene": "scene", "column": "phase_error_deg_*", "at_most": 2e-5, "reason": "a test"}
     assert names(digit, VCD, exceptions=[allowed]) == []
     assert names(digit, VCD, exceptions=[allowed], full=old) == []

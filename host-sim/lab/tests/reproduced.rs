@@ -40,8 +40,8 @@ fn named_tests_exist() {
     }
 }
 
-/// If this fails, the committed page differs from the command's output: run `cophase reproduced --out
-/// docs/reproduced.md`.
+/// If this fails, the committed page differs from the command's output. To write it again:
+/// `cophase reproduced --out docs/reproduced.md`.
 #[test]
 fn the_page_is_up_to_date() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reproduced.md");

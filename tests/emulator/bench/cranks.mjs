@@ -1,7 +1,7 @@
 // The cranks of a machine while its firmware runs: they follow STEP and DIR, and their flags drive the index lines. For runs
 // that cannot be predicted, because somebody commands the board as it runs. Kinematic: no crank slips or lags.
 //
-// Stands in for the recorder of edges (board.edges), and keeps none of them: a run may last for hours.
+// Replaces the recorder of edges (board.edges). It keeps no edges, because a run may last for hours.
 
 import { CYCLES_PER_US } from '../board/clock.mjs';
 import * as pins from './pins.mjs';
@@ -17,7 +17,7 @@ class Crank {
     this.reversed = axis.reversed ?? false;
     this.stepsPerTurn = axis.steps_per_turn;
     const steps = (deg) => (deg / 360) * this.stepsPerTurn;
-    /** Where it is, in steps; the loop takes it to be at its offset at power-up. */
+    /** Position in steps. The loop assumes that the crank is at its offset at power-up. */
     this.start = steps((axis.offset_deg ?? 0) + (axis.start_deg ?? 0));
     this.at = this.start;
     this.hasIndex = axis.index ?? true;
@@ -72,7 +72,7 @@ export class Cranks {
     }
   }
 
-  /** Turns the cranks to where they were at first. */
+  /** Turns the cranks back to their initial positions. */
   place() {
     for (const crank of this.cranks) {
       crank.at = crank.start;

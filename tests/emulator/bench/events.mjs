@@ -1,9 +1,12 @@
 // States and events of a machine, in one form: from the firmware's log, and from the host's trace and report.
 //
-// { states: [{ tick, state }], events: [{ kind, axis, sizeDeg, phaseDeg, tick, latched }] }, ticks from the one in which the start was
-// read. The firmware's events are decoded from their twenty bytes, and compared with the words beside them.
+// { states: [{ tick, state }], events: [{ kind, axis, sizeDeg, phaseDeg, tick, latched }] }. Ticks count from the one in which the
+// start was read. The firmware's events are decoded from their twenty bytes, and compared with the text beside them.
 
-/** The greatest difference between the words of a line and its bytes, degrees: bytes have 2⁻³² turn, words a float. */
+/**
+ * The greatest difference between the text of a line and its bytes, degrees. The bytes have a resolution of 2⁻³² turn, the text has a
+ * float.
+ */
 const WORDS_DEG = 1e-3;
 
 const UNITS_A_TURN = 2 ** 32;
@@ -18,7 +21,7 @@ const KINDS = [
 const STATE = /tick (\d+): (Idle|Homing|Run|Stop|Parked|Fault), phase error/;
 const EVENT = /tick (\d+): (fault|reported): ([a-z-]+)(?: on axis (\d))?, (-?[\d.e-]+) deg, at crank phase ([\d.e-]+) deg \[(.*)\]/;
 
-/** States and events of the firmware's log; `wrong` collects lines whose words and bytes differ. */
+/** States and events of the firmware's log. `wrong` collects lines whose text and bytes differ. */
 export function eventsOfLog(lines, wrong) {
   const states = lines.map((line) => line.match(STATE)).filter(Boolean);
   const all = states.map(([, tick, state]) => ({ tick: Number(tick), state: state.toLowerCase() }));

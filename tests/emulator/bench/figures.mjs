@@ -1,4 +1,4 @@
-// The figures that are kept: docs/emulated.csv, and the table of them in docs/firmware.md.
+// The stored figures: docs/emulated.csv, and their table in docs/firmware.md.
 
 import fs from 'node:fs';
 import path from 'node:path';
@@ -9,10 +9,10 @@ const PAGE = path.join(DOCS, 'firmware.md');
 const BEGIN = '<!-- written by tests/emulator/run --write -->';
 const END = '<!-- end -->';
 
-/** A figure may get worse by this part before it is a failure. */
+/** A figure may get worse by this fraction before the check fails. */
 const MOST_WORSE = 0.05;
 
-/** Figures that were kept: name to number. */
+/** The stored figures: name to number. */
 function kept() {
   if (!fs.existsSync(CSV)) return new Map();
   const [, ...rows] = fs.readFileSync(CSV, 'utf8').trimEnd().split('\n');
@@ -31,7 +31,7 @@ export function worse(figures) {
   });
 }
 
-/** Keeps the figures, all of them. */
+/** Stores all figures. */
 export function write(figures) {
   const rows = figures.map(({ name, value, better }) => `"${name}",${value},${better}`);
   fs.writeFileSync(CSV, `figure,value,better\n${rows.join('\n')}\n`);

@@ -1,4 +1,4 @@
-// Frames of the host link (docs/link.md), written a second time: what the firmware's own crate encodes is judged by this.
+// A second implementation of the host link's frames (docs/link.md). It checks the encoding of the firmware's own crate.
 
 import { crc32 } from './crc.mjs';
 
@@ -65,7 +65,7 @@ export class Receiver {
   }
 }
 
-/** Variants of a request, as `Request` in firmware/link/src/message.rs numbers them, and of what it contains. */
+/** Variants of a request and of its fields, as `Request` in firmware/link/src/message.rs numbers them. */
 const VARIANTS = {
   identify: 0,
   read: 1,
@@ -87,7 +87,7 @@ const VARIANTS = {
   onlyAxis: 25,
 };
 
-/** A number as postcard has it: seven bits a byte, the lowest first. */
+/** A number in postcard's encoding: seven bits a byte, the lowest first. */
 export function varint(value) {
   const bytes = [];
   let rest = value;
@@ -126,5 +126,5 @@ export const requests = {
 /** Outputs, as `Output` numbers them. */
 export const OUTPUTS = { step: (axis) => [0, axis], dir: (axis) => [1, axis], driveEnable: [2], sync: [3] };
 
-/** What a message of the controller is: [kind, rest]. */
+/** Kind of a message of the controller, and its remaining bytes: [kind, rest]. */
 export const MESSAGE = { reply: 0, status: 1, samples: 2, event: 3 };

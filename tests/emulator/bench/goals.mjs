@@ -1,4 +1,4 @@
-// Goals of the firmware. A goal that is enforced has been reached: the bench fails when it is missed. Set `enforced` once a goal is reached.
+// Goals of the firmware. The bench fails when an enforced goal is missed. Set `enforced` once a goal is reached.
 
 /** Static RAM and the deepest stack together, bytes: at least 60,000 of the 270,336 stay free. */
 export const RAM_BYTES = { most: 210_336, enforced: true };
@@ -16,5 +16,5 @@ export const TICK_HZ = 10_000;
 /** Deadlines missed at any tick rate that the board accepts. */
 export const MISSED_DEADLINES = { most: 0, enforced: true };
 
-/** By how much a saturated host link makes the worst tick longer, cycles. */
+/** Increase of the worst tick under a saturated host link, cycles. */
 export const LINK_TICK_CYCLES = { most: 500, enforced: true };

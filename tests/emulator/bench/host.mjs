@@ -11,8 +11,8 @@ import { inverted } from './pins.mjs';
 const NANOS_PER_CYCLE = 8;
 
 /**
- * A scene, by its name if it is the bench's or built in, or by its file: what is in it, or what `change` makes of that, and what of it the
- * bench has to know.
+ * Loads a scene by its name (one of the bench or a built-in one) or by its file. `change` may modify its content. Gives the content and
+ * the properties that the bench needs.
  */
 export function scene(name, change = () => {}) {
   const named = [SCENES, BUILT_IN].map((folder) => path.join(folder, `${name}.toml`));
@@ -76,7 +76,7 @@ export function settingsOf(played) {
   });
 }
 
-/** Why the board will refuse the scene; undefined if it will not. */
+/** Reason why the board refuses the scene; undefined if it accepts the scene. */
 export function refusedBy(played) {
   const said = withScene(played, (file, folder) => cophase(['settings', file, '-o', path.join(folder, 'scene.settings')], [0, 1]));
   return said.match(/board will refuse this: (.*)/)?.[1];
@@ -120,7 +120,7 @@ function readVcd(text) {
     } else if (/^[01]\S+$/.test(line)) {
       const name = names.get(line.slice(1));
       const level = Number(line[0]);
-      // The dump at the beginning gives levels; edges are what differs from them.
+      // The dump at the beginning gives the initial levels. Only a change of level is an edge.
       if (levels.has(name) && levels.get(name) !== level) edges.get(name).push({ cycle, level });
       levels.set(name, level);
     }

@@ -1,10 +1,10 @@
-// A host at the link of an emulated board, in step with it: it makes a request, and runs the board until the reply has come.
+// A host at the link of an emulated board, in step with it. It sends a request, and runs the board until the reply arrives.
 
 import { MESSAGE, Receiver, encode, requests } from './frames.mjs';
 import { linkTo } from './link.mjs';
 import { CYCLES_PER_S } from './machine.mjs';
 
-/** Time of the board for USB to be configured, and for a reply. */
+/** Time limits on the board's clock: for the configuration of USB, and for a reply. */
 const READY_S = 1;
 const REPLY_S = 2;
 
@@ -27,7 +27,7 @@ export class LinkHost {
     /** Runs of samples: { tick, every, count }. */
     this.samples = [];
     this.bytes = 0;
-    /** Bytes on the line of the frames that have samples. */
+    /** Bytes on the line of the frames that carry samples. */
     this.sampleBytes = 0;
     this.receiver = new Receiver((_, payload) => this.message(payload));
     this.link.onData = (bytes) => {

@@ -1,6 +1,6 @@
 // The host link of an emulated board as a pipe of bytes, over USB or over a UART. Both have: `open()` and `close()`, as a
-// program opens and closes a serial port; `ready`, whether the port is there; `send(bytes)`; `pending`, bytes not sent yet;
-// `setReading(on)`; and `onData(bytes)`, `onReady()`, `onGone()` to be set.
+// program opens and closes a serial port; `ready`, true while the port exists; `send(bytes)`; `pending`, bytes not sent
+// yet; `setReading(on)`; and the callbacks `onData(bytes)`, `onReady()` and `onGone()`.
 
 import { CdcHost } from './usb-cdc.mjs';
 
@@ -15,7 +15,7 @@ export function linkTo(board, { transport, uart = 1, baud = null, times }) {
   return host;
 }
 
-/** Two wires: always there, and without flow control. */
+/** Two wires: always present, and without flow control. */
 class SerialLink {
   constructor(line, baud) {
     this.line = line;

@@ -15,7 +15,7 @@ export const CYCLES_PER_S = 1e6 * CYCLES_PER_US;
 export const SLOT_A = 0x1f_0000;
 export const SLOT_B = 0x1f_8000;
 
-/** Runs of the loop among which one begins without delay; the first after a reset is at no deadline. */
+/** Number of runs of the loop among which at least one begins without delay. The first run after a reset is at no deadline. */
 const RUNS = 8;
 
 /** The button must be steady this long to count (firmware/core/src/panel.rs), and a little more. */
@@ -38,8 +38,8 @@ export function flashWith(settings) {
 
 export class Machine {
   /**
-   * `scene` and `settings` as of host.mjs; `flash`: what the board has instead; `options` go to the board. Levels here are those
-   * of the usual wiring: `inverted` pins have the others.
+   * `scene` and `settings` as in host.mjs; `flash`: a flash to use instead of one with the settings; `options` go to the board.
+   * Levels here are those of the usual wiring: `inverted` pins have the others.
    */
   constructor({ axes, tickHz, settings, flash, inverted = new Set(), options = {} }) {
     this.axes = axes;
@@ -82,7 +82,7 @@ export class Machine {
     if (reason !== 'until') throw new Error(`the loop did not begin within 2 s: ${reason}, ${calls.get(TIMER_IRQ_1).length} calls`);
   }
 
-  /** Releases the button, presses it, and releases it: its command has been given. */
+  /** Releases, presses and releases the button. Afterwards its command has been given. */
   press() {
     this.set(pins.START, 1);
     this.run(STEADY_S);
@@ -92,8 +92,8 @@ export class Machine {
   }
 
   /**
-   * Starts the machine. Gives the cycle of the deadline at which the loop read the start, as its interrupt shows it: what
-   * all times of the host count from.
+   * Starts the machine. Gives the cycle of the deadline at which the loop read the start, taken from its interrupt. All times of
+   * the host count from this cycle.
    */
   start() {
     this.set(pins.START, 1);
@@ -114,12 +114,12 @@ export class Machine {
     const { calls, stack } = this.board.usage;
     const runs = [...calls.get(TIMER_IRQ_1), ...stack.filter(({ number }) => number === TIMER_IRQ_1)];
     const { entry } = runs.findLast((run) => run.entry <= rise);
-    // An interrupt may begin late, while others are blocked; the deadline is where the earliest ones begin.
+    // An interrupt may begin late while others are blocked. The earliest interrupts begin at the deadline.
     const late = (other) => ((((entry - other) % this.tick) + 1.5 * this.tick) % this.tick) - this.tick / 2;
     return entry - Math.max(...runs.slice(-RUNS).map((run) => late(run.entry)));
   }
 
-  /** The processor stands for `seconds`, or up to a reset, and everything else goes on: as if something kept it. */
+  /** Stops the processor for `seconds`, or up to a reset, while everything else goes on. */
   freeze(seconds) {
     const { board } = this;
     const end = board.cycle + Math.round(seconds * CYCLES_PER_S);

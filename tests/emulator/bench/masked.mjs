@@ -1,4 +1,4 @@
-// How long the firmware blocks interrupts: a tick of the loop may begin as much later.
+// Measures how long the firmware blocks interrupts. A tick of the loop may begin later by that time.
 
 /** Watches PRIMASK of the board's processor from now on. Gives { longest: cycles for which it was set without a break }. */
 export function watchMasked(board) {

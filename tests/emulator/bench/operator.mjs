@@ -1,10 +1,12 @@
-// Commands to a running board's surroundings, one a line: its cable, its power, its inputs.
+// Commands to the surroundings of a running board, one a line: its cable, its power, its inputs.
 
 import { CYCLES_PER_S } from './machine.mjs';
 import * as pins from './pins.mjs';
 
 const PRESSED_S = 0.05;
-/** Time until the link judges requests by the state after a switch: it samples the state every 10 ms, and takes samples every 2 ms. */
+/**
+ * Time after a switch until the link judges requests by the new state. It samples the state every 10 ms, and takes samples every 2 ms.
+ */
 const SWITCHED_S = 0.02;
 
 export class Operator {
@@ -26,7 +28,7 @@ export class Operator {
     };
   }
 
-  /** Carries out a command; throws if there is none of that name, or it cannot be now. */
+  /** Carries out a command. Throws if no command has that name, or if it is not possible now. */
   obey(line) {
     const command = this.commands[line.trim().replace(/\s+/g, ' ')];
     if (!command) throw new Error(`no command is called ${line.trim()}: use one of ${Object.keys(this.commands).join(', ')}`);
@@ -45,7 +47,7 @@ export class Operator {
     else board.powerDown();
   }
 
-  /** Switches the enable input, and gives the firmware the time to report the state that follows. */
+  /** Switches the enable input, and waits until the firmware has had time to report the new state. */
   switchEnable(level) {
     this.machine.set(pins.ENABLE, level);
     this.machine.board.run({ cycles: SWITCHED_S * CYCLES_PER_S });

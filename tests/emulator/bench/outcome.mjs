@@ -14,7 +14,7 @@ export class Outcome {
     console.log(`  ${text}`);
   }
 
-  /** Checks that something holds; `text` says it as it should be. */
+  /** Checks a condition; `text` describes the expected result. */
   check(holds, text) {
     if (holds) return;
     this.failures.push(text);
@@ -29,14 +29,14 @@ export class Outcome {
     this.figures.push({ name, value: Number(value.toPrecision(6)), better, inDocs });
   }
 
-  /** A figure with a goal: it is to be at most `most`, or the scenario fails if that is `enforced`. */
+  /** A figure with a goal: at most `most`. If the goal is `enforced`, the scenario fails when it is missed. */
   goal(name, value, { most, enforced }) {
     this.figure(name, value);
     this.figures[this.figures.length - 1].goal = most;
     this.reach(value <= most, `${name}: ${grouped(value)}, goal at most ${grouped(most)}`, enforced);
   }
 
-  /** A goal without a figure: `text` says what was found. */
+  /** A goal without a figure: `text` describes the result. */
   reach(met, text, enforced = false) {
     this.goals.push({ name: text, met });
     if (met || !enforced) console.log(`  goal ${met ? 'met' : 'MISSED'}: ${text}`);

@@ -4,8 +4,8 @@ import { CYCLES_PER_S } from './machine.mjs';
 import * as pins from './pins.mjs';
 
 /**
- * Gives the machine the scene's inputs, and the index pulses that the host has, at their times from `began` on; runs it
- * up to half a tick after the last edge that is predicted.
+ * Applies the scene's inputs and the host's index pulses to the machine, at their times from `began` on. Runs it up to half a tick
+ * after the last predicted edge.
  */
 export function act(machine, played, predicted, began) {
   const last = feed(machine, played, predicted, began);
@@ -13,12 +13,12 @@ export function act(machine, played, predicted, began) {
 }
 
 /**
- * Sets all of that up; the cranks turn with the steps, which begin `turned` cycles after the deadline. Gives the cycle of the last edge
- * that is predicted.
+ * Schedules these inputs and pulses. The cranks turn with the steps, which begin `turned` cycles after the deadline. Gives the cycle of
+ * the last predicted edge.
  */
 export function feed(machine, { inputs }, predicted, began, turned = 0) {
   for (const { at_s: seconds, line, active } of inputs) {
-    // Both lines are low when all is well: stop goes high when it is active, enable when it is not.
+    // Both lines are low in normal operation: stop is high while it is active, enable is high while it is inactive.
     const [pin, level] = line === 'stop' ? [pins.STOP, active] : [pins.ENABLE, !active];
     machine.set(pin, Number(level), began + Math.round(seconds * CYCLES_PER_S));
   }

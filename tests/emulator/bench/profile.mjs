@@ -1,7 +1,8 @@
 // Tables of a call profile: cycles by function, as linked and as written.
 //
-// *Self* is what a function spends in its own instructions; *inclusive* adds what it calls. A function *as linked* has
-// its own symbol, and owns the cycles of what was inlined into it. *As written* splits these by the debug information.
+// *Self* cycles are those of a function's own instructions; *inclusive* cycles add those of the functions that it calls. A
+// function *as linked* has its own symbol, and includes the cycles of the functions inlined into it. *As written* splits
+// these by the debug information.
 
 import { spawnSync } from 'node:child_process';
 import { ENTRY } from '../board/profile.mjs';
@@ -31,7 +32,7 @@ export class Named {
     addresses.delete(ENTRY);
     this.names = namesAt([...addresses]);
     this.names.set(ENTRY, [ENTERED]);
-    // Who is on the stack at each key, each name once: as linked and as written.
+    // Functions on the stack at each key, each name once: as linked and as written.
     this.stacks = profile.keys.map(({ node, pc }) => this.stackAt(node, pc));
   }
 
@@ -78,7 +79,7 @@ export class Named {
   }
 }
 
-/** Sums by their first numbers, of arrays of pairs. */
+/** Sums arrays of pairs by the first number of each pair. */
 function sums(arrays) {
   const all = new Map();
   for (const pairs of arrays) {

@@ -1,27 +1,30 @@
-// A board behind a TCP port on loopback, as a real one behind its serial port: runs it in slices, at up to real-time speed, and
-// passes bytes between the one client and its link.
+// A board behind a TCP port on loopback, like a real board behind its serial port. Runs it in slices, at up to real-time speed,
+// and passes bytes between the one client and its link.
 
 import net from 'node:net';
 import { CYCLES_PER_S } from './machine.mjs';
 
 const SLICE_S = 0.001;
 const SLICE_CYCLES = SLICE_S * CYCLES_PER_S;
-/** The longest lag behind the clock on the wall that is made up for. */
+/** The longest lag behind real time for which the board catches up. */
 const MOST_LAG_MS = 50;
-/** Time for which a client waits for the one before to leave. */
+/** Time for which a client waits for the previous client to leave. */
 const LEAVING_MS = 200;
-/** Bytes for the board beyond which the client is held back. */
+/** The client is held back above this number of bytes for the board. */
 const MOST_PENDING = 4096;
 
 export class Server {
-  /** `fast`: as fast as it goes. `report(line)` gets what happens; `ended(problem)` is called once, without one if all is well. */
+  /**
+   * `fast`: run at full speed. `report(line)` gets each event. `ended(problem)` is called once, without an argument if there is no
+   * problem.
+   */
   constructor(board, link, { fast, report, ended }) {
     Object.assign(this, { board, link, fast, report, ended });
     this.client = null;
     this.closing = false;
     this.ahead = { cycle: board.cycle, wall: performance.now() };
     this.server = net.createServer({ allowHalfOpen: false }, (socket) => this.accept(socket));
-    /** Bytes from the board since the client was given some last. */
+    /** Bytes from the board since the last ones were given to the client. */
     this.outbox = [];
     link.onData = (bytes) => this.outbox.push(bytes);
     link.onReady = () => this.report('event ready');
@@ -53,7 +56,7 @@ export class Server {
 
   // ---- the client ----
 
-  /** A client may come before the end of the last one's connection is known here: it waits for that a moment. */
+  /** A client may connect before the server has noticed the end of the previous connection. It waits a moment for that. */
   accept(socket) {
     if (!this.client || this.closing) {
       this.enter(socket);
@@ -130,7 +133,7 @@ export class Server {
     else setImmediate(() => this.run());
   }
 
-  /** By how much the board is ahead of the clock on the wall. */
+  /** Time by which the board is ahead of real time. */
   leadMs() {
     const lead = ((this.board.cycle - this.ahead.cycle) / CYCLES_PER_S) * 1000 - (performance.now() - this.ahead.wall);
     if (lead < -MOST_LAG_MS) this.ahead = { cycle: this.board.cycle, wall: performance.now() };

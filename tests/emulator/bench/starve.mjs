@@ -1,11 +1,11 @@
-// A channel that stands: its axis' step machine gets no words, and underruns.
+// A stopped channel: the step machine of its axis gets no words, and underruns.
 
 const DMA = 0x5000_0000;
 const CHANNEL_BYTES = 0x40;
 const AL1_CTRL = 0x10;
 const DMA_ENABLE = 1;
 
-/** Longer than the words last that a FIFO has. */
+/** Longer than the words in a FIFO last. */
 const STANDS_S = 0.0008;
 
 export function starve(machine, axis) {

@@ -1,14 +1,14 @@
-// Many cases of one kind: numbered, spread evenly, and each the same every time.
+// Many cases of one kind: numbered, spread evenly, and the same in every run.
 //
-// Case n has two numbers from 0 to 1, of a sequence (R2) of which any first so many lie evenly in the square. So more
-// cases are those that there were and others between them, and a case that failed can be run alone by its number:
-// COPHASE_SWEEP makes so many times as many, COPHASE_CASE='freezes 17' runs that one.
+// Case n has two numbers from 0 to 1, taken from a sequence (R2). The first cases lie evenly in the square, however
+// many there are. So a longer sweep has the same cases, and others between them. A case that failed can be run alone by
+// its number: COPHASE_SWEEP multiplies the number of cases, COPHASE_CASE='freezes 17' runs that one.
 
 const SIZE = Number(process.env.COPHASE_SWEEP || 1);
 const ONLY = process.env.COPHASE_CASE;
 if (!(SIZE > 0)) throw new Error(`COPHASE_SWEEP is a number of times, such as 20, not ${process.env.COPHASE_SWEEP}`);
 
-/** The real root of x³ = x + 1, of which the sequence is made. */
+/** The real root of x³ = x + 1, which generates the sequence. */
 const ROOT = 1.324717957244746;
 
 export const spread = (number) => [(0.5 + number / ROOT) % 1, (0.5 + number / ROOT ** 2) % 1];
@@ -17,8 +17,8 @@ export const spread = (number) => [(0.5 + number / ROOT) % 1, (0.5 + number / RO
 export const isSelected = (...names) => ONLY === undefined || names.some((name) => ONLY.startsWith(`${name} `));
 
 /**
- * A sweep. Runs `count` cases, or a multiple of that. `play(u, v, number)` plays one and gives { name, wrong: what does
- * not hold, ended: in a word, worst: a figure }; `unit` says of what.
+ * A sweep. Runs `count` cases, or a multiple of that. `play(u, v, number)` plays one and gives { name, wrong: the
+ * conditions that failed, ended: in a word, worst: a figure }; `unit` is the unit of `worst`.
  */
 export function sweep(outcome, name, count, unit, play) {
   if (!isSelected(name)) return;

@@ -1,4 +1,4 @@
-// A scene run on the firmware, tick by tick: what each tick cost, in which state, and how many index pulses it confirmed.
+// Runs a scene on the firmware, and gives for each tick its cost, its state, and the number of index pulses that it confirmed.
 
 import { VECTOR_TABLE } from '../board/chip.mjs';
 import { CallProfile } from '../board/profile.mjs';
@@ -67,7 +67,10 @@ export function summary(ticks) {
   return { worst: worst.own, mean, late, pulses: worst.pulses };
 }
 
-/** Number of index pulses confirmed in each tick, by its number: pulses whose level has lasted at that deadline. */
+/**
+ * Number of index pulses confirmed in each tick, by its number. A pulse is confirmed at the first deadline at which its level has lasted
+ * long enough.
+ */
 function confirmations({ toml, axes }, { edges }, period) {
   const width = ((toml.index?.width_us ?? WIDTH_US) / 1e6) * CYCLES_PER_S;
   const counts = new Map();

@@ -1,5 +1,5 @@
-// The driver of a serial port over USB (CDC-ACM), as a PC has it: it finds the device's interfaces, configures it, sets the
-// line coding and DTR, and exchanges bytes.
+// The driver of a serial port over USB (CDC-ACM), like that of a PC. It finds the device's interfaces, configures it, sets
+// the line coding and DTR, and exchanges bytes.
 
 import { UsbHost } from './usb-host.mjs';
 
@@ -20,13 +20,13 @@ const DTR_AND_RTS = 3;
 export class CdcHost extends UsbHost {
   constructor(board, times) {
     super(board, times);
-    /** Whether a program has the port open: DTR and RTS. */
+    /** True while a program has the port open: DTR and RTS. */
     this.opened = false;
     this.reading = true;
-    /** What the device is, once configured: { vendor, product, name, serial }. */
+    /** Identity of the device, once configured: { vendor, product, name, serial }. */
     this.identity = null;
     this.ready = false;
-    /** Called with bytes from the device; when it can be used; when it cannot any more. */
+    /** Called with bytes from the device; when the device becomes usable; when it is no longer usable. */
     this.onData = () => {};
     this.onReady = () => {};
     this.onGone = () => {};
@@ -55,7 +55,7 @@ export class CdcHost extends UsbHost {
     return this.ready ? this.bulkOut.packets.reduce((sum, packet) => sum + packet.length, 0) : 0;
   }
 
-  /** False for a host that leaves the device's packets where they are. */
+  /** False for a host that does not fetch the device's packets. */
   setReading(on) {
     this.reading = on;
     if (this.ready) this.read(this.bulkIn, on);

@@ -1,7 +1,7 @@
-// A USB host at the board's connector: attachment, reset, suspend, control transfers, and pipes of bulk packets. What a
-// device is for is in usb-cdc.mjs.
+// A USB host at the board's connector: attachment, reset, suspend, control transfers, and pipes of bulk packets. The driver for a
+// serial port is in usb-cdc.mjs.
 //
-// Everything is kept in properties, none in variables of functions, so that a snapshot of the board has it (board.usb.host).
+// All state is kept in properties, none in variables of functions, so that a snapshot of the board includes it (board.usb.host).
 
 const NANOS_PER_MS = 1e6;
 const MOST_TRIES = 3; // USB 2.0, 10.2.6
@@ -11,7 +11,7 @@ const SET_ADDRESS = 5;
 const CLEAR_FEATURE = 1;
 const ENDPOINT_RECIPIENT = 2;
 
-/** Times of USB 2.0, 7.1.7, as a host at its shortest keeps them, milliseconds; a request ends after 5 s at most (9.2.6.1). */
+/** The shortest times of USB 2.0, 7.1.7, that a host may use, milliseconds. A request ends after 5 s at most (9.2.6.1). */
 const TIMES_MS = { debounce: 100, reset: 10, recovery: 10, resume: 20, resumeRecovery: 10, address: 2, request: 5000 };
 
 /** One endpoint's packets: those to send, or whether packets are fetched. */
@@ -43,7 +43,7 @@ export class UsbHost {
     this.board = board;
     this.port = board.usb;
     this.times = { ...TIMES_MS, ...times };
-    /** What is wrong, oldest first: [{ cycle, text }]. */
+    /** Errors, oldest first: [{ cycle, text }]. */
     this.errors = [];
     this.suspended = false;
     this.timer = null;
@@ -51,12 +51,12 @@ export class UsbHost {
     this.forget();
   }
 
-  // ---- what a class driver overrides ----
+  // ---- methods that a class driver overrides ----
 
   /** The device has been reset, and has address 0. */
   onReset() {}
 
-  /** The device is gone, or is reset: nothing of it is known any more. */
+  /** The device is gone or was reset: its former state is no longer valid. */
   onLost() {}
 
   /** A packet came from `pipe`. */
@@ -68,7 +68,7 @@ export class UsbHost {
   /** `pipe` was stalled by the device. */
   onHalt(_pipe) {}
 
-  /** An error that the host cannot do anything about. */
+  /** An error that the host cannot handle. */
   onError(text) {
     throw new Error(`USB: ${text}`);
   }
@@ -110,7 +110,7 @@ export class UsbHost {
     this.port.endResume();
   }
 
-  /** Calls the method `name` after some milliseconds, instead of what was to be called before. */
+  /** Calls the method `name` after some milliseconds. Replaces the call that was scheduled before. */
   after(ms, name) {
     this.timer?.cancel();
     this.timer = this.board.clock.later(ms * NANOS_PER_MS, () => this[name]());
@@ -146,8 +146,8 @@ export class UsbHost {
   // ---- control transfers ----
 
   /**
-   * Queues a request of the default pipe: { type, request, value, index, length, data }. `done(data)` gets what came; a request that
-   * fails is passed to `failed(text)`, or is an error.
+   * Queues a request of the default pipe: { type, request, value, index, length, data }. `done(data)` gets the received data. A
+   * request that fails is passed to `failed(text)`, or is an error.
    */
   request(setup, done, failed = (text) => this.error(text)) {
     this.requests.push({ value: 0, index: 0, data: [], ...setup, done, failed });

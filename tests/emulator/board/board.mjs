@@ -1,9 +1,9 @@
-// The board: one RP2040 at 125 MHz, processor and both PIO blocks in lockstep, with everything on its pins recorded
-// and driven to the cycle. README.md says what is modelled and what a cycle number means.
+// The board: one RP2040 at 125 MHz, processor and both PIO blocks in lockstep, with everything on its pins recorded and driven to the
+// cycle. README.md describes the model and the meaning of a cycle number.
 //
-// How time passes: `cycle` is where the processor is; it executes one instruction from there. Everything else (state
-// machines, alarms of peripherals, stimuli) is an *event* with a cycle of its own. Events up to the present are
-// carried out when the processor is about to touch a peripheral, and after each instruction (`catchUp`).
+// How time passes: `cycle` is the present cycle of the processor, which executes one instruction from there. Everything else (state
+// machines, alarms of peripherals, stimuli) is an *event* with a cycle of its own. Events up to the present are carried out before the
+// processor accesses a peripheral, and after each instruction (`catchUp`).
 
 import { RomBench } from './bootrom.mjs';
 import { buildChip, startCore } from './chip.mjs';
@@ -22,7 +22,7 @@ import { UsbPort } from './usb-port.mjs';
 const APB_READ_WAIT = 3;
 const APB_WRITE_WAIT = 4;
 const RAM_BYTES = 264 * 1024;
-/** PSM: RESETS, SIO and processor 0. The register is zero after reset: then a watchdog resets nothing. */
+/** PSM: RESETS, SIO and processor 0. The register is zero after reset. With that value a watchdog resets nothing. */
 const WDSEL_NEEDED = (1 << 3) | (1 << 14) | (1 << 15);
 const POWER_UP_PATTERN = 0xa5;
 
@@ -31,9 +31,10 @@ export class Board {
    * `elf`: bytes of the firmware's ELF; its segments go into the flash. `flash`: the flash array (Uint8Array, kept and
    * changed in place) to use instead, or to load the firmware over. One of them is needed, except with `bare`.
    * `pins`: { name: GPIO number } to record. `watched`: exceptions whose calls are listed (default TIMER_IRQ_1).
-   * `rtt`: true, false, or the cycles between two looks of the host (default: true where the ELF has an RTT block).
+   * `rtt`: true, false, or the cycles between two reads of the host (default: true where the ELF has an RTT block).
    * `fastForward`: false steps every cycle of everything. `profile`: true counts the loop's cycles by call path (profile.mjs).
-   * `flashTimes`: see bootrom.mjs. `missCycles`: what a miss of the flash's cache costs (xip-cache.mjs). `bare`: true builds the chip with its processor asleep, for tests of peripherals.
+   * `flashTimes`: see bootrom.mjs. `missCycles`: the cost of a miss of the flash's cache (xip-cache.mjs). `bare`: true builds the chip with
+   * its processor asleep, for tests of peripherals.
    */
   constructor({
     elf,
@@ -77,14 +78,14 @@ export class Board {
 
   // ---- resets ----
 
-  /** Power comes: RAM holds nothing of use, the flash what it held. */
+  /** Switches the power on: the content of RAM is meaningless, the flash keeps its content. */
   powerUp() {
     this.sram = new Uint8Array(RAM_BYTES).fill(POWER_UP_PATTERN);
     this.powered = true;
     this.boot('power', new Uint32Array(8), 0, this.pads?.levels ?? 0);
   }
 
-  /** Power goes, until `powerUp`: nothing runs, nothing drives a pin, and time goes on. */
+  /** Switches the power off, until `powerUp`: nothing runs, nothing drives a pin, and time goes on. */
   powerDown() {
     this.powered = false;
     this.boot('no power', new Uint32Array(8), 0, this.pads.levels);
@@ -117,7 +118,7 @@ export class Board {
     else startCore(this.core);
   }
 
-  /** Asked for by the watchdog or by software; carried out once the present instruction is over. */
+  /** Requested by the watchdog or by software; carried out once the present instruction is over. */
   requestReset(cause) {
     this.pendingReset ??= cause;
   }
@@ -148,9 +149,8 @@ export class Board {
   // ---- running ----
 
   /**
-   * Runs for `cycles`, or to `untilCycle`, or until `until(board)` holds (checked every `every` cycles), whichever comes
-   * first. Gives { reason, detail, cycle }: 'cycles', 'until', or what stopped the board for good: 'lockup',
-   * 'power-cut'.
+   * Runs for `cycles`, or to `untilCycle`, or until `until(board)` holds (checked every `every` cycles), whichever comes first. Gives
+   * { reason, detail, cycle }. The reason is 'cycles', 'until', or the cause that stopped the board for good: 'lockup', 'power-cut'.
    */
   run({ cycles = Infinity, untilCycle = Infinity, until = null, every = 1000 } = {}) {
     const end = Math.min(this.cycle + cycles, untilCycle);
@@ -190,7 +190,7 @@ export class Board {
     if (this.stopped === null) this.catchUp(this.cycle);
   }
 
-  /** The processor sleeps: from event to event until it is woken. */
+  /** The processor sleeps: time advances from event to event until the processor wakes up. */
   sleepTo(end) {
     const { core } = this;
     core.wake();
@@ -240,7 +240,7 @@ export class Board {
     if (cycle < this.nextEvent) this.nextEvent = cycle;
   }
 
-  /** A load's value is what the peripheral holds at the start of the load's last cycle. */
+  /** A load gives the peripheral's value at the start of the load's last cycle. */
   beforeRead(address) {
     const last = this.cycle + waitOf(address, APB_READ_WAIT);
     this.catchUp(last);
@@ -271,7 +271,7 @@ export class Board {
     this.events.push({ cycle: this.cycle, kind, text });
   }
 
-  /** Counts a complaint of rp2040js, which goes on after it. */
+  /** Counts a complaint of rp2040js that does not stop it. */
   warn(name, text) {
     const key = `${name}: ${text}`;
     this.warnings.set(key, (this.warnings.get(key) ?? 0) + 1);
@@ -279,12 +279,12 @@ export class Board {
 
   // ---- for the bench ----
 
-  /** Least distance of the stack pointer below where it began, in bytes. */
+  /** The greatest depth of the stack below its initial position, in bytes. */
   get stackDepth() {
     return this.core.initialSP - this.core.leastSP;
   }
 
-  /** Reads or writes a register as a debugger would: at the end of the present cycle, in no time. */
+  /** Reads or writes a register like a debugger: at the end of the present cycle, in no time. */
   peek(address) {
     this.catchUp(this.cycle);
     return this.chip.readUint32(address) >>> 0;

@@ -1,9 +1,9 @@
 // A boot ROM of our own: rp2040js has none, and firmware looks up functions in it.
 //
-// Its tables are where the RP2040 datasheet (2.8) puts them. What moves memory is code (rom-code.mjs). Other
-// functions are a BKPT, which the core hands to `call`, and BX LR: bit functions take about the time that the chip's
-// take; flash functions change the board's flash array, and take as long as a flash chip does. Floating point is
-// refused when it is called.
+// Its tables are at the places of the RP2040 datasheet (2.8). The functions that move memory are code
+// (rom-code.mjs). Other functions are a BKPT, which the core passes to `call`, and BX LR. Bit functions take about
+// as long as those of the chip. Flash functions change the board's flash array, and take as long as a flash chip
+// does. A call of a floating-point function is refused.
 
 import { LOOKUP, MEMCPY, MEMSET } from './rom-code.mjs';
 import { Flash, PAGE_BYTES, SECTOR_BYTES } from './flash.mjs';
@@ -26,10 +26,10 @@ const CODES = Object.keys(FUNCTIONS);
 
 const MEMCPY_AT = 0x0800;
 const MEMSET_AT = 0x0900;
-/** Functions that are code: where. */
+/** Addresses of the functions that are code. */
 const ROUTINES = { MC: MEMCPY_AT, C4: MEMCPY_AT, MS: MEMSET_AT, S4: MEMSET_AT };
 
-/** The function that each BKPT calls: those above, and all that the tables of floating point name. */
+/** The function that each BKPT calls: those above, and one for all entries of the floating-point tables. */
 const STUBS = [...Object.values(FUNCTIONS), 'floatingPoint'];
 const FLOAT_FUNCTIONS = 32;
 
@@ -91,12 +91,12 @@ export class RomBench {
     this.cut = null;
   }
 
-  /** Power fails in flash operation number `operation` (the next is 0) from now on, when `bytes` of it are done. */
+  /** Power fails in flash operation number `operation` (the next is 0) from now on, after `bytes` of it. */
   cutPower({ operation, bytes }) {
     this.cut = { operation: this.operations.length + operation, bytes };
   }
 
-  /** Called when the core meets stub `number`. Gives the cycles the function takes. */
+  /** Called when the core executes stub `number`. Gives the cycles the function takes. */
   call(number, core) {
     const name = STUBS[number];
     if (!name) throw new Error(`there is no ROM function ${number}`);
@@ -175,7 +175,7 @@ export class RomBench {
     );
   }
 
-  /** Carries out an erase or program, whole or up to where power fails. */
+  /** Carries out an erase or program, completely or up to the power failure. */
   operate(core, kind, address, length, cycles, act) {
     if (!core.xipOff) throw new Error(`flash ${kind} without flash_exit_xip before it`);
     const number = this.operations.length;

@@ -1,12 +1,11 @@
 // Calls one function of a firmware, alone on the chip: for measuring routines.
 //
-// The function runs with interrupts masked, statics initialised as the start-up code would, and nothing else
-// happening. Arguments and results are those of the procedure call standard (AAPCS): r0 to r3, then the stack; r0 and
-// r1.
+// The function runs with interrupts masked, statics initialised as by the start-up code, and nothing else happening.
+// Arguments and results are those of the procedure call standard (AAPCS): r0 to r3, then the stack; r0 and r1.
 
 import { Board } from './board.mjs';
 
-/** A branch to itself in the bench's ROM: where called functions return to. */
+/** A branch to itself in the bench's ROM: the return address of called functions. */
 const RETURN_TO = 0x80;
 const RAM_BASE = 0x2000_0000;
 const STACK_TOP = 0x2004_2000;
@@ -31,9 +30,9 @@ export class Caller {
   }
 
   /**
-   * Calls `target` (a symbol or an address) with `args` in r0 to r3 and `stack` words for the rest.
-   * Gives { r0, r1, cycles, stackBytes }: cycles from its first instruction to its return, both included, the call
-   * itself not; and how deep its stack went. Throws when it faults or takes more than `mostCycles`.
+   * Calls `target` (a symbol or an address) with `args` in r0 to r3 and `stack` words for the rest. Gives
+   * { r0, r1, cycles, stackBytes }: the cycles from its first instruction to its return, both included, without the
+   * call itself; and the depth of its stack. Throws when it faults or takes more than `mostCycles`.
    */
   call(target, args = [], { stack = [], mostCycles = 10_000_000 } = {}) {
     const { board } = this;

@@ -1,7 +1,7 @@
-// One RP2040 as it is after a reset: rp2040js's object with every correction of this folder in it.
+// One RP2040 after a reset: rp2040js's object with every correction of this folder in it.
 //
-// A reset builds a new one; what survives (RAM, flash, watchdog scratch, what the bench drives) is handed over by the
-// board. So nothing of the old state can be forgotten.
+// A reset builds a new one. The board passes on the state that survives (RAM, flash, watchdog scratch, the pins that the
+// bench drives). So the rest of the old state cannot remain.
 
 import { BasePeripheral, RP2040 } from 'rp2040js';
 import { BenchCore } from './core.mjs';
@@ -15,10 +15,10 @@ import { fixPpb } from './ppb.mjs';
 import { fixTimer } from './timer.mjs';
 import { UsbDevice } from './usb-device.mjs';
 
-/** The firmware's vector table, at which the second-stage boot block would have left off. */
+/** The firmware's vector table, where the second-stage boot block hands over. */
 export const VECTOR_TABLE = 0x1000_0100;
 
-/** Registers that only remember what is written. */
+/** Registers that only store the written value. */
 class Registers extends BasePeripheral {
   constructor(rp2040, name, initial) {
     super(rp2040, name);
@@ -34,7 +34,7 @@ class Registers extends BasePeripheral {
   }
 }
 
-/** Messages of rp2040js where the bus would answer with an error, or the core with a fault. */
+/** Messages of rp2040js in cases where the bus answers with an error, or the core with a fault. */
 const UNMAPPED = /invalid memory address|undefined address|is not implemented yet/;
 const XIP_STAT = 0x08;
 /** Streaming FIFO empty, flush done. */
@@ -54,8 +54,8 @@ export function startCore(core) {
 }
 
 /**
- * Builds the chip. `board`: what the corrected parts call back; `kept`: { clock, sram, flash, rom, outside, levels, scratch,
- * reason }. The processor is not started.
+ * Builds the chip. `board`: the object that the corrected parts call back; `kept`: { clock, sram, flash, rom, outside,
+ * levels, scratch, reason }. The processor is not started.
  */
 export function buildChip(board, { clock, sram, flash, rom, outside, levels, scratch, reason }) {
   const chip = new RP2040(clock);

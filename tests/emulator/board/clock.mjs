@@ -1,8 +1,9 @@
-// Time in cycles. One cycle is 8 ns (125 MHz); the peripherals of rp2040js ask for nanoseconds and get exact ones.
+// Time in cycles. One cycle is 8 ns (125 MHz). The peripherals of rp2040js request times in nanoseconds and get
+// exact ones.
 //
 // `cycle` is the board's own count and never goes back. `origin` is the cycle of the last reset, so that the chip's
-// timer starts at zero after each. An alarm that is set from within an alarm fires one cycle later at the earliest:
-// nothing in the chip happens twice in one cycle.
+// timer starts at zero after each. An alarm that is set from within an alarm fires one cycle later at the earliest,
+// because nothing in the chip happens twice in one cycle.
 
 export const CYCLES_PER_SECOND = 125_000_000;
 export const CYCLES_PER_US = 125;
@@ -68,7 +69,7 @@ export class CycleClock {
     return alarm;
   }
 
-  /** Takes over the alarms of what is outside the chip from the clock before a reset. */
+  /** Takes over the alarms of parts outside the chip from the clock before a reset. */
   inherit(former) {
     for (let alarm = former.first; alarm !== null; ) {
       const { next } = alarm;

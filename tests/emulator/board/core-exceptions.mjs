@@ -1,16 +1,16 @@
-// Exceptions of the Cortex-M0+: what may preempt what, when, and at which cost.
+// Exceptions of the Cortex-M0+: their priorities, preemption, timing and cost.
 //
 // rp2040js keeps interrupts pending by level alone, enters handlers in no time, lets PRIMASK be overridden by a
 // wake-up and has no HardFault. Here, after the ARMv6-M Architecture Reference Manual (B1.5, B3.4):
-// - an interrupt becomes pending when its line rises, or by software; it stops being so when its handler is entered;
-//   a line still high when the handler returns makes it pending again;
-// - of what is pending, the lowest priority number wins, then the lowest exception number; it preempts only what has a
-//   higher priority number, and nothing while PRIMASK is set, HardFault excepted;
-// - WFI ends when something could preempt were PRIMASK clear; WFE when something does preempt, or on an event, and
-//   exception entry and return are events.
+// - an interrupt becomes pending when its line rises, or by software; it is no longer pending once its handler is
+//   entered; a line still high when the handler returns makes it pending again;
+// - of the pending exceptions, the lowest priority number wins, then the lowest exception number; it preempts only
+//   exceptions with a higher priority number, and none while PRIMASK is set, HardFault excepted;
+// - WFI ends when an exception could preempt with PRIMASK clear; WFE when an exception does preempt, or on an event,
+//   and exception entry and return are events.
 //
-// Costs: ENTRY is the latency of the Cortex-M0+ Technical Reference Manual with memory without wait states. What
-// return and tail-chaining cost is not documented; EXIT and CHAIN are the bus cycles they cannot do without.
+// Costs: ENTRY is the latency of the Cortex-M0+ Technical Reference Manual with memory without wait states. The costs
+// of return and tail-chaining are not documented. EXIT and CHAIN are the bus cycles that they need at least.
 
 import { Fault, MemoryCore } from './core-memory.mjs';
 
@@ -56,12 +56,12 @@ export class ExceptionCore extends MemoryCore {
     this.interruptsUpdated = true;
   }
 
-  /** A line that is high keeps its interrupt pending, whatever software clears. */
+  /** A line that is high keeps its interrupt pending, even if software clears it. */
   clearPending(bits) {
     this.pendingInterrupts &= ~bits | (this.lines & ~this.active);
   }
 
-  /** Priority now, lower numbers first; `masked`: with PRIMASK obeyed. */
+  /** The present priority, lower numbers first; `masked`: with PRIMASK obeyed. */
   executionPriority(masked) {
     const own = this.IPSR === 0 ? THREAD_PRIORITY : this.exceptionPriority(this.IPSR);
     return masked && this.PM ? Math.min(own, 0) : own;
@@ -92,7 +92,7 @@ export class ExceptionCore extends MemoryCore {
     return best;
   }
 
-  /** Enters what is due. Gives the cycles that took; 0: nothing was due. */
+  /** Enters the exception that is due. Gives the cycles of that; 0 if none was due. */
   takeException() {
     this.interruptsUpdated = false;
     const number = this.nextException(this.executionPriority(true));
@@ -148,7 +148,7 @@ export class ExceptionCore extends MemoryCore {
     return number === HARD_FAULT ? -1 : number === NMI ? -2 : super.exceptionPriority(number);
   }
 
-  /** Takes HardFault for what the instruction at `pc` did; a fault in HardFault itself locks the processor up. */
+  /** Takes HardFault for the instruction at `pc`. A fault in HardFault itself locks the processor up. */
   hardFault(error, pc) {
     this.PC = pc;
     const where = `${error.message}, by the instruction at 0x${pc.toString(16)}`;
@@ -171,7 +171,7 @@ export class ExceptionCore extends MemoryCore {
     this.interruptsUpdated = true;
   }
 
-  /** Ends the sleep if there is cause to. */
+  /** Ends the sleep if there is a reason. */
   wake() {
     if (this.sleepsByEvent && this.eventRegistered) {
       this.eventRegistered = false;

@@ -1,13 +1,13 @@
-// The processor's view of memory: RAM at full speed, flash behind its cache, faults where the chip faults, and the right cycle for
-// every access to a peripheral.
+// The processor's access to memory: RAM at full speed, flash behind its cache, faults where the chip faults, and the right cycle
+// for every access to a peripheral.
 //
-// Words: a *fault* is what makes a Cortex-M0+ take HardFault (unaligned or unmapped access, undefined instruction).
-// rp2040js logs these and goes on; here they are thrown, and the core turns them into the exception.
+// Words: a *fault* is an event for which a Cortex-M0+ takes HardFault (unaligned or unmapped access, undefined instruction).
+// rp2040js logs these and goes on. Here they are thrown, and the core turns them into the exception.
 
 import { RP2040 } from 'rp2040js';
 import { XipCache } from './xip-cache.mjs';
 
-/** rp2040js does not export its core class; an instance knows it. */
+/** rp2040js does not export its core class. It is taken from an instance. */
 const StockCore = new RP2040().core.constructor;
 
 const ROM_SIZE = 16 * 1024;
@@ -22,7 +22,7 @@ const isXipRegister = (a) => a >>> 16 === 0x1400 || a >>> 16 === 0x1800;
 export class Fault extends Error {}
 
 export class MemoryCore extends StockCore {
-  /** `board` gets `beforeRead(address)` and `beforeWrite(address)` before peripheral accesses. */
+  /** Calls `beforeRead(address)` and `beforeWrite(address)` of `board` before peripheral accesses. */
   constructor(rp2040, board) {
     super(rp2040);
     this.board = board;
@@ -38,11 +38,11 @@ export class MemoryCore extends StockCore {
      * { exception, pc, address, count, cycles waited }.
      */
     this.handlerReads = new Map();
-    /** Cycles of the present instruction beyond what its own table gives. */
+    /** Cycles of the present instruction beyond those of its own table. */
     this.extra = 0;
   }
 
-  /** Takes the arrays of the RP2040 object; to be called when they are replaced. */
+  /** Takes the arrays of the RP2040 object. Must be called when they are replaced. */
   useMemories() {
     const { sram, flash, bootrom } = this.rp2040;
     this.ram8 = sram;
@@ -152,21 +152,21 @@ export class MemoryCore extends StockCore {
     this.writeOutside(a, () => this.rp2040.writeUint8(a, value));
   }
 
-  /** Flash and ROM cannot be written by a store; the flash chip is programmed through the ROM's functions. */
+  /** A store cannot write flash or ROM. The flash chip is programmed through the ROM's functions. */
   writeOutside(a, write) {
     if (a >>> 28 < 4 && !isXipRegister(a)) throw this.fault('write to nothing', a);
     this.board.beforeWrite(a);
     write();
   }
 
-  /** True if `a` is backed by flash; reading it while XIP is off would hang or give garbage, so that is a fault. */
+  /** True if `a` is backed by flash. Reading it while XIP is off would hang or give garbage, so it is a fault. */
   inFlash(a) {
     if (a >= XIP_END || (a & XIP_MASK) >= this.flash8.length) return false;
     if (this.xipOff) throw this.fault('flash read while XIP is off', a);
     return true;
   }
 
-  /** The offset into the flash that `a` stands for; what the access has to wait is counted. */
+  /** The offset into the flash for the address `a`. Counts the wait of the access. */
   flashOffset(a) {
     const offset = a & XIP_MASK;
     const wait = this.cache.wait(offset);

@@ -1,10 +1,10 @@
-// The processor: rp2040js's core, with corrections for the instructions that it gets wrong or times wrong.
+// The processor: rp2040js's core, with corrections for instructions with a wrong result or a wrong time.
 //
 // Corrected: carry and overflow of ADCS and SBCS with a carry out of the second operand; flags of shifts by register with
 // counts 0 and over 32; STM with its base among the registers; the cycles of PUSH and POP with LR or PC; SEV; WFE and
-// WFI; undefined instructions, BKPT, branches to ARM state and SVC where it cannot be taken, which fault. Everything
-// else is rp2040js's own. Cycles are those of the Cortex-M0+ Technical Reference Manual, table 3-1, and what the flash
-// makes it wait.
+// WFI; undefined instructions, BKPT, branches to ARM state and SVC where it cannot be taken, which fault. Everything else
+// is rp2040js's own. Cycles are those of the Cortex-M0+ Technical Reference Manual, table 3-1, and the wait for the
+// flash.
 
 import { ExceptionCore } from './core-exceptions.mjs';
 import { Fault } from './core-memory.mjs';
@@ -52,7 +52,7 @@ export class BenchCore extends ExceptionCore {
     this.methods = METHOD_OF.map((name) => name && this[name]);
   }
 
-  /** Executes one instruction, or enters one exception. Gives the cycles that took. */
+  /** Executes one instruction, or enters one exception. Gives the cycles of that. */
   step() {
     if (this.interruptsUpdated) {
       const cycles = this.takeException();
@@ -246,14 +246,14 @@ export class BenchCore extends ExceptionCore {
     throw this.fault('undefined instruction', pc);
   }
 
-  /** The first half of UDF.W and of some branches with link: only those of the former fault. */
+  /** The first half of UDF.W and of some branches with link. Only UDF.W faults. */
   doUDFW(opcode, pc) {
     if (this.readUint16(pc + 2) >>> 12 === 0b1010) throw this.fault('undefined instruction', pc);
     this.registers[15] = pc;
     return this.executeInstruction();
   }
 
-  /** In the ROM, a call of the bench; elsewhere, with no debugger attached, a fault. */
+  /** In the ROM a call of the bench; elsewhere a fault, because no debugger is attached. */
   doBKPT(opcode, pc) {
     if (pc >= ROM_END) throw this.fault('breakpoint', pc);
     return 1 + this.board.romCall(opcode & 0xff, this);

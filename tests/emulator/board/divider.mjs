@@ -1,7 +1,8 @@
-// The SIO's divider (datasheet 2.3.1.5), in place of rp2040js's: whole quotients, its results by zero, and its time.
+// The SIO's divider (datasheet 2.3.1.5), in place of rp2040js's: whole quotients, its results for a division by
+// zero, and its time.
 //
-// A write of an operand starts a division; its result stands eight cycles later. Reading it before that gives
-// something in between on hardware, and throws here. DIRTY is what an interrupt's code looks at to know that it must
+// A write of an operand starts a division. Its result is valid eight cycles later. An earlier read gives an
+// intermediate value on hardware, and throws here. The code of an interrupt reads DIRTY to find out whether it must
 // save the state.
 
 const UDIVIDEND = 0x60;
@@ -34,7 +35,7 @@ class Divider {
   divide(signed) {
     const view = (value) => (signed ? value | 0 : value >>> 0);
     const [dividend, divisor] = [view(this.dividend), view(this.divisor)];
-    // By zero: as large as it gets, of the sign of the dividend; that is all ones, or minus one, or one.
+    // The quotient of a division by zero is all ones; signed it is minus one, or one for a negative dividend.
     const quotient = divisor === 0 ? (dividend < 0 ? 1 : -1) : Math.trunc(dividend / divisor);
     this.quotient = quotient >>> 0;
     this.remainder = (divisor === 0 ? dividend : dividend % divisor) >>> 0;

@@ -1,9 +1,9 @@
 // DMA in cycles. rp2040js moves any number of words in no time and needs no bus; here each transfer has its cycle.
 //
 // Convention: the first transfer after a request (a DREQ that rises, a trigger) lands LATENCY cycles after it; while
-// the request stays, one follows each cycle; all channels together make at most one transfer a cycle. The datasheet
-// gives the throughput (2.5.1) but not the latency: it is an assumption, and much shorter than the eight words of a
-// joined FIFO last.
+// the request lasts, one follows each cycle; all channels together make at most one transfer a cycle. The datasheet
+// gives the throughput (2.5.1) but not the latency. The latency is an assumption, and much shorter than the time for
+// which the eight words of a joined FIFO last.
 //
 // Also corrected: CHAN_ABORT reads 0 (rp2040js: all ones, so that a read-modify-write aborts every channel); a trigger
 // with a count of zero leaves no channel busy. Pacing timers and the sniffer are not modelled, and refused.

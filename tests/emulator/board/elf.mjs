@@ -1,4 +1,4 @@
-// Minimal reader of 32-bit little-endian ELF files: what gets loaded, and the symbols.
+// Minimal reader of 32-bit little-endian ELF files: the loaded segments, and the symbols.
 
 const PT_LOAD = 1;
 const SHT_SYMTAB = 2;
@@ -55,7 +55,7 @@ export function readElf(bytes) {
 export const FLASH_BASE = 0x1000_0000;
 export const FLASH_SIZE = 2 * 1024 * 1024;
 
-/** Loads the firmware's segments into a flash array, as a programmer would; the rest keeps what it holds. */
+/** Loads the firmware's segments into a flash array, like a programmer. The rest keeps its content. */
 export function loadInto(flash, elf) {
   for (const { physical, bytes } of elf.segments) {
     const offset = physical - FLASH_BASE;

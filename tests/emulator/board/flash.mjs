@@ -1,7 +1,7 @@
-// The flash chip behind the ROM's functions: erasing, programming, and power that fails in the middle of either.
+// The flash chip behind the ROM's functions: erasing, programming, and a power failure in the middle of either.
 //
-// NOR flash: erasing a sector sets all its bits; programming only clears bits. What is refused by the ROM's contract
-// (unaligned ranges, ranges beyond the chip) throws: on hardware it would corrupt something silently.
+// NOR flash: erasing a sector sets all its bits; programming only clears bits. A call outside the ROM's contract
+// (unaligned ranges, ranges beyond the chip) throws. On hardware it would corrupt something without an error.
 
 export const SECTOR_BYTES = 4096;
 export const PAGE_BYTES = 256;

@@ -1,14 +1,14 @@
-// The pads: what drives each of the 30 pins, the level that results, and what the inside of the chip sees of it.
+// The pads: the driver of each of the 30 pins, the resulting level, and the level inside the chip.
 //
 // Words:
 // - *stamp*: the cycle at whose end a level changes. An instruction of a state machine in cycle k, a store whose last
 //   cycle is k, a stimulus at k: all change levels with stamp k;
-// - *outside*: what the bench drives. An undriven pin follows its pulls; with none, or both, it keeps its
+// - *outside*: the levels that the bench drives. An undriven pin follows its pulls; with none, or both, it keeps its
 //   level;
-// - *synchroniser*: two flip-flops between pad and inside: a level of stamp k is visible to what happens in cycle k + 3
-//   and later (k + 1 where INPUT_SYNC_BYPASS is set). Interrupts of IO_BANK0 are raised with the stamp itself.
+// - *synchroniser*: two flip-flops between pad and inside: a level of stamp k is visible inside in cycle k + 3 and
+//   later (k + 1 where INPUT_SYNC_BYPASS is set). Interrupts of IO_BANK0 are raised with the stamp itself.
 //
-// A chip pin and the outside that drive one pin to different levels are a *contention*: noted, and the chip wins.
+// A *contention* is a pin that the chip and the outside drive to different levels. It is noted, and the chip wins.
 
 const PIN_COUNT = 30;
 const PIN_MASK = 0x3fff_ffff;
@@ -19,7 +19,7 @@ const LEVEL_HIGH = 2;
 const LEVEL_LOW = 1;
 const SYNC_CYCLES = 3;
 
-/** Levels that the bench drives, on all pins: kept over the chip's resets. */
+/** Levels that the bench drives, on all pins. They are kept over the chip's resets. */
 export class Outside {
   enable = 0;
   levels = 0;
@@ -140,7 +140,7 @@ export class Pads {
     if (edge && pin.functionSelect === 4) this.rp2040.pwm.gpioOnInput(pin.index);
   }
 
-  /** Levels that the inside sees in `cycle`; `bypass`: mask of pins without synchroniser. */
+  /** Levels on the inside in `cycle`; `bypass`: mask of pins without synchroniser. */
   inputs(cycle, bypass = 0) {
     let sampled = this.levelsBefore(cycle - SYNC_CYCLES);
     if (bypass !== 0) sampled = (sampled & ~bypass) | (this.levelsBefore(cycle - 1) & bypass);
@@ -152,7 +152,7 @@ export class Pads {
     return (((levels & this.inEnable) ^ this.inInvert) & this.inKeep) | this.inHigh;
   }
 
-  /** True if in `cycle` the inside sees other levels on `pins` than there are now, synchroniser or not. */
+  /** True if in `cycle` the inside has other levels on `pins` than the present ones, with or without synchroniser. */
   moving(cycle, pins) {
     const { levels } = this;
     const sampled = (this.levelsBefore(cycle - SYNC_CYCLES) ^ levels) | (this.levelsBefore(cycle - 1) ^ levels);

@@ -1,9 +1,9 @@
-// A PIO block in cycles: four machines, their registers and what they share. Registers that have to do with time are
-// corrected here; the rest stay rp2040js's.
+// A PIO block in cycles: four machines, their registers and their shared state. Registers that depend on time are
+// corrected here. The rest stay rp2040js's.
 //
-// Convention: machines of one cycle see flags and pins as they were at its start; their own changes show in the next.
-// Machines are executed in order, so that the highest-numbered wins a pin that two write in one cycle (datasheet
-// 3.5.6).
+// Convention: machines of one cycle read flags and pins as they were at its start. Their own changes are visible in
+// the next. Machines are executed in order, so that the highest-numbered wins a pin that two write in one cycle
+// (datasheet 3.5.6).
 
 import { RPPIO } from 'rp2040js';
 import { Machine } from './pio-machine.mjs';
@@ -32,7 +32,7 @@ function placed(old, value, base, count) {
 }
 
 export class Block extends RPPIO {
-  /** `host`: the board, it gives the present stamp, and is notified of new due cycles. */
+  /** `host`: the board. It gives the present stamp, and is notified of new due cycles. */
   constructor(rp2040, index, host) {
     super(rp2040, `PIO${index}`, 7 + 2 * index, index);
     this.host = host;
@@ -64,7 +64,7 @@ export class Block extends RPPIO {
     return Math.min(machines[0].due, machines[1].due, machines[2].due, machines[3].due);
   }
 
-  /** Executes what is due in `cycle`. Gives whether pins were written. */
+  /** Executes the instructions that are due in `cycle`. Gives whether pins were written. */
   execute(cycle) {
     this.begin(cycle);
     for (let i = 0; i < 4; i += 1) {
@@ -98,7 +98,7 @@ export class Block extends RPPIO {
 
   // ---- pins ----
 
-  /** Input pins as the machines see them in the present cycle. */
+  /** Input pins as the machines read them in the present cycle. */
   get inputs() {
     if (this.sampledIn !== this.cycle) {
       this.sampled = this.host.pads.inputs(this.cycle, this.inputSyncBypass);
@@ -107,7 +107,7 @@ export class Block extends RPPIO {
     return this.sampled;
   }
 
-  /** Inputs as the machines see them once no level moves. */
+  /** Inputs as the machines read them once no level moves. */
   steadyInputs() {
     const { pads } = this.host;
     return pads.inside(pads.levels);
@@ -118,14 +118,14 @@ export class Block extends RPPIO {
     return this.host.pads.moving(cycle, pins);
   }
 
-  /** Inputs as a machine that runs ahead sees them in `cycle`. */
+  /** Sets the inputs that a machine that runs ahead reads in `cycle`. */
   fixInputs(cycle, levels) {
     this.cycle = cycle;
     this.sampledIn = cycle;
     this.sampled = levels;
   }
 
-  /** True if changes of pins are under way that the machines have not seen in `cycle`. */
+  /** True if changes of pins are under way that have not reached the machines in `cycle`. */
   inputsUnsettled(cycle) {
     return this.host.pads.changedSince(cycle - 3);
   }
@@ -252,7 +252,7 @@ export class Block extends RPPIO {
     if (machine.enabled) machine.refuseUnmodelled();
   }
 
-  /** Machines that ran ahead come back: what they are to execute may be about to change. */
+  /** Ends the running ahead of machines, because the instructions that they are to execute may change. */
   settle(now) {
     for (const machine of this.machines) machine.settle(now);
   }

@@ -1,16 +1,16 @@
-// A PIO state machine in cycles. rp2040js's own has no notion of when an instruction executes.
+// A PIO state machine in cycles. rp2040js's own does not record when an instruction executes.
 //
 // Words:
 // - an instruction *executes* in one cycle, `due`; its outputs and side-set take that cycle as their stamp; the next
 //   executes 1 + delay cycles later (times the clock divider);
 // - an instruction *stalls* when it cannot complete: it has side-set in its first cycle, and is tried again in the
-//   cycle after what it waits for may have come;
-// - a *quiet* instruction touches nothing but the machine's own registers, and nothing but the pins touches it;
-// - *running ahead*: after each instruction the quiet ones that follow are executed at once, up to the next that is
-//   not, which is then due in its own cycle. Should an input pin that they read change, or be read, the
-//   registers are taken back to where they were and brought to that cycle (`settle`). So nothing shows but the speed.
+//   cycle after its condition may have become true;
+// - a *quiet* instruction uses nothing but the machine's own registers, and depends on nothing else but the pins;
+// - *running ahead*: after each instruction the quiet ones that follow are executed at once, up to the next one that
+//   is not quiet, which is then due in its own cycle. If an input pin that they read changes, or the registers are
+//   read, they are reset to their earlier values and advanced to that cycle (`settle`). So only the speed differs.
 //
-// Integer clock dividers are modelled; fractional ones, autopull and OUT_STICKY are refused. Running ahead supposes
+// Integer clock dividers are modelled. Fractional ones, autopull and OUT_STICKY are refused. Running ahead requires
 // that no other machine drives the pins that this one side-sets.
 
 import { FDEBUG, INPUT, NONE, Operations, RX, TX } from './pio-operations.mjs';
@@ -29,7 +29,7 @@ const IN = 4;
 const IN_PINS = 5;
 const MOV_PINS = 6;
 
-/** By instruction, less its delay and side-set: whether it is quiet, and what to mind. */
+/** By instruction, less its delay and side-set: whether it is quiet, and how running ahead must treat it. */
 const KIND = Uint8Array.from({ length: 0x1_0000 }, (_, opcode) => {
   const to = (opcode >>> 5) & 7;
   const from = opcode & 7;
@@ -184,8 +184,8 @@ export class Machine extends Operations {
   }
 
   /**
-   * An instruction written by the processor executes at the end of the store's last cycle, the one before `now`,
-   * whatever the program is doing.
+   * An instruction written by the processor executes at the end of the store's last cycle, the one before `now`. The
+   * state of the program does not matter.
    */
   force(opcode, now) {
     this.settle(now);
@@ -197,7 +197,7 @@ export class Machine extends Operations {
     this.execctrl = this.stall === NONE ? this.execctrl & ~EXECCTRL_STALLED : this.execctrl | EXECCTRL_STALLED;
   }
 
-  /** Executes what is due in `cycle`. */
+  /** Executes the instruction that is due in `cycle`. */
   execute(cycle) {
     this.saved.ahead = false;
     const isForced = this.forced >= 0;
@@ -253,7 +253,7 @@ export class Machine extends Operations {
     if (saved.ahead && this.mostAhead < MOST_AHEAD) this.mostAhead *= 2;
   }
 
-  /** Makes the registers what they are at the start of `now`. */
+  /** Advances the registers to their values at the start of `now`. */
   settle(now) {
     const { saved } = this;
     if (!saved.ahead) return;
@@ -294,7 +294,7 @@ export class Machine extends Operations {
           continue;
         }
       } else if (kind >= JMP_PIN && kind !== IN) {
-        // Ahead of time pins may only be read that are steady; coming back, they are read as they were.
+        // Running ahead may only read steady pins. A repeated run reads the pins at their earlier levels.
         const pins = this.pinsOf(kind, opcode);
         if (limit === Infinity && block.inputsMoving(at, pins)) break;
         this.pinsRead |= pins;

@@ -1,4 +1,4 @@
-// Effects of the instructions of a PIO state machine, after chapter 3.4 of the RP2040 datasheet. Their timing is
+// Effects of the instructions of a PIO state machine, after chapter 3.4 of the RP2040 datasheet. Their timing is in
 // pio-machine.mjs.
 //
 // All registers are kept as unsigned 32-bit numbers. Autopull is not modelled (it is refused when a machine is
@@ -76,7 +76,7 @@ export class Operations {
     this.divider = this.clkdiv >>> 16 || 0x1_0000;
   }
 
-  /** Carries one instruction out. Gives what it stalls for, or NONE; `jumped` is set if it wrote the PC. */
+  /** Carries one instruction out. Gives the cause of its stall, or NONE; `jumped` is set if it wrote the PC. */
   operate(opcode) {
     const argument = (opcode >>> 5) & 7;
     const low = opcode & 0x1f;

@@ -1,7 +1,7 @@
-// A UART as the RP2040 has it (PL011, ARM DDI 0183; RP2040 datasheet, 4.2): FIFOs of 32, bytes that take their time on the
-// wire, interrupts at levels, the receive timeout, errors with their bytes, DREQs. It stands in for rp2040js's own, which sends in
-// no time, raises TXRIS again at every look, and has no receive timeout, so that the tail of a message never reaches
-// a driver that waits for either (embassy-rp's BufferedUart).
+// The UART of the RP2040 (PL011, ARM DDI 0183; RP2040 datasheet, 4.2): FIFOs of 32, bytes that take time on the wire, interrupts
+// at levels, the receive timeout, errors with their bytes, DREQs. It replaces rp2040js's own, which sends in no time, raises TXRIS
+// again at every look, and has no receive timeout. With that one, the tail of a message never reaches a driver that waits for
+// either (embassy-rp's BufferedUart).
 //
 // Loopback, IrDA, and flow control by RTS and CTS are not modelled, and refused. Modem signals read as off. The levels of the pins
 // do not follow the frames.
@@ -53,7 +53,7 @@ export class Pl011 extends BasePeripheral {
     this.dreqRx = this.dreqTx + 1;
     this.integer = 0;
     this.fraction = 0;
-    /** The divider in use: what was written, as of the last write to LCR_H. */
+    /** The divider in use: the value written before the last write to LCR_H. */
     this.divider = 0;
     this.lineControl = 0;
     this.control = CR_TX | CR_RX;
@@ -126,7 +126,7 @@ export class Pl011 extends BasePeripheral {
       this.raise(OVERRUN);
       return;
     }
-    // The overrun is reported with the first character that finds room again.
+    // The overrun is reported with the first character that fits again.
     this.rx.push((data & this.dataMask) | flags | (this.overrun ? OVERRUN_BYTE : 0));
     this.overrun = false;
     this.timeoutAlarm.schedule(TIMEOUT_BITS * this.bitNanos);
@@ -141,7 +141,7 @@ export class Pl011 extends BasePeripheral {
     if (this.divider < 1) throw new Error(`${this.name}: a byte is sent while the baud rate divider is ${this.divider}`);
     const before = this.tx.length;
     this.shifting = this.tx.shift();
-    // The interrupt is that of the transition through the level, not of the level.
+    // The transition through the level raises the interrupt, not the level itself.
     if (before > this.txLevel && this.tx.length <= this.txLevel) this.raised |= TX;
     this.sentAlarm.schedule(this.frameBits * this.bitNanos);
   }

@@ -1,7 +1,7 @@
 // The processor's own registers: NVIC pending bits, ICSR, AIRCR and SysTick, corrected in rp2040js's PPB.
 //
-// rp2040js never lets software pend a hardware interrupt for good or for once (it stays pending, or cannot be
-// cleared), knows no system reset, and reloads SysTick wrongly after a write to its current value.
+// In rp2040js software cannot pend a hardware interrupt correctly: it stays pending, or cannot be cleared.
+// rp2040js has no system reset, and reloads SysTick wrongly after a write to its current value.
 
 const SYST_CSR = 0x010;
 const SYST_RVR = 0x014;

@@ -1,9 +1,9 @@
-// Cycles of one exception by call path: which function spent them, and who called it.
+// Cycles of one exception by call path: the functions that spent them, and their callers.
 //
 // A *node* is one place in the call tree: a function, the node that called it, and the instruction that called. Calls are
-// seen as they happen: BL and BLX call, and a branch to the return address with the caller's stack pointer returns. A jump
-// into another function is a tail call: the callee is a child of the function that jumped, and returns with it. The
-// cycles of entering and leaving the exception are at address 0 of the root.
+// detected as they happen: BL and BLX call, and a branch to the return address with the caller's stack pointer returns. A jump
+// into another function is a tail call: the callee is a child of the function that jumped, and returns with it. The cycles of
+// entering and leaving the exception are at address 0 of the root.
 //
 // The sum of a call's cycles is `own` of usage.mjs: cycles of exceptions that preempt are not in it.
 
@@ -92,7 +92,7 @@ export class CallProfile {
     if (top.node === -1) {
       top.node = this.child(frames[frames.length - 2].node, top.site, fn);
     } else if (this.nodes[top.node].fn !== fn) {
-      // Back in a function that jumped away, or a tail call of another.
+      // Back in a function that made a tail call, or a tail call of another.
       let back = frames.length - 1;
       const same = (frame) => frame.returnTo === top.returnTo && frame.stack === top.stack;
       while (back >= 0 && same(frames[back]) && this.nodes[frames[back].node].fn !== fn) back -= 1;
@@ -145,13 +145,13 @@ export class CallProfile {
   }
 }
 
-/** A half-word of code, read as a debugger would: it does not change what the flash's cache holds. */
+/** A half-word of code, read like a debugger does: the read does not change the content of the flash's cache. */
 function halfAt(core, address) {
   if (address >>> 28 === 2) return core.ram16[(address & OFFSET) >>> 1];
   return (address >>> 28 === 1 ? core.flash16 : core.rom16)[(address & OFFSET) >>> 1];
 }
 
-/** The place in `functions`, which are by address, of the one around `pc`; -1 if there is none. */
+/** The place in `functions`, which are sorted by address, of the one around `pc`; -1 if there is none. */
 export function placeOf(functions, pc) {
   let low = 0;
   let high = functions.length;

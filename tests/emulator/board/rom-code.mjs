@@ -1,4 +1,5 @@
-// Thumb code of the bench's boot ROM: what has to run as code, because an interrupt may come in the middle of it.
+// Thumb code of the bench's boot ROM. These functions must run as code, because an interrupt may come in the
+// middle of them.
 //
 // Each routine is a list of half-words, labels and branches to them. They are our own, and about as fast as the
 // chip's.

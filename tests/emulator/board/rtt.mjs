@@ -1,8 +1,8 @@
-// The log: what the firmware writes into its RTT up channel, as raw bytes with the cycle of each piece.
+// The log: the bytes that the firmware writes into its RTT up channel, with the cycle of each piece.
 //
 // By default the host's side is ideal: the channel is emptied in the cycle in which the firmware moves its write offset,
-// so nothing is ever lost and each piece has its exact cycle. With `interval` it is emptied every so many cycles, as
-// a probe would; then what the firmware does when the channel is full can be observed.
+// so nothing is ever lost and each piece has its exact cycle. With `interval` it is emptied every so many cycles, like a
+// probe does. Then the firmware's behaviour with a full channel can be observed.
 
 const UP_CHANNEL = 24;
 const BUFFER = 4;
@@ -43,7 +43,7 @@ export class Rtt {
     core.ram32[at(READ)] = (core.ram32[at(WRITE)] + 1) % core.ram32[at(SIZE)];
   }
 
-  /** Takes what is in the channel and moves the read offset. */
+  /** Takes the channel's content and moves the read offset. */
   drain() {
     const { core } = this.board;
     const field = (offset) => core.ram32[(this.channel + offset - 0x2000_0000) >>> 2];

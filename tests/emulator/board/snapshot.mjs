@@ -1,11 +1,12 @@
-// The whole of an emulated machine as it stands, to come back to: many cases from one moment, without booting for each.
+// The whole state of an emulated machine, to return to later: many cases start from one moment, without booting for
+// each.
 //
-// The state is that of objects that know each other, and of functions that know them; so nothing is copied into new
-// objects. Taking a snapshot walks all objects from one on and keeps what each of them holds; coming back writes it into
-// the same objects. Objects that came to be since are forgotten with the references to them. What only a function's own
-// variables hold cannot be found; the board keeps its state in properties for that reason.
+// The state consists of objects that refer to each other, and of functions that refer to them, so nothing is copied into
+// new objects. Taking a snapshot walks all objects from one on and keeps the content of each. Restoring writes it into
+// the same objects. Objects that were created later are forgotten with the references to them. State in a function's own
+// variables cannot be found, so the board keeps its state in properties.
 
-/** Types that never change, or are no state: not walked into. */
+/** Constants, and properties that hold no state: not walked into. */
 const CONSTANT = new Set(['elf', 'logger', 'methods']);
 
 export class Snapshot {
@@ -49,7 +50,7 @@ export class Snapshot {
     }
   }
 
-  /** Lists that only grow are cut back; what they held is there still, unless something else was put in its place. */
+  /** Arrays get back their former length and items. */
   takeArray(array) {
     const items = array.slice();
     this.objects.push(() => {

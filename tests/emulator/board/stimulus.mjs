@@ -1,6 +1,6 @@
 // Inputs of the pins from outside: a schedule of levels at exact cycles.
 //
-// A pin that the schedule does not hold, or has released, is a broken wire: it reads what its pulls make of it.
+// A pin that is not in the schedule, or that it has released, is a broken wire: its pulls determine its level.
 
 const RELEASED = -1;
 
@@ -52,7 +52,7 @@ export class Stimulus {
     return this;
   }
 
-  /** Carries out what is due up to `cycle` on `outside` (see pads.mjs). Gives whether anything was. */
+  /** Carries out the changes that are due up to `cycle` on `outside` (see pads.mjs). Gives whether there were any. */
   apply(cycle, outside) {
     let any = false;
     this.now = cycle + 1;

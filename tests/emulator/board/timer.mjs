@@ -1,8 +1,8 @@
-// Alarms of the 64-bit microsecond timer, corrected: rp2040js counts from the middle of a microsecond and drops the
-// rest, so that an alarm may come up to a microsecond before its time, and the firmware has to arm it again and again.
+// Alarms of the 64-bit microsecond timer, corrected. rp2040js counts from the middle of a microsecond and drops the
+// rest. So an alarm may come up to a microsecond before its time, and the firmware has to arm it again and again.
 //
 // Convention: the timer's microseconds begin with the reset. On hardware they begin when the firmware starts the tick,
-// and stand in no fixed relation to the system clock.
+// and have no fixed relation to the system clock.
 
 import { CYCLES_PER_US } from './clock.mjs';
 
@@ -23,7 +23,7 @@ export function fixTimer(rp2040) {
     const wait = (value - now) >>> 0;
     alarm.armed = true;
     alarm.targetMicros = value;
-    // A value that is the present one matches at once; a past one, only when the low word has come round.
+    // A value equal to the present one matches at once. A past one matches only after the low word has wrapped.
     alarm.clockAlarm.at(wait === 0 ? clock.cycle : clock.origin + (now + wait) * CYCLES_PER_US);
   };
 }

@@ -1,7 +1,7 @@
-// What is at the other end of a UART's two wires. It belongs to the board, not to the chip: it goes on over resets.
+// The other end of a UART's two wires. It belongs to the board, not to the chip, so a reset does not stop it.
 //
-// Frames come one after another, as fast as the line goes. `onData(byte)` gets each byte that has left the chip, at the end of
-// its frame; `onBreak(on)` the beginning and the end of a break.
+// Frames come one after another, as fast as the line allows. `onData(byte)` gets each byte that has left the chip, at the end
+// of its frame. `onBreak(on)` gets the beginning and the end of a break.
 
 /** For a UART whose divider is not set yet. */
 const DEFAULT_BAUD = 115_200;
@@ -14,7 +14,7 @@ export class UartLine {
   constructor(board, index) {
     this.board = board;
     this.index = index;
-    /** Baud rate of this end; null for that of the chip, whatever it is. */
+    /** Baud rate of this end; null for that of the chip. */
     this.baud = null;
     this.waiting = [];
     this.onData = () => {};

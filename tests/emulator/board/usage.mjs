@@ -57,7 +57,7 @@ export class Usage {
     this.stack.push({ number, entry: this.mark, own: 0 });
   }
 
-  /** The return is under way; the cycles of the returning instruction are booked to what it returns to. */
+  /** The return is under way. The cycles of the returning instruction are booked to the code that it returns to. */
   leave(number) {
     this.settle();
     if (this.stack.length < 2 || this.stack[this.stack.length - 1].number !== number) return;

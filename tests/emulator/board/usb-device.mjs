@@ -1,9 +1,9 @@
-// The USB controller as a device: registers, buffers by ownership, and how each endpoint answers the host. It stands in for
-// rp2040js's own, which gives an OUT buffer back as soon as the firmware makes it available, so that a driver that waits for
-// AVAILABLE to fall (embassy-rp) takes each buffer for a packet; it also has no bus reset after the first, and no suspend.
+// The USB controller as a device: registers, buffers by ownership, and the answer of each endpoint to the host. It replaces
+// rp2040js's own, which gives an OUT buffer back as soon as the firmware makes it available. A driver that waits for AVAILABLE to
+// fall (embassy-rp) then takes each buffer for a packet. rp2040js's own also has no bus reset after the first, and no suspend.
 //
 // A buffer is the controller's from the store that sets AVAILABLE to the end of the transaction that fills or empties it.
-// `usb-port.mjs` says when transactions happen; this file says what they do.
+// `usb-port.mjs` determines when transactions happen; this file determines their effect.
 //
 // Convention, where the datasheet (RP2040, 4.1) does not say: a packet with the other DATA PID than that of the buffer control is
 // acknowledged and dropped, as USB 2.0 (8.6.4) has it, and sets DATA_SEQ_ERROR. SETUP leaves buffers of endpoint 0 alone.
@@ -71,7 +71,7 @@ const ON_STALL = 1 << 17;
 const ON_NAK = 1 << 16;
 const ADDRESS_MASK = 0xffc0;
 
-/** Levels of D+ and D− as SIE_STATUS has them. */
+/** Levels of D+ and D− as SIE_STATUS encodes them. */
 export const SE0 = 0;
 export const J = 1;
 export const K = 2;
@@ -97,19 +97,19 @@ export class UsbDevice extends BasePeripheral {
     port.connect(this);
   }
 
-  // ---- what the bus sees ----
+  // ---- the device on the bus ----
 
-  /** VBUS as the controller takes it: the override of USB_PWR, or else that the cable is plugged in. */
+  /** VBUS for the controller: the override of USB_PWR, or else whether the cable is plugged in. */
   get vbus() {
     return this.power & PWR_VBUS_OVERRIDE ? (this.power & PWR_VBUS) !== 0 : this.port.plugged;
   }
 
-  /** True if the device pulls D+ up, which is what a host detects. */
+  /** True if the device pulls D+ up, which a host detects. */
   get pullsUp() {
     return (this.control & SIE_PULLUP) !== 0 && this.vbus;
   }
 
-  /** How an endpoint answers: 'ready', 'nak', 'stall', or 'none' if it does not. */
+  /** The answer of an endpoint: 'ready', 'nak', 'stall', or 'none' if it does not answer. */
   answer(address, endpoint, out) {
     if (address !== this.address || !this.pullsUp) return 'none';
     const buffer = this.bufferControl(endpoint, out);
@@ -167,7 +167,7 @@ export class UsbDevice extends BasePeripheral {
     return { answer: 'data', data1: (buffer & DATA1) !== 0, bytes };
   }
 
-  /** A packet of the host arrived with a wrong CRC: nothing answers it. */
+  /** A packet of the host arrived with a wrong CRC. Nothing answers it. */
   corrupted() {
     this.raise(CRC_ERROR);
   }
@@ -178,7 +178,7 @@ export class UsbDevice extends BasePeripheral {
     this.raise(BUS_RESET);
   }
 
-  /** No start of frame any more, nor anything else. */
+  /** The bus is idle: there are no more starts of frame, and no other packets. */
   idle() {
     if (this.pullsUp) this.idleAlarm.schedule(SUSPEND_AFTER_NANOS);
   }

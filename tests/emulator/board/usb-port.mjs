@@ -1,13 +1,13 @@
-// The board's USB connector: what the cable carries, and how long it takes. It belongs to the board, not to the chip: a cable
-// stays plugged in over resets.
+// The board's USB connector: the traffic on the cable, and its duration. It belongs to the board, not to the chip: a cable stays
+// plugged in over resets.
 //
-// One transaction at a time, at full speed (12 Mbit/s), each within a frame of 1 ms. A transaction takes (13 + n) bytes for
-// n bytes of data: three synchronisation patterns and PIDs, address and CRCs, turn-arounds (USB 2.0, 5.8.4). Stuffed bits are
-// not counted. The host's tries that are answered with NAK take no time: a transaction begins as soon as the endpoint
-// is ready and the wire free.
+// One transaction at a time, at full speed (12 Mbit/s), each within a frame of 1 ms. A transaction takes (13 + n) bytes for n
+// bytes of data: three synchronisation patterns and PIDs, address and CRCs, turn-arounds (USB 2.0, 5.8.4). Stuffed bits are not
+// counted. The host's tries that are answered with NAK take no time: a transaction begins as soon as the endpoint is ready and the
+// wire is free.
 //
-// `host` (bench/usb-host.mjs) is called back: attached(), detached() for the pull-up; changed() when an endpoint may answer
-// otherwise than before; answered(transaction, answer).
+// The port calls `host` (bench/usb-host.mjs) back: attached(), detached() for the pull-up; changed() when the answer of an
+// endpoint may have changed; answered(transaction, answer).
 
 import { CYCLES_PER_SECOND, NANOS_PER_CYCLE } from './clock.mjs';
 import { J, K, SE0 } from './usb-device.mjs';
@@ -147,9 +147,9 @@ export class UsbPort {
   }
 
   /**
-   * Carries out { kind: 'setup' | 'out' | 'in', address, endpoint, data1, bytes } on the wire; `host.answered` gets it with
-   * { answer: 'ack' | 'data' | 'nak' | 'stall' | 'none' | 'babble', data1, bytes } at its end. `length` is that of the packet that
-   * comes, for 'in'.
+   * Carries out { kind: 'setup' | 'out' | 'in', address, endpoint, data1, bytes } on the wire. At its end `host.answered` gets it
+   * with { answer: 'ack' | 'data' | 'nak' | 'stall' | 'none' | 'babble', data1, bytes }. `length` is that of the received packet,
+   * for 'in'.
    */
   transact(transaction, length) {
     if (!this.running || this.transaction) throw new Error('USB: a transaction while the wire is not free');

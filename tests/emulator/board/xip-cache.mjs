@@ -1,8 +1,8 @@
 // The cache between processor and flash: 16 KiB, two ways of 1,024 lines of 8 bytes (RP2040 datasheet, 2.6.3). A hit
-// costs nothing here, a miss what it takes to fetch a line from the flash chip.
+// costs nothing here. A miss costs the time to fetch a line from the flash chip.
 //
-// Not documented, and assumed: of the two ways the one that was used longer ago is replaced. Not modelled: DMA from the
-// flash, and the other aliases of the window; the firmware uses neither.
+// Not documented, and assumed: the least recently used of the two ways is replaced. Not modelled: DMA from the flash,
+// and the other aliases of the window; the firmware uses neither.
 
 const SETS = 1024;
 const LINE_BITS = 3;
@@ -17,19 +17,19 @@ export const MISS_CYCLES = 56;
 export class XipCache {
   constructor(missCycles = MISS_CYCLES) {
     this.missCycles = missCycles;
-    /** The lines in both ways of each set: first the one that was used last. */
+    /** The lines in both ways of each set, the most recently used first. */
     this.lines = new Int32Array(2 * SETS);
     this.misses = 0;
     this.flush();
   }
 
-  /** Nothing is cached any more. */
+  /** Empties the cache. */
   flush() {
     this.lines.fill(EMPTY);
     this.last = EMPTY;
   }
 
-  /** Cycles that an access to `address`, an offset into the flash, has to wait. */
+  /** Wait of an access to `address`, an offset into the flash, in cycles. */
   wait(address) {
     const line = address >>> LINE_BITS;
     if (line === this.last) return 0;

@@ -1,5 +1,5 @@
-// The arguments that candidates are called with: the same on every run, spread over the whole range, with its ends,
-// powers of two and their neighbours among them.
+// The arguments that candidates are called with. They are the same on every run and spread over the whole range,
+// and include its ends, powers of two and their neighbours.
 
 const COUNT = 2000;
 

@@ -1,15 +1,15 @@
 // Calls single functions of an ELF in the RP2040 emulator, and counts the cycles of each.
 //
-// rp2040js counts as Arm's table for the Cortex-M0+ does, with the RP2040's multiplier of one cycle, but for two
-// things: PUSH with LR and POP with PC are each a cycle short, since it leaves LR and PC out of the number of
-// registers. Both are added here. What it does not model: waiting for flash (a miss of the 16 KiB cache in front of
-// it costs dozens of cycles) and contention on the bus.
+// rp2040js counts as Arm's table for the Cortex-M0+ does, with the RP2040's multiplier of one cycle, with two
+// exceptions: PUSH with LR and POP with PC are each a cycle short, since it leaves LR and PC out of the number of
+// registers. Both are added here. Not modelled: waiting for flash (a miss of the 16 KiB cache in front of it costs
+// dozens of cycles) and contention on the bus.
 import { readFileSync } from 'node:fs';
 import { RP2040 } from 'rp2040js';
 
 const FLASH = 0x10000000;
 const STACK = 0x20040000;
-const RETURN = 0x20041000; // nothing lies there: a function has returned when it gets there
+const RETURN = 0x20041000; // nothing lies there: a function that reaches it has returned
 
 /** Symbols and loadable bytes of a little-endian ELF of 32 bits. */
 export function readElf(path) {

@@ -1,4 +1,4 @@
-// The candidates, with format and range: how an argument becomes bits, and bits a result.
+// The candidates, with format and range: the conversion of an argument to bits, and of bits to a result.
 import { even, floats, logarithmic, pairs, turn } from './arguments.mjs';
 
 const float = new DataView(new ArrayBuffer(8));
@@ -55,7 +55,7 @@ const floatSine = (symbol, name) =>
   sine(symbol, name, 'radians, f32', '−π to π', radiansF32, (x) => f32Bits(radiansF32(x)), f32);
 
 const Q30 = 2 ** 30;
-/** Vectors as long as `length`, around the turn; the truth is that of the very vector that was given. */
+/** Vectors as long as `length`, around the turn. The true angle is that of the rounded vector. */
 const arctangent = (symbol, name, format, round, encode, decode) => ({
   what: 'arctangent', symbol, name, format, range: 'a turn',
   arguments: turn,
@@ -89,7 +89,7 @@ const product = (symbol, name) => ({
   exact: ([a, b], r) => BigInt(r.r0 | 0) === (BigInt(a) * BigInt(b)) >> 30n,
 });
 
-/** Ours are marked: a check fails when they become slower. */
+/** Our own functions are marked: a check fails when they become slower. */
 export const candidates = [
   root('root_cophase', 'cophase `root`', 'u64 → 32 significant bits', '1 to 2^64', () => logarithmic(0, 64), words,
     normalised, { ...isNormalisedFloor, ours: true }),

@@ -3,8 +3,9 @@
 //   cargo build --package cophase-functions --target thumbv6m-none-eabi --profile firmware
 //   node tests/emulator/functions/measure.mjs [--check]
 //
-// Writes docs/emulated-functions.csv and the table in docs/functions.md: the same bytes on each run. With --check writes
-// nothing, and fails if one of our own functions takes over 5 % more cycles, or errs more, than the file says.
+// Writes docs/emulated-functions.csv and the table in docs/functions.md: the same bytes on each run. With --check it
+// writes nothing, and fails if one of our own functions takes over 5 % more cycles, or has a larger error, than the file
+// states.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { Board, readElf } from './call.mjs';
@@ -17,9 +18,9 @@ const TARGET = process.env.CARGO_TARGET_DIR ?? `${ROOT}/target`;
 const ELF = `${TARGET}/thumbv6m-none-eabi/firmware/cophase-functions`;
 const CSV = `${ROOT}/docs/emulated-functions.csv`;
 const MARKDOWN = `${ROOT}/docs/functions.md`;
-const LIMIT = 100_000; // cycles: nothing that works takes a quarter of that
+const LIMIT = 100_000; // cycles: no working function takes a quarter of that
 const SLACK = 1.05;
-const WRONG = 0.5; // an error beyond this is no rounding: the result overflowed
+const WRONG = 0.5; // a larger error is not rounding: the result overflowed
 
 const text = (x) => (Array.isArray(x) ? x.join(' ') : String(x));
 
@@ -68,7 +69,7 @@ function measure(board, sizes, candidate) {
   };
 }
 
-/** Figures that became worse than the file says, a sentence each. */
+/** Figures that became worse than in the file, a sentence each. */
 function regressions(rows, before) {
   const old = parsed(before);
   return rows.flatMap((row, i) => {

@@ -1,7 +1,7 @@
 // Flash that a function takes: its own code, all that it calls, and the tables that these point to.
 //
 // Some tables have no symbol (constants that were never given an address in the source). Such a block begins where a
-// constant points and ends where the next block begins: at a symbol, or where any other constant points.
+// constant points and ends where the next block begins: at a symbol, or at the target of any other constant.
 
 const FLASH = 0x10000000;
 const END = FLASH + 0x200000;
@@ -22,7 +22,7 @@ export class Sizes {
   /** Bytes that can be reached from the function `name` by calls, jumps, and addresses among its constants. */
   reachable(name) {
     const visited = new Set();
-    // What a panic says is no part of what a function needs.
+    // A function does not need the message of a panic.
     const panic = this.symbols.find((s) => s.name.includes('panic_fmt'));
     if (panic) visited.add(panic.address);
     let sum = 0;

@@ -1,8 +1,8 @@
-// Cost: what a control tick takes of the processor.
+// Cost: the processor time of a control tick.
 //
-// A tick is what the loop's interrupt takes from the moment in which its deadline wakes it to that in which it sleeps
-// again: reading, computing and handing over. What the timer's and the channels' interrupts take beside it is counted
-// too, and reported separately. Nothing in them waits for the flash: all of it runs from RAM.
+// A tick is the time that the loop's interrupt takes from its deadline, which wakes it, until it sleeps again: reading,
+// computing and handing over. The time of the timer's and the channels' interrupts is counted too, and reported
+// separately. None of them waits for the flash: all of their code runs from RAM.
 //
 // Two scenes: `everything`, with index sensors at different crank angles, and `alike`, with all of them at one angle and
 // corrections in motion. In the second all index pulses come in one tick. `--profile` shows the functions that cost.
@@ -64,12 +64,12 @@ function measure(outcome, name, axes) {
   const waited = `${name}, ${axes} axes: no interrupt waits for the flash${listed(waits)}`;
   if (name === 'everything') outcome.check(waits.length === 0, waited);
   else outcome.reach(waits.length === 0, waited);
-  // What was in the cache this time need not be the next time.
+  // Data that was in the cache this time may be missing from it the next time.
   if (axes === GOAL_AXES) outcome.reach(reads.length === 0, `${name}, ${axes} axes: no interrupt reads the flash${listed(reads)}`);
   return { ...all, states };
 }
 
-/** Reads of the flash in words: which function, what, and how often. */
+/** Reads of the flash in words: the function, the address, and the number of reads. */
 function listed(reads) {
   if (reads.length === 0) return '';
   const names = namesAt([...new Set(reads.map(({ pc }) => pc & ~1))]);

@@ -1,7 +1,7 @@
 // Deadlines: each number of axes at the highest tick rate that the board accepts, and six axes at the rate that is the goal.
 //
-// The board accepts or refuses a tick rate by a model of what a tick costs (firmware/link/src/board/rp2040.rs). What it accepts it
-// must keep: no deadline may be missed, also with all index sensors at one crank angle and corrections in motion. A count
+// The board accepts or refuses a tick rate by a model of the cost of a tick (firmware/link/src/board/rp2040.rs). It must keep an
+// accepted rate: no deadline may be missed, also with all index sensors at one crank angle and corrections in motion. A count
 // above zero is not exact: after a missed deadline the machine is behind the index pulses that the host predicts.
 
 import { MISSED_DEADLINES, TICK_HZ } from '../bench/goals.mjs';
@@ -11,7 +11,7 @@ import { run as play, summary } from '../bench/ticks.mjs';
 const AXES = [2, 3, 4, 5, 6];
 const MOST_AXES = 6;
 
-/** The settings accept no more. */
+/** The settings accept no higher rate. */
 const MOST_HZ = 10_000;
 
 export const title = 'Deadlines: the highest tick rates that the board accepts';
@@ -61,7 +61,7 @@ function logged(lines) {
   return counts.length === 0 ? 0 : Number(counts[counts.length - 1][1]);
 }
 
-/** Deadlines missed, as the bench sees them: those at which the loop did not run. */
+/** Deadlines missed, as the bench detects them: those at which the loop did not run. */
 function passed(ticks) {
   return ticks.slice(1).reduce((sum, { number }, i) => sum + Math.max(number - ticks[i].number - 1, 0), 0);
 }

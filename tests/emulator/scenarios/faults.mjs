@@ -1,12 +1,12 @@
 // Faults: each reaction that this board can have, on host and firmware alike, from one and the same scene file.
 //
-// The host plays the scene with its `[[fault]]`. What its cranks then do before their sensors is given to the firmware's pins, as are
-// alarms and inputs; the processor is kept from its deadlines, and a channel from its axis, where the fault is that. Host and firmware
-// must then be in the same state at every tick, report the same events in the same tick, and step alike: to the cycle, or, where a
-// correction follows what was measured, to what the firmware may read a pulse off by.
+// The host plays the scene with its `[[fault]]`. The firmware's pins get the index pulses of the host's cranks, its alarms and its
+// inputs. For the faults that need it, the processor is kept from its deadlines, or a channel from its axis. Host and firmware must then
+// be in the same state at every tick, report the same events in the same tick, and step alike: to the cycle. Where a correction follows a
+// measurement, steps may differ by the error with which the firmware may read a pulse.
 //
-// One fault cannot be put in alike: a channel that stands costs its axis other steps, and at another moment of the tick, than half a tick
-// of a simulated axis; there the states and events are compared, which may be a few ticks apart, and steps up to then.
+// One fault cannot be reproduced exactly: a stopped channel costs its axis other steps, and at another moment of the tick, than half a
+// tick of a simulated axis. There the states and events are compared, which may be a few ticks apart, and the steps up to then.
 
 import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
@@ -26,10 +26,10 @@ const READING_CYCLES = 2 * (7 + 3);
 /** From a deadline to the first cycle of its tick: as in parity.mjs. */
 const MOST_OFFSET = 25;
 
-/** Ticks by which the firmware may report later where a fault cannot be put in alike. */
+/** Ticks by which the firmware may report later if a fault cannot be reproduced exactly. */
 const MOST_LATER = 2;
 
-/** Until all events are in the log. */
+/** Time until all events are in the log. */
 const REPORTING_S = 0.03;
 
 const stops = ['homing', 'run', 'stop', 'fault'];
@@ -37,7 +37,7 @@ const parks = ['homing', 'run', 'stop', 'parked'];
 const disables = ['homing', 'run', 'fault'];
 const refuses = ['homing', 'stop', 'fault'];
 
-/** The scenes, and where each is to end: states in turn, the events, and the reaction to them. */
+/** The scenes with their expected ends: states in turn, the events, and the reaction to them. */
 const CASES = [
   ['lost-steps', 'correct', parks, ['lost-steps'], { corrects: true }],
   ['lost-steps-beyond-limit', 'stop', stops, ['index-timeout', 'lost-steps']],
@@ -107,7 +107,7 @@ export function run(outcome) {
   outcome.figure('sizes and phases of events, host against firmware, deg', worst);
 }
 
-/** Puts into the firmware what the host was given, and runs it to the end of what the host has. */
+/** Applies the host's inputs and faults to the firmware, and runs it to the end of the host's prediction. */
 function put(machine, played, predicted, began, turned) {
   const last = feed(machine, played, predicted, began, turned);
   const at = (seconds) => began + Math.round(seconds * CYCLES_PER_S);
@@ -134,7 +134,7 @@ function put(machine, played, predicted, began, turned) {
   machine.board.run({ untilCycle: Math.max(last, machine.board.cycle) + Math.round(REPORTING_S * CYCLES_PER_S) });
 }
 
-/** The same states at the same ticks, the same events; how far sizes and phases are apart at most, degrees. */
+/** Checks that states, their ticks and the events are the same. Gives the largest difference of sizes and phases, degrees. */
 function compare(firmware, host, { differs = false }, wrong) {
   const later = differs ? MOST_LATER : 0;
   const near = (a, b) => Math.abs(a - b) <= later;
@@ -161,7 +161,7 @@ function compare(firmware, host, { differs = false }, wrong) {
 
 const nearest = (deg) => Math.abs(deg - 360 * Math.round(deg / 360));
 
-/** Step edges as predicted; in words. */
+/** Checks that step edges are as predicted. Gives a text. */
 function stepsAlike(machine, { toml }, predicted, began, { corrects = false, differs = false, stands = false }, wrong) {
   const perStep = 360 / toml.axes.steps_per_turn;
   const most = { cycles: 0, deg: 0 };
@@ -180,13 +180,13 @@ function stepsAlike(machine, { toml }, predicted, began, { corrects = false, dif
         break;
       }
       count += 1;
-      // As the crank went to this step and from it: where it comes to rest, a step is any time off.
+      // The longer interval of those before and after this step. Where the crank comes to rest, the time of a step is arbitrary.
       const apart = Math.max((expected[i + 1] ?? Infinity) - expected[i], expected[i] - (expected[i - 1] ?? -Infinity));
       most.cycles = Math.max(most.cycles, off);
       most.deg = Math.max(most.deg, (off / apart) * perStep);
     }
   }
-  // After a standstill all begin again, some cycles after a deadline, as at the start.
+  // After a standstill all machines begin again, some cycles after a deadline, as at the start.
   if (stands && most.cycles <= MOST_OFFSET) most.cycles = 0;
   const until = compared < Infinity ? ` up to tick ${Math.floor(compared / machine.tick)}` : '';
   if (!corrects) {

@@ -1,10 +1,9 @@
-// Firmware: what can be checked of it without running a machine: no panic in the tick path, nothing of it in the flash, its
-// size, its stack.
+// Firmware: checks without running a machine: no panic in the tick path, no code of the tick path in the flash, its size, its stack.
 //
-// The tick path is what runs at each deadline: the board's reading, the controller's tick, the handing over, and the
-// interrupt that feeds the step machines. The call graph is that of the linked code (firmware-inspect). The stack is the
-// deepest that was measured, for each number of axes: from power-up through a run to a fault; and at the first start on an
-// empty flash, which is when settings are decoded and stored.
+// The tick path is the code that runs at each deadline: the board's reading, the controller's tick, the handing over, and the interrupt
+// that feeds the step machines. The call graph is that of the linked code (firmware-inspect). The stack is the deepest measured one, for
+// each number of axes: from power-up through a run to a fault; and at the first start on an empty flash, when settings are decoded and
+// stored.
 
 import { spawnSync } from 'node:child_process';
 import path from 'node:path';
@@ -16,10 +15,10 @@ import { FIRMWARE, HERE, INSPECT } from '../bench/paths.mjs';
 
 const ROOTS = ['cophase_core::controller::Controller<_>::tick', 'cophase_firmware::control::Board<_>', 'DMA_IRQ_1'];
 
-/** Roots of the interrupts beside it, which no call graph follows. Those of timers and host link have a lower priority than the loop. */
+/** Roots of the other interrupts, which no call graph follows. Those of timers and host link have a lower priority than the loop. */
 const BESIDE = ['TIMER_IRQ_1', 'HardFault'];
 
-/** The chip's RAM, and what is to be left of it: an interrupt or two on top of the deepest stack that was measured. */
+/** The chip's RAM, and the reserve in it: an interrupt or two on top of the deepest measured stack. */
 const RAM_BYTES = 264 * 1024;
 const LEAST_LEFT = 4096;
 
@@ -55,7 +54,7 @@ export function run(outcome, { write = false, compare = true } = {}) {
   outcome.goal('flash, bytes', Number(flash), goals.FLASH_BYTES);
 }
 
-/** The deepest stack of all numbers of axes, bytes, and of which number it is. */
+/** The deepest stack of all numbers of axes, bytes, and the number of axes at which it occurs. */
 function deepestStack(outcome) {
   const first = { stack: deepest({ axes: MOST_AXES, flash: flashWith() }), axes: 'the first start' };
   const all = [];

@@ -1,8 +1,9 @@
-// Index: what the firmware makes of pulses that come at known times, from six cranks at 200 rev/s at once.
+// Index: the firmware's evaluation of pulses at known times, from six cranks at 200 rev/s at once.
 //
-// The host says at which cycle each crank passes its sensor, and which phase each axis was commanded at that cycle; what
-// lies between that phase and the sensor's is the drift that the pulse stands for. The firmware reports what it measured when
-// it is stopped at full speed. Then the same with noise on the lines: glitches shorter than what counts.
+// The host gives the cycle at which each crank passes its sensor, and the commanded phase of each axis at that cycle. The
+// phase error of the pulse is the difference between the sensor's phase and the commanded phase. The firmware reports its
+// measured phase error when it is stopped at full speed. The second part repeats this with noise on the lines: glitches
+// shorter than the minimum width.
 
 import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
@@ -30,7 +31,7 @@ export function run(outcome) {
   }
 }
 
-/** The drift that each axis's last pulse before the stop stands for: the sensor's phase less the commanded one. */
+/** The phase error for each axis's last pulse before the stop: the sensor's phase less the commanded one. */
 export function standsFor({ toml, inputs, tickHz, axes }, { edges, trace }) {
   const [{ at_s: stop }] = inputs;
   return Array.from({ length: axes }, (_, axis) => {
@@ -47,7 +48,7 @@ export function standsFor({ toml, inputs, tickHz, axes }, { edges, trace }) {
 
 const nearest = (deg) => deg - 360 * Math.round(deg / 360);
 
-/** The drifts that the firmware reports as it is stopped. */
+/** The phase errors that the firmware reports as it is stopped. */
 function measure(played, predicted, disturb) {
   const settings = settingsOf(played);
   const started = () => {
@@ -66,7 +67,7 @@ function measure(played, predicted, disturb) {
   return line.match(/phase error \[(.*)\]/)[1].split(',').map(Number);
 }
 
-/** Cranks turn with the steps, which begin some cycles after the deadline; the same each time. */
+/** Cycles from the deadline to the first step. The cranks turn with the steps. The number is the same each time. */
 export function offsetOf(machine, began, predicted) {
   machine.run(0.02);
   return machine.board.edges.of('step_0')[0].cycle - began - predicted.edges.get('step_0')[0].cycle;

@@ -1,5 +1,5 @@
-// Host link: a program that comes over USB or UART runs as `cophase run` predicts, streams are complete or say what is
-// missing, a load is quick and survives power cuts, and the loop does not notice a busy line.
+// Host link: a program sent over USB or UART runs as `cophase run` predicts, streams are complete or report their
+// gaps, a load is quick and survives power cuts, and a busy line does not affect the loop.
 
 import { PROGRAM, SETTINGS, requests } from '../bench/frames.mjs';
 import * as goals from '../bench/goals.mjs';
@@ -20,7 +20,7 @@ const ALL_CHANNELS = (1 << 11) - 1;
 const SEGMENTS = 64;
 const LOAD_S = { usb: 1, uart: 2 };
 
-/** Flash operations as quick as they may be, where only their order matters. */
+/** The shortest flash operations, for tests where only their order matters. */
 const QUICK = { flashTimes: { eraseSector: 2000, programPage: 500 } };
 
 export const title = 'Link: programs, streams, loads and power cuts over USB and UART';
@@ -33,7 +33,7 @@ export function run(outcome) {
   saturation(outcome);
 }
 
-// ---- a program that comes over the link ----
+// ---- a program that is sent over the link ----
 
 /** The same scene with another program: one level, one second. */
 function otherProgram(toml) {
@@ -162,7 +162,7 @@ function cuts(outcome) {
   outcome.say(`${count} power cuts while settings are loaded: each next start ran, on whole settings`);
 }
 
-/** Loads settings, and cuts the power in one operation of the flash. Says whether the cut came at all. */
+/** Loads settings, and cuts the power in one operation of the flash. Gives whether the cut occurred. */
 function cut(outcome, older, newer, where) {
   const flash = flashWith(older);
   const machine = new Machine({ axes: 4, tickHz: 2000, flash, options: QUICK });

@@ -1,9 +1,9 @@
 // Parity: every edge of STEP and DIR comes at the cycle that the host predicts.
 //
-// A scene's settings file is placed in the flash, the button is pressed, the scene's inputs are played and its index pulses
-// given as the host has them. Then the edges of each pin are compared, one by one: there must be as many, and all must be
-// off by the same number of cycles on a PIO block. That one number is what lies between a deadline of the timer and the
-// first cycle of the tick that begins there.
+// A scene's settings file is placed in the flash, the button is pressed, and the scene's inputs and the host's index pulses
+// are played. Then the edges of each pin are compared, one by one. Their number must be equal, and all must be off by the
+// same number of cycles on a PIO block. That number is the time between a deadline of the timer and the first cycle of the
+// tick that begins there.
 
 import path from 'node:path';
 import { predict, scene, settingsOf } from '../bench/host.mjs';
@@ -24,7 +24,7 @@ const LEAST_EDGES = 100_000;
 /** Edges due at one instant, across blocks: at most this far apart. */
 const MOST_SKEW = 0;
 
-/** From a deadline to the first cycle of its tick: the few cycles that letting the machines go takes. */
+/** From a deadline to the first cycle of its tick: the few cycles in which the step machines are released. */
 const MOST_OFFSET = 25;
 
 export const title = 'Parity: edges against the host’s prediction';
@@ -36,7 +36,7 @@ export function run(outcome) {
   outcome.figure('skew across blocks, cycles', skew);
 }
 
-/** The same with any scenes: names of the bench's, or files. `change` changes what is in them. */
+/** The same for any scenes: names of the bench's scenes, or files. `change` modifies their content. */
 export function own(outcome, scenes, change = () => {}) {
   let total = 0;
   let skew = 0;
@@ -55,7 +55,7 @@ export function own(outcome, scenes, change = () => {}) {
   return { total, skew };
 }
 
-/** A built-in scene is made for the desk, where time costs less. */
+/** Shortens a built-in scene. It is made for the desk, where time costs less. */
 function shortened(toml) {
   if (!BUILT_IN_SCENES.includes(toml.name)) return;
   for (const level of toml.program) level.hold_s = Math.min(level.hold_s, HOLD_S);
@@ -72,7 +72,7 @@ function compare(outcome, played) {
   return { edges, offsets };
 }
 
-/** Edges of a run that are as predicted: their number, and the first that is not, in words. */
+/** Edges of a run that are as predicted: their number, and a description of the first edge that is not. */
 export function edgesOff(machine, played, predicted, began) {
   const { edges, wrong } = compared(machine, played, predicted, began);
   return { edges, off: wrong[0] ?? null };

@@ -1,8 +1,8 @@
-// Rate: how many steps a second the firmware sustains on six axes, and what they cost the processor.
+// Rate: the number of steps a second that the firmware sustains on six axes, and their cost for the processor.
 //
-// First the rate that is promised, 1 M steps/s on each axis for 100 ms. Then upwards, with pulses as narrow as each rate
-// needs, up to the last at which every deadline is met. Steps are counted at the pins; that a machine underran, or a
-// deadline was missed, is in the log.
+// The first part checks the promised rate, 1 M steps/s on each axis for 100 ms. Then the rate rises, with pulses as
+// narrow as each rate needs, up to the last rate at which every deadline is met. Steps are counted at the pins. The log
+// reports underruns of a machine and missed deadlines.
 
 import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
@@ -58,15 +58,15 @@ function sustain(rate) {
     toml.limits.jerk_hz_per_s2 *= rate / PROMISED;
     toml.program[0].hold_s = 0.2;
     toml.program[0].amax_g = ((omega * omega * radius) / 1e3) * (1 + lambda) * (1.00001 / 9.80665);
-    // What a change of direction leaves of a tick must hold the pulse and 80 ns of guard, both ways (docs/loop.md); two
-    // cycles less for the rate's own slack, and for being whole.
+    // The part of a tick that remains at a change of direction must hold the pulse and 80 ns of guard, both ways
+    // (docs/loop.md). The width is two cycles less for the rate's own slack, and for rounding down.
     toml.pulse.width_ns = 8 * Math.floor((375e6 / rate - 80) / 8 - 2);
   });
   const { report } = predict(played);
   const machine = new Machine({ ...played, settings: settingsOf(played) });
   machine.boot();
   const began = machine.start();
-  // The hold begins after the ramp, and what the shaft's limits add to that.
+  // The hold begins after the ramp and the time that the shaft's limits add to it.
   const { homing } = report.time_in_state_s;
   const from = began + Math.round((homing + 0.08) * CYCLES_PER_S);
   machine.board.run({ untilCycle: from });

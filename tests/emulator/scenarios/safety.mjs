@@ -1,8 +1,8 @@
-// Safety: what goes wrong, where the machine ends, and what the log says of it.
+// Safety: failures, the state in which the machine ends, and its log.
 //
-// A machine of four axes turns at a constant speed. Then one thing happens to it; each must end in the state that
-// docs/firmware.md states for it, with the reason in the log. "In step" is that all axes have made the same number of steps
-// when they stand. Times of the drives' enable line are from what happened to its fall.
+// A machine of four axes turns at a constant speed. Then one failure occurs. Each must end in the state that docs/firmware.md states for
+// it, with the reason in the log. "In step" means that all axes have made the same number of steps when they stand. Times of the drives'
+// enable line run from the failure to its fall.
 
 import { scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
@@ -33,17 +33,17 @@ export function run(outcome) {
   }
 }
 
-// ---- what happens ----
+// ---- failures ----
 
 const halfATickLater = (machine) => machine.board.cycle + Math.round(HALF_TICK_S * CYCLES_PER_S);
 
-/** Sets an input halfway into a tick, and says when. */
+/** Sets an input halfway into a tick, and records the time. */
 const input = (pin, level) => (machine) => {
   machine.happened = halfATickLater(machine);
   machine.set(pin, level, machine.happened);
 };
 
-// ---- where it ends ----
+// ---- expected ends ----
 
 const logs = (machine, pattern) => log(machine.board).some((line) => pattern.test(line));
 
@@ -72,7 +72,7 @@ function parks(machine, must) {
   return 'parked in step, drives on';
 }
 
-/** A fault that stops all axes together, and then holds them, or only then switches the drives off. */
+/** A fault that stops all axes together, and then either keeps the drives on or switches them off. */
 const faults = (pattern, holds) => (machine, must) => {
   machine.run(0.5);
   must(logs(machine, pattern), `the log says ${pattern}`);
@@ -90,7 +90,7 @@ function stands(machine, must, holds) {
   return holds ? 'drives hold' : 'then drives off';
 }
 
-/** A fault that holds; the enable input then lets the cranks go, and the fault stays. */
+/** A fault that holds. The enable input then switches the drives off, and the fault stays. */
 const holdsUntilEnableOpens = (pattern) => (machine, must) => {
   machine.run(0.5);
   must(logs(machine, pattern), `the log says ${pattern}`);
@@ -126,7 +126,7 @@ function resets(machine, must) {
   must(machine.level('enable') === 1, 'after a reset, a start does');
 }
 
-/** Missed deadlines that are no fault yet: all axes stand alike and go on alike, and the log says so. */
+/** Missed deadlines that are no fault yet: all axes pause together, continue together, and the log reports the deadlines. */
 function goesOn(machine, must) {
   machine.run(0.1);
   must(logs(machine, /deadlines missed/), 'the log says so');
@@ -137,7 +137,7 @@ function goesOn(machine, must) {
   return `logged, and ${parks(machine, must)}`;
 }
 
-/** Cycles between the edges of axis 0 and of another, at most, after what happened. */
+/** The largest number of cycles between the edges of axis 0 and of another axis after the failure. */
 function skewAfter(machine, axis) {
   const from = machine.happened + 0.01 * CYCLES_PER_S;
   const edges = (name) => machine.board.edges.to(name, 1).filter((cycle) => cycle >= from);
@@ -145,7 +145,7 @@ function skewAfter(machine, axis) {
   return edges('step_0').reduce((most, cycle, i) => Math.max(most, Math.abs((other[i] ?? cycle) - cycle)), 0);
 }
 
-/** Checks the stop after a channel stood: its axis has lost steps, and the fault says so. */
+/** Checks the stop after a stopped channel: its axis has lost steps, and the fault reports it. */
 function runsEmpty(machine, must) {
   machine.run(0.5);
   must(logs(machine, /step-fifo-underrun on axis 1/), 'the log says step-fifo-underrun on axis 1');
@@ -157,7 +157,7 @@ function runsEmpty(machine, must) {
   return `stopped, ${ends}: step-fifo-underrun on axis 1`;
 }
 
-/** The loop has more to do than time: it misses one deadline of four or two, wherever in a tick that begins, and never three in a row. */
+/** The loop's work takes longer than a tick. It misses one deadline of four or two, at any place in a tick, and never three in a row. */
 function stumble(machine) {
   for (let i = 0; i < 8; i += 1) {
     machine.freeze(0.0012);
@@ -165,7 +165,7 @@ function stumble(machine) {
   }
 }
 
-/** The processor meets what is no instruction, as after a panic. */
+/** The processor executes an undefined instruction, as after a panic. */
 function breakIn(machine) {
   const UNDEFINED = 0x1_0000 * 0xde00 + 0xde00;
   const nowhere = 0x2003_f000;
@@ -174,7 +174,7 @@ function breakIn(machine) {
   machine.board.core.waiting = false;
 }
 
-/** The enable input goes for 20 µs, 40 µs after a deadline: in the middle of the loop's tick. */
+/** The enable input is lost for 20 µs, 40 µs after a deadline: in the middle of the loop's tick. */
 function losesEnableInATick(machine) {
   const [last] = machine.ticks().slice(-1);
   machine.happened = last.entry + machine.tick + Math.round(40e-6 * CYCLES_PER_S);

@@ -1,7 +1,7 @@
-// Store: what the firmware does with settings files that it finds, and what a power cut while it writes one can do.
+// Store: the firmware's treatment of settings files that it finds, and the effects of a power cut while it writes one.
 //
-// Whatever the flash holds, either the firmware runs on settings that are whole, or it refuses, keeps the drives off whatever
-// is pressed, and says why. A cut at any point of storing leaves a flash with which the next start runs.
+// For any content of the flash, the firmware either runs on complete settings, or refuses to run. If it refuses, it keeps the
+// drives off for any input, and logs the reason. After a cut at any point of storing, the next start runs from the flash.
 
 import { crc32 } from '../bench/crc.mjs';
 import { scene, settingsOf } from '../bench/host.mjs';
@@ -14,7 +14,7 @@ const VERSION_AT = 8;
 const SEQUENCE_AT = 16;
 const ORIGIN_AT = 20;
 
-/** Flash operations as quick as they may be: their order is what matters here. */
+/** The shortest flash operations: only their order matters here. */
 const QUICK = { flashTimes: { eraseSector: 2000, programPage: 500 } };
 
 export const title = 'Store: settings found, refused, stored, and torn by power cuts';
@@ -32,7 +32,7 @@ export function run(outcome) {
 /** A machine on a flash, powered up; its number of axes does not matter here. */
 const powered = (flash) => new Machine({ axes: 6, tickHz: 2000, flash, options: QUICK });
 
-// ---- what is refused ----
+// ---- refused files ----
 
 function refusals(outcome, settings) {
   const flipped = Buffer.from(settings);
@@ -70,7 +70,7 @@ function withHeader(settings, change) {
   return changed;
 }
 
-/** The settings file with a program that requires more than there is, valid otherwise. */
+/** The settings file with a program beyond the limits, valid otherwise. */
 function quick(settings) {
   const level = Buffer.alloc(8);
   level.writeDoubleLE(8 * 9.80665);
@@ -83,9 +83,9 @@ function quick(settings) {
   return withHeader(changed, (header) => header.writeUInt32LE(crc32(payload), crcAt));
 }
 
-// ---- what is stored ----
+// ---- stored files ----
 
-/** Starts the firmware on a flash; it must come to run the loop. Gives the log and how often the flash was changed. */
+/** Starts the firmware on a flash; it must reach the loop. Gives the log and the number of flash operations. */
 function starts(outcome, name, flash) {
   const machine = powered(flash);
   let lines = [];
@@ -121,7 +121,7 @@ function stores(outcome, settings) {
   outcome.say('a settings file that was placed from outside is run as it is');
 }
 
-// ---- what a power cut does ----
+// ---- effects of a power cut ----
 
 const CUT_AFTER = [0, 1, 97, 255, 2048, 4095];
 
@@ -142,7 +142,7 @@ function cuts(outcome, settings) {
   outcome.say(`${count} power cuts while storing: every next start ran, on whole settings`);
 }
 
-/** Cuts the power, and starts again twice. Says whether the cut came at all. */
+/** Cuts the power, and starts again twice. Gives whether the cut occurred. */
 function cut(outcome, name, flash, where) {
   const machine = powered(flash);
   machine.board.rom.cutPower(where);

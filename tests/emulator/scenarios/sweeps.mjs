@@ -1,8 +1,7 @@
 // Sweeps: the failures of scenarios/safety.mjs, and others, at many moments instead of one.
 //
-// What can go wrong between loop, interrupts, DMA and machines depends on the moment. So each failure is tried at moments
-// spread over a tick, from one and the same state of the machine; bench/sweep.mjs says how to have more of them, and how to run
-// one alone.
+// Failures of loop, interrupts, DMA and machines depend on the moment. So each failure is tried at moments spread over a tick,
+// from one and the same state of the machine. bench/sweep.mjs describes how to run more of them, and how to run one alone.
 
 import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
@@ -42,7 +41,7 @@ export function run(outcome) {
   if (isSelected('noise')) noise(outcome, aboutToStop());
 }
 
-/** The scene `hold` with gears, and quick to get to its level and to rest. */
+/** The scene `hold` with gears. It reaches its level and rest quickly. */
 function quick(toml) {
   toml.limits.acceleration_hz_per_s = 400;
   toml.limits.jerk_hz_per_s2 = 40_000;

@@ -1,5 +1,5 @@
-// Wiring: lines of either active level run the same machine, a broken wire is safe with both, and bring-up shows each line by
-// itself.
+// Wiring: lines of either active level run the same machine, a broken wire is safe with both, and bring-up shows each line
+// separately.
 
 import { Cranks } from '../bench/cranks.mjs';
 import { OUTPUTS, requests } from '../bench/frames.mjs';
@@ -11,7 +11,7 @@ import * as pins from '../bench/pins.mjs';
 import { act } from '../bench/play.mjs';
 import { edgesOff } from './parity.mjs';
 
-/** Every line at the level that it does not usually have. */
+/** Every line at its unusual level. */
 const INVERTED = { step: 'low', drive_enable: 'low', index: 'low', alarm: 'low', enable: 'high', stop: 'low', start: 'high' };
 
 /** Refusals, as firmware/link/src/message.rs numbers them. */
@@ -70,7 +70,7 @@ function brokenWires(outcome, wiring) {
   outcome.say(`${name} wiring: a broken wire of ${cases.map(([line]) => line).join(', ')} stops the machine`);
 }
 
-/** An input without its pull keeps the level that it had, as it is driven from nowhere. */
+/** An input without its pull keeps its last level, because nothing drives it. */
 function pulls(outcome) {
   const played = scene('hold', wired({ no_pull: ['stop', 'index'] }));
   const machine = new Machine({ ...played, settings: settingsOf(played) });
@@ -118,7 +118,7 @@ function bringUp(outcome, wiring) {
   for (let axis = 0; axis < 4; axis += 1) {
     for (const [wire, line] of [[`step_${axis}`, OUTPUTS.step(axis)], [`dir_${axis}`, OUTPUTS.dir(axis)]]) {
       const others = Object.keys(pins.outputs(4)).filter((other) => /^(step|dir)/.test(other) && other !== wire);
-      host.ask(hold(line, 0)); // which releases the line before
+      host.ask(hold(line, 0)); // releases the line before
       const before = others.map(active).join();
       for (const level of [1, 0, 1]) {
         host.ask(hold(line, level));

@@ -1,4 +1,4 @@
-// The part of a USB driver in firmware, for tests without one: writes registers and buffers in the order in which
+// The firmware's part of a USB driver, for tests without firmware. It writes registers and buffers in the order in which
 // embassy-rp 0.10 does, and acts on interrupts alone. It is a serial port that sends back each packet it gets.
 
 const REGISTERS = 0x5011_0000;
@@ -30,7 +30,7 @@ const NAME = [10, 3, 0x65, 0, 0x63, 0, 0x68, 0, 0x6f, 0]; // "echo"
 const DESCRIPTORS = { 1: DEVICE, 2: CONFIGURATION, 3: NAME };
 
 export class UsbDriver {
-  /** `override`: whether VBUS is taken to be there, as embassy-rp does. */
+  /** `override`: whether VBUS is assumed to be present, as embassy-rp does. */
   constructor(board, { override = true } = {}) {
     this.board = board;
     this.override = override;
@@ -76,7 +76,7 @@ export class UsbDriver {
     return endpoint === 0 ? 0x100 : 0x180 + 64 * endpoint;
   }
 
-  // ---- what firmware does ----
+  // ---- the firmware's actions ----
 
   start() {
     for (let offset = 0; offset < 0x9c; offset += 4) this.write(offset, 0);
@@ -212,7 +212,8 @@ export class UsbDriver {
       const at = this.memory(OUT);
       const bytes = this.board.chip.usbDPRAM.slice(at, at + (out & LENGTH));
       this.packets.push(bytes);
-      // A packet that fills its buffer is followed by an empty one, so that the other end knows that nothing more comes.
+      // A packet that fills its buffer is followed by an empty one, so that the other end recognises the end of the
+      // data.
       if (bytes.length === 64) this.packets.push(new Uint8Array(0));
       this.give(OUT, true, (~out & DATA1) | 64);
     }

@@ -1,7 +1,7 @@
-// The enable input goes for a while, at any moment of a tick; in every other case the processor stands meanwhile.
+// The enable input is lost for a while, at any moment of a tick. In every other case the processor is stopped meanwhile.
 //
 // A pulse no longer than IGNORED is noise, without effect. One that lasts for DETECTED or longer is a loss: the drives are
-// off within CUT, stay off, and the log says so. In between either may be.
+// off within CUT, stay off, and the log reports the loss. Between these lengths either may happen.
 
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
@@ -16,7 +16,7 @@ const DETECTED = us(10);
 const CUT = us(10);
 const LENGTHS = [1, 2, 5, 8, 10, 20, 50].map(us);
 
-/** The processor stands this long before the input goes, and after. */
+/** The processor is stopped for this time before the loss of the input, and after it. */
 const BEFORE = us(30);
 const AFTER_S = 400e-6;
 const LOGGED_S = 0.008;

@@ -1,18 +1,18 @@
 // Edges against the host's prediction, with standstills in between.
 //
-// A machine that misses deadlines stands for whole ticks and goes on. So each edge comes where it is predicted and so
-// many ticks later: the same number for all edges of a tick, on all axes, and never fewer than in the tick before. To a
+// A machine that misses deadlines stands for whole ticks and goes on. So each edge is a whole number of ticks later than
+// predicted. This number is the same for all edges of a tick, on all axes, and never smaller than in the tick before. To a
 // tick belong the edges after its first cycle, up to the first of the next.
 //
-// Blocks that were let go together are together to the cycle. Where something came between the two stores that let
-// them go, and is too short to be detected (firmware/src/board/steps/release.rs), they are apart by that.
+// Blocks that were released together run together to the cycle. Between the two stores that release them, a delay may occur
+// that is too short to be detected (firmware/src/board/steps/release.rs). Then the blocks are apart by that delay.
 
 import * as pins from '../bench/pins.mjs';
 
 /** From a deadline to the first cycle of its tick, where all machines begin again: as in scenarios/parity.mjs. */
 const MOST_OFFSET = 25;
 
-/** The longest delay that is not detected when machines are let go, cycles. */
+/** The longest delay between the two releases that is not detected, cycles. */
 const MOST_APART = 31;
 
 export class Follow {
@@ -63,7 +63,7 @@ export class Follow {
           break;
         }
       }
-      // What is missing at the end: the first edge that has not come, of the wire that is the furthest behind.
+      // A missing edge at the end: the first edge that has not come, of the wire that is the furthest behind.
       next = Math.min(next, expected[cycles.length - first] ?? Infinity);
     }
     let stood = 0;
@@ -88,8 +88,8 @@ export function missed(lines) {
 }
 
 /**
- * Whether axes that stand are where one phase of the master puts all of them: within a step, each. `perTurn`: steps of each
- * for a turn of the master.
+ * True if the axes at rest are at the positions that one phase of the master gives, each within a step. `perTurn`: steps of
+ * each axis for a turn of the master.
  */
 export function inProportion(steps, perTurn) {
   const least = Math.max(...steps.map((count, axis) => (count - 1) / perTurn[axis]));

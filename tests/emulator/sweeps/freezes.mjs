@@ -1,24 +1,24 @@
-// The processor stands, at any moment of a tick and for any time, while everything else goes on.
+// The processor is stopped, at any moment of a tick and for any time, while everything else goes on.
 //
-// A machine of four axes speeds up. After it, all edges must be where they are predicted but for whole ticks of standstill, as
-// many as the log counts; or the machine has stopped with a fault: in step, or with an axis behind, and then that is the fault.
+// A machine of four axes speeds up. After the standstill, all edges must be as predicted, delayed by whole ticks, as many as
+// the log counts. Otherwise the machine must have stopped with a fault: in step, or with an axis behind if that is the fault.
 
 import { log } from '../bench/log.mjs';
 import { sweep, isSelected } from '../bench/sweep.mjs';
 import { Follow, inProportion, missed } from './follow.mjs';
 
-/** Cases, and the longest that the processor stands, in ticks. */
+/** Number of cases, and the longest standstill of the processor, in ticks. */
 const FREEZES = 60;
 const LONGEST = 3.3;
 
 /** More missed deadlines in a row are a fault (firmware/core/src/controller/punctuality.rs). */
 const MOST_MISSED = 2;
 
-/** Until all is logged, and until a machine that stops has stopped. */
+/** Time until all is logged, and time until a stopping machine is at rest. */
 const LOGGED_S = 0.008;
 const STOPPED_S = 0.15;
 
-/** `scene` is one that is running: { machine, snapshot, follow, deadline, perTurn }. */
+/** `running`: a scene under way: { machine, snapshot, follow, deadline, perTurn }. */
 export function freezes(outcome, running) {
   if (!isSelected('freezes')) return;
   const { machine, snapshot } = running;
@@ -33,7 +33,7 @@ export function freezes(outcome, running) {
   });
 }
 
-/** In step and logged, or a fault and logged. */
+/** Checks that the machine is in step and the log matches, or that there is a fault and the log matches. */
 export function judge({ machine, follow, perTurn, reversed }) {
   let lines = log(machine.board);
   const fault = lines.map((line) => line.match(/fault: ([\w-]+)( on axis \d)?/)).find(Boolean);

@@ -1,9 +1,9 @@
 // Glitches on the index lines close to the pulses' own edges.
 //
 // A glitch is a stretch shorter than `index.width_us`: high before a pulse, low within it, high after it. In each case the
-// last two pulses of six lines before a stop are disturbed, each line in another place. The drift that the firmware reports
-// may then be off by what the filter states (firmware/core/src/drift/sensing/index_filter.rs): a glitch up to two widths
-// before a pulse is taken for its bouncing; nothing else moves it.
+// last two pulses of six lines before a stop are disturbed, each line in another place. The reported phase error may then
+// be off by the error of the filter (firmware/core/src/drift/sensing/index_filter.rs): a glitch up to two widths before a
+// pulse counts as bouncing of the pulse. No other glitch changes the phase error.
 
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
@@ -20,7 +20,7 @@ const POLL = 21;
 
 const DEG_PER_CYCLE = (360 * TURN_HZ) / CYCLES_PER_S;
 
-/** `ready`: a machine about to be stopped, as scenarios/sweeps.mjs has it. */
+/** `ready`: a machine shortly before its stop, from scenarios/sweeps.mjs. */
 export function noise(outcome, ready) {
   if (!isSelected('noise')) return;
   const { machine, snapshot, pulses, stands } = ready;
@@ -35,7 +35,7 @@ export function noise(outcome, ready) {
     const off = (phaseError ?? []).map((deg, axis) => deg - stands[axis]);
     off.forEach((deg, axis) => {
       const [{ text, early }] = places[axis].slice(-1);
-      // A pulse that comes early is of a crank that is ahead.
+      // An early pulse means that the crank is ahead.
       const most = MOST_DEG + early * DEG_PER_CYCLE;
       if (!(deg >= -MOST_DEG && deg <= most)) wrong.push(`axis ${axis}, ${text}: ${deg.toFixed(4)}° off, and not -${MOST_DEG} to ${most.toFixed(4)}`);
     });
@@ -49,10 +49,13 @@ export function noise(outcome, ready) {
   });
 }
 
-/** True if a glitch may be taken for the pulse's own bouncing: close to it, and no stretch that counts between. */
+/** True if a glitch may count as bouncing of the pulse: close to it, with no valid stretch in between. */
 const isBridged = (length, apart) => apart < WIDTH + POLL && apart + length <= BRIDGED * WIDTH + POLL;
 
-/** One glitch of up to a width; gives what it is, and by how many cycles it may make the pulse seem early. */
+/**
+ * Makes one glitch of up to a width. Gives its description, and the number of cycles by which it may make the pulse appear
+ * early.
+ */
 function disturb(machine, axis, { rise, fall }, [u, v]) {
   const { stimulus } = machine.board;
   const pin = pins.INDEX[axis];

@@ -1,5 +1,5 @@
-// A panic of the firmware, at any moment of a tick: the linked code's own `panic_bounds_check`, called as an index out of bounds
-// would. In every other case the log's buffer is full, and no probe empties it.
+// A panic of the firmware, at any moment of a tick: the linked code's own `panic_bounds_check`, called as for an index out of
+// bounds. In every other case the log's buffer is full, and no probe empties it.
 
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
@@ -7,12 +7,12 @@ import { sweep, isSelected } from '../bench/sweep.mjs';
 
 const PANICS = 4;
 
-/** Drives are off within this, cycles. */
+/** The drives must be off within this time, cycles. */
 const MOST = 250;
-/** Until the watchdog has reset the controller, and that is in the log. */
+/** Time until the watchdog has reset the controller, and the log has reported it. */
 const RESET_S = 0.15;
 
-/** RAM that nothing uses: the place of the panic's arguments. */
+/** Unused RAM: the place of the panic's arguments. */
 const SPARE = 0x2003_e000;
 const FILE = 'the-bench.rs';
 const LINE = 4711;
@@ -50,7 +50,7 @@ export function panics(outcome, running) {
   });
 }
 
-/** Calls `panic_bounds_check(7, 3, location)`, from whatever is being executed. */
+/** Calls `panic_bounds_check(7, 3, location)`, whatever code is being executed. */
 function call(board, address) {
   const { core } = board;
   const bytes = Buffer.from(`${FILE}\0\0\0\0`);

@@ -1,8 +1,9 @@
-// The processor stands for a moment while it lets the machines go: for the first time, and again after a deadline missed.
+// The processor is stopped for a moment while it releases the step machines: for the first time, and again after a missed
+// deadline.
 //
-// Half of the cases lie around the two stores that let the blocks go, where a cycle matters, most of them between the two;
-// the others are spread over all that leads there. Afterwards both blocks go together, or it is a fault, or, of a
-// machine that stands, they are let go again.
+// Half of the cases lie around the two stores that release the blocks, where a cycle matters, most of them between the
+// two. The others are spread over all code before them. Afterwards both blocks run together, or there is a fault, or, if
+// the machine stands, they are released again.
 
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
@@ -14,23 +15,27 @@ import { judge } from './freezes.mjs';
 const RELEASES = 40;
 const STARTS = 16;
 
-/** The loop misses a deadline, and no axis underruns by that: from and for how many ticks. It stands before it has handed
- * over, so that no channel waits for it to be set on. */
+/**
+ * The loop misses a deadline, and no axis underruns because of that: the begin and the length of the standstill, in ticks.
+ * It begins before the loop has handed over, so no channel waits for a restart.
+ */
 const FROZEN_FROM = 0.05;
 const FROZEN_FOR = 1.2;
 
-/** Times before the stores, for reading and computing as well, and after them. */
+/** Times before the stores, which include reading and computing, and after them. */
 const BEFORE = 20_000;
 const AFTER = 250;
 /** Around the stores. */
 const NEAR = 32;
-/** The processor stands this long, cycles: from one to a quarter of a tick. */
+/** Lengths of the processor's standstill, cycles: from one to a quarter of a tick. */
 const LONGEST = 16_000;
 
-/** From a deadline to the first cycle of its tick: as in scenarios/parity.mjs, and what is too short to be detected. */
+/**
+ * From a deadline to the first cycle of its tick: as in scenarios/parity.mjs, plus the longest delay that is not detected.
+ */
 const MOST_OFFSET = 25 + 31;
 
-/** Moment and length of a case: near the stores short, else any. */
+/** Moment and length of a case: even numbers close to the stores, others anywhere. */
 function moment(number) {
   const near = number % 2 === 0;
   const [u, v] = spread(number >> 1);
@@ -41,7 +46,7 @@ function moment(number) {
 
 const name = ({ at, length }) => `standing for ${length} cycles from ${at} cycles after the machines are let go`;
 
-/** The cycle in which the machines of the first block are let go, from now on. */
+/** The next cycle in which the machines of the first block are released. */
 function letGo(machine) {
   const { board } = machine;
   const on = () => board.pio[0].machines[0].enabled;
@@ -50,7 +55,7 @@ function letGo(machine) {
   return board.cycle;
 }
 
-/** Begun again, after the loop stood for over a tick. */
+/** The release after the loop was stopped for over a tick. */
 export function releases(outcome, running) {
   if (!isSelected('releases')) return;
   const { machine, snapshot } = running;
@@ -78,7 +83,7 @@ export function releases(outcome, running) {
   });
 }
 
-/** The first time, at power-up: then the machine is started. */
+/** The first release, at power-up. Then the machine is started. */
 export function starts(outcome, { fresh, predicted }) {
   if (!isSelected('starts')) return;
   const go = letGo(fresh());

@@ -6,7 +6,7 @@ import { sweep, isSelected } from '../bench/sweep.mjs';
 
 const STOPS = 10;
 
-/** A turn of the scene, and the time to stop, and to log it. */
+/** A turn of the scene, and the time to stop and to log it. */
 const TURN_S = 1 / 12;
 const PARKED_S = 0.2;
 

@@ -1,5 +1,5 @@
 // A capture program of the firmware's kind: six pins sampled every 7 cycles, a word pushed at each change, moved to RAM
-// by DMA. It is the one program that never waits, so running ahead must be exact here above all.
+// by DMA. It is the one program that never waits, so running ahead must be exact here.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -58,7 +58,7 @@ test('a change is captured within one round of seven cycles, and counted by roun
     const { start, words } = capture(true, (stimulus) => stimulus.at(at, FIRST_PIN + 2, 1));
     assert.equal(words.length, 1);
     assert.equal(words[0] >>> 26, 0b000100);
-    // The sample of round n is taken in cycle start + 7 n + 4 and sees stamps up to three cycles before.
+    // The sample of round n is taken in cycle start + 7 n + 4 and contains stamps up to three cycles before.
     const round = Math.ceil((at + 3 - 4 - start) / 7);
     assert.equal(-words[0] & 0x3ff_ffff, round + 1, `change in cycle ${at}`);
   }

@@ -33,7 +33,7 @@ function addWithCarry(x, y, carry) {
 const wide = (value) => BigInt(value);
 const logic = (result) => ({ result: result >>> 0 });
 
-/** Shift by a register: the bottom byte counts; the carry is the last bit out, and stays for a count of nothing. */
+/** Shift by a register: the bottom byte counts; the carry is the last bit out, and stays for a count of zero. */
 function shift(kind) {
   return (x, y, carry) => {
     const by = y & 0xff;

@@ -11,7 +11,7 @@ import * as pins from '../bench/pins.mjs';
 
 const built = [FIRMWARE, COPHASE].every((file) => fs.existsSync(file));
 
-/** The scene's flags have no length. Here they have, and one of them is before its sensor at power-up. */
+/** The scene's flags have no length. Here they get a length, and one of them is before its sensor at power-up. */
 function withLengths(toml) {
   toml.axes.index_width_deg = 10;
   toml.axis.find(({ number }) => number === 1).index_deg = -5;
@@ -37,12 +37,12 @@ function play(played, seconds) {
   return lines;
 }
 
-/** A crank would be elsewhere than its firmware drove it, so that homing on the bridge fails or means nothing. */
+/** If this fails, a crank is elsewhere than its firmware drove it, and homing on the bridge fails or means nothing. */
 test('index lines come at the cycles that the host predicts', { skip: !built && 'no firmware or command built' }, () => {
   for (const change of [() => {}, withLengths]) {
     const played = scene('index', change);
     const predicted = predict(played);
-    // The host writes down where a flag begins, and not its length.
+    // The host records the beginning of a flag, but not its length.
     const rises = (edges) => edges.filter(({ level }) => level === 1).map(({ cycle }) => cycle);
     play(played, 1).forEach((line, axis) => {
       const expected = rises(predicted.edges.get(`index_${axis}`));

@@ -16,7 +16,7 @@ const [SWI0, SWI1] = [26, 27];
 const [E0, E1] = [16 + SWI0, 16 + SWI1];
 const RETURN = t.bx(14);
 
-/** A handler that adds one to the word at r7 + 4 * slot and does `more`; the log of who ran when is in `order`. */
+/** A handler that adds one to the word at r7 + 4 * slot and does `more`. */
 const counted = (slot, more = []) => [t.ldr(0, 7, 4 * slot), t.addsImm(0, 1), t.str(0, 7, 4 * slot), ...more, RETURN];
 const COUNTERS = 0x2000_0000;
 

@@ -1,5 +1,5 @@
-// Readers of a firmware: ELF files, the RTT channel, interrupts of pins. And, where an
-// ELF is at hand, that all of it runs the same with and without skipping.
+// Readers of a firmware: ELF files, the RTT channel, interrupts of pins. If an ELF is at hand, also
+// checks that the firmware runs the same with and without skipping.
 
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
@@ -97,7 +97,7 @@ test('one routine is called by its symbol: results, cycles, depth of stack', () 
 const BLOCK = 0x2000_0100;
 const BUFFER = 0x2000_0200;
 
-/** A bare board with an RTT channel of 16 bytes in RAM; `say` does what the firmware would. */
+/** A bare board with an RTT channel of 16 bytes in RAM; `say` writes to it like the firmware. */
 function talker(interval) {
   const board = new Board({ bare: true });
   [BUFFER - 4, BUFFER, 16, 0, 0, 1].forEach((value, i) => board.poke(BLOCK + 24 + 4 * i, value));

@@ -1,4 +1,5 @@
-// The commands of docs/first-machine.md, one after the other, by the real command on the emulated board.
+// The commands of docs/first-machine.md, one after the other, run by the real command on the emulated
+// board.
 
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
@@ -16,7 +17,7 @@ const BRIDGE = path.join(ROOT, 'tests/emulator/bridge.mjs');
 const missing = [COPHASE, FIRMWARE, INSPECT].find((file) => !fs.existsSync(file));
 const skip = missing ? `${missing} is not built: run tests/emulator/run first` : false;
 
-/** What the operator does by hand before a command, in the words of the bridge. */
+/** The operator's manual actions before a command, as commands of the bridge. */
 const BY_HAND = {
   'cophase link restart': ['enable off'],
   'cophase link home --yes --wait': ['place cranks', 'enable on'],
@@ -42,7 +43,7 @@ class Bridge {
     this.child.on('exit', () => this.waiting.splice(0).forEach((wake) => wake()));
   }
 
-  /** Waits for a line that begins so, and gives it. */
+  /** Waits for a line that begins with this text, and gives it. */
   async line(beginning) {
     for (;;) {
       const at = this.lines.findIndex((line) => line.startsWith(beginning));

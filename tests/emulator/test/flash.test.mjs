@@ -1,4 +1,5 @@
-// The boot ROM's functions, found as a firmware finds them, and flash that behaves as flash: also when power fails.
+// The boot ROM's functions, found as a firmware finds them, and flash that behaves like real flash, also at a power
+// failure.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -1,4 +1,4 @@
-// Pins: what drives them, what they read, what is recorded.
+// Pins: their drivers, their input levels, their recording.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

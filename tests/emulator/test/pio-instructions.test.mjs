@@ -1,6 +1,6 @@
-// Each PIO instruction against the words of the RP2040 datasheet, chapters 3.4 and 3.5.
+// Each PIO instruction against the text of the RP2040 datasheet, chapters 3.4 and 3.5.
 //
-// A machine's registers are read as software would: by forcing MOV ISR and PUSH, and reading the FIFO.
+// A machine's registers are read as software does it: by forcing MOV ISR and PUSH, and reading the FIFO.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -1,7 +1,7 @@
-// Random programs, inputs and interference: running ahead must not show, whatever a program does.
+// Random programs, inputs and interference: running ahead must not change the result of any program.
 //
 // Each seed makes two machines with programs of random instructions, toggles pins that they read, writes and reads
-// their FIFOs, forces instructions, stops and starts them, and looks at their program counters; once stepping every
+// their FIFOs, forces instructions, stops and starts them, and reads their program counters; once stepping every
 // cycle, once running ahead. Everything that can be observed is compared.
 
 import assert from 'node:assert/strict';

@@ -1,4 +1,4 @@
-// The UARTs: times on the wire, interrupts as a driver relies on them, errors, DMA.
+// The UARTs: times on the wire, the interrupts that a driver relies on, errors, DMA.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -50,7 +50,10 @@ function rig({ index = 1, lineControl = EIGHT_BITS_AND_FIFOS, route = true } = {
 
 const bytesOf = (count) => Array.from({ length: count }, (_, i) => (i * 37 + (i >> 8)) & 0xff);
 
-/** Bytes would take another time than on a wire, or none, and what the firmware can send in a tick would be wrong. */
+/**
+ * If this fails, bytes take another time than on a wire, or none, and the firmware can send a wrong number of bytes in a
+ * tick.
+ */
 test('bytes leave one after another, ten bits each', () => {
   for (const index of [0, 1]) {
     const { board, write, read, out, wait } = rig({ index });
@@ -64,7 +67,7 @@ test('bytes leave one after another, ten bits each', () => {
   }
 });
 
-/** A divider would take effect before LCR_H is written, which on the chip it does not (ARM DDI 0183, 3.3.6). */
+/** If this fails, a divider takes effect before LCR_H is written. On the chip it does not (ARM DDI 0183, 3.3.6). */
 test('a divider takes effect with the next write to LCR_H; parity and stop bits lengthen the frame', () => {
   const { board, write, out } = rig();
   const duration = () => {
@@ -83,7 +86,10 @@ test('a divider takes effect with the next write to LCR_H; parity and stop bits 
   assert.equal(duration(), 240);
 });
 
-/** A driver that leaves the interrupt on (embassy-rp's) would be interrupted for ever: rp2040js raises it at every look. */
+/**
+ * If this fails, a driver that leaves the interrupt on (embassy-rp's) is interrupted for ever: rp2040js raises it at every
+ * look.
+ */
 test('the transmit interrupt is that of the transition through its level, once', () => {
   const { write, read, wait, pending } = rig();
   assert.equal(read(RIS) & TX, 0, 'an empty FIFO raises nothing');
@@ -100,7 +106,9 @@ test('the transmit interrupt is that of the transition through its level, once',
   assert.equal(read(RIS) & TX, 0, 'cleared, it stays so');
 });
 
-/** The end of a message shorter than the level would never reach the firmware: rp2040js has no such interrupt. */
+/**
+ * If this fails, the end of a message shorter than the level never reaches the firmware: rp2040js has no such interrupt.
+ */
 test('the receive timeout comes 32 bits after the last byte, and goes with the last byte read', () => {
   const { board, line, read, wait, pending } = rig();
   line.send([1, 2, 3]);
@@ -116,7 +124,7 @@ test('the receive timeout comes 32 bits after the last byte, and goes with the l
   assert.equal(pending(), 0);
 });
 
-/** The interrupt would come for each byte, or too late for what arrives until the firmware reads. */
+/** If this fails, the interrupt comes for each byte, or too late for the bytes that arrive until the firmware reads. */
 test('the receive interrupt comes with the sixteenth byte, and goes below it', () => {
   const { line, read, wait, pending } = rig();
   line.send(bytesOf(16));
@@ -129,7 +137,7 @@ test('the receive interrupt comes with the sixteenth byte, and goes below it', (
   assert.equal(read(RIS), 0);
 });
 
-/** Firmware that is late would lose bytes without an error, or have the error at the wrong byte. */
+/** If this fails, firmware that is late loses bytes without an error, or has the error at the wrong byte. */
 test('an overrun loses what finds no room, and is marked on the first byte after it', () => {
   const { line, read, wait, drain } = rig();
   line.send(bytesOf(35));
@@ -142,7 +150,7 @@ test('an overrun loses what finds no room, and is marked on the first byte after
   assert.deepEqual(drain(), [0x8aa, 0xbb]);
 });
 
-/** Firmware would not be tried with what a bad cable does. */
+/** If this fails, the firmware is not tested with the errors of a bad cable. */
 test('frames with errors arrive with them; so does every byte of a sender at another rate', () => {
   const { line, read, wait, drain, write } = rig();
   for (const [error, flags, interrupts] of [['framing', 0x100, FRAMING], ['parity', 0x200, PARITY], ['break', 0x500, BREAK | FRAMING]]) {
@@ -161,7 +169,7 @@ test('frames with errors arrive with them; so does every byte of a sender at ano
   }
 });
 
-/** A break of the firmware would not reach the other end. */
+/** If this fails, a break of the firmware does not reach the other end. */
 test('a break is passed on, and holds back what is to be sent', () => {
   const { line, write, wait, out } = rig();
   const breaks = [];
@@ -176,7 +184,7 @@ test('a break is passed on, and holds back what is to be sent', () => {
   assert.deepEqual(out.map(({ byte }) => byte), [7]);
 });
 
-/** Without FIFOs a byte would be buffered, or lost. */
+/** If this fails, a byte is buffered or lost without FIFOs. */
 test('without FIFOs there is room for one byte each way', () => {
   const { line, write, read, wait, out, drain } = rig({ lineControl: 0x60 });
   write(DR, 1);
@@ -192,7 +200,7 @@ test('without FIFOs there is room for one byte each way', () => {
   assert.deepEqual(out.map(({ byte }) => byte), [1, 2]);
 });
 
-/** Firmware that has given its UART no pin would work here and nowhere else. */
+/** If this fails, firmware that has given its UART no pin works here and nowhere else. */
 test('a UART without pins is on no wire', () => {
   const { board, line, write, read, wait, out } = rig({ route: false });
   write(DR, 1);
@@ -203,7 +211,7 @@ test('a UART without pins is on no wire', () => {
   assert.equal([...board.warnings.keys()].filter((text) => /UART1.*no pin has its TX/.test(text)).length, 1);
 });
 
-/** A driver by interrupts alone would stop, or lose bytes: each of them is what embassy-rp's handler does. */
+/** If this fails, a driver by interrupts alone stops, or loses bytes: embassy-rp's handler does each of these steps. */
 test('a driver that acts on interrupts gets and sends everything', () => {
   const { board, line, write, read, out, pending } = rig();
   const handled = [];
@@ -227,7 +235,7 @@ test('a driver that acts on interrupts gets and sends everything', () => {
 const channel = (n, register) => 0x5000_0000 + 0x40 * n + register;
 const control = (n, dreq, increment) => (dreq << 15) | (n << 11) | (increment << 4) | 1;
 
-/** DMA would overrun the FIFO, or move nothing. */
+/** If this fails, DMA overruns the FIFO, or moves nothing. */
 test('DMA keeps the transmitter busy and empties the receiver, at the pace of the line', () => {
   for (const index of [0, 1]) {
     const { board, line, write, wait, out, read } = rig({ index });
@@ -247,7 +255,7 @@ test('DMA keeps the transmitter busy and empties the receiver, at the pace of th
   }
 });
 
-/** A reset would stop the other end, or leave the UART as it was. */
+/** If this fails, a reset stops the other end, or leaves the UART in its old state. */
 test('over a reset the other end goes on sending, and what comes meanwhile is lost', () => {
   const { board, line, read } = rig();
   line.send(bytesOf(100));
@@ -263,7 +271,7 @@ test('over a reset the other end goes on sending, and what comes meanwhile is lo
   assert.equal(line.waiting.length < left, true);
 });
 
-/** A snapshot in the middle of a byte would lose it, or have it twice. */
+/** If this fails, a snapshot in the middle of a byte loses it, or duplicates it. */
 test('both directions go on from a snapshot as they did', () => {
   const { board, line, write, out, drain } = rig();
   line.send(bytesOf(30));
@@ -280,7 +288,7 @@ test('both directions go on from a snapshot as they did', () => {
   assert.deepEqual(goOn(), first);
 });
 
-/** Firmware that needs what is not modelled would run on a wrong model. */
+/** If this fails, firmware that needs a feature outside the model runs on a wrong model. */
 test('loopback, flow control and sending without a baud rate are refused', () => {
   const { write } = rig();
   for (const bit of [7, 14, 15]) assert.throws(() => write(CR, ENABLED | (1 << bit)), /UART1.*not modelled/);

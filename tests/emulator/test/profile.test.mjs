@@ -1,4 +1,4 @@
-// The call profile: who called whom, how often, and that no cycle is lost or counted twice.
+// The call profile: callers, callees and number of calls. No cycle is lost or counted twice.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

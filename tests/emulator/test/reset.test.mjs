@@ -1,4 +1,4 @@
-// Resets: what a watchdog reset clears, what it keeps, and when it comes.
+// Resets: the state that a watchdog reset clears, the state that it keeps, and its time.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -100,7 +100,7 @@ test('levels between edges come from the recording', () => {
   assert.deepEqual(levels, [0, 1, 1, 0]);
 });
 
-/** A board without power would go on driving its pins, or come back with what it knew before. */
+/** If this fails, a board without power drives its pins, or keeps its state over a power cut. */
 test('without power nothing runs and no pin is driven, until it is back', () => {
   const board = watched(10_000);
   board.run({ cycles: 1000 });

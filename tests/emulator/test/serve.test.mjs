@@ -1,4 +1,5 @@
-// The board behind a TCP port: bytes there and back, one client at a time, and what a client notices of cable and power.
+// The board behind a TCP port: bytes there and back, one client at a time, and the effects of cable and power on a
+// client.
 
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
@@ -20,10 +21,10 @@ const TIMES = { debounce: 1, reset: 1, recovery: 1, resume: 1, address: 0.1 };
 /** No cranks. */
 const CRANKS = { place() {} };
 
-/** Time of the board after which a test that still waits for something ends. */
+/** Time on the board's clock after which a test that still waits ends. */
 const MOST_S = 30;
 
-/** A served board with the driver that sends everything back; `lines` are what the server reports. */
+/** A served board with the driver that sends everything back; `lines` are the server's reports. */
 async function served() {
   const board = new Board({ bare: true });
   const driver = new UsbDriver(board).start();
@@ -67,7 +68,7 @@ async function exchange(socket, bytes) {
 
 const bytesOf = (count) => Buffer.from(Array.from({ length: count }, (_, i) => (i * 37 + (i >> 8)) & 0xff));
 
-/** Bytes are lost where the board is slower than its client, or DTR does not follow the client. */
+/** If this fails, bytes are lost where the board is slower than its client, or DTR does not follow the client. */
 test('bytes go there and back; DTR says whether there is a client', async () => {
   const { server, port, driver, reported } = await served();
   for (let i = 0; i < 2; i += 1) {
@@ -81,7 +82,7 @@ test('bytes go there and back; DTR says whether there is a client', async () => 
   server.close();
 });
 
-/** Two clients would share a port, which a serial port does not allow. */
+/** If this fails, two clients share a port, which a serial port does not allow. */
 test('a second client is refused while the first is there', async () => {
   const { server, port, reported } = await served();
   const first = await connect(port);
@@ -94,7 +95,7 @@ test('a second client is refused while the first is there', async () => {
   await once(first, 'close');
 });
 
-/** A client would wait for ever for a board that is gone, or have none after it is back. */
+/** If this fails, a client waits for ever for a board that is gone, or gets no board after it is back. */
 test('the client loses its port with the cable and with the power, and the next has it again', async () => {
   const { server, port, operator, reported, board, driver } = await served();
   const losses = [
@@ -122,7 +123,7 @@ test('the client loses its port with the cable and with the power, and the next 
   server.close();
 });
 
-/** A command would do something else, or fail without a message. */
+/** If this fails, a command has another effect, or fails without a message. */
 test('commands set inputs and drive the bus; what cannot be done is an error', async () => {
   const rig = await served();
   const { server, operator, board, driver, port } = rig;
@@ -153,7 +154,7 @@ test('commands set inputs and drive the bus; what cannot be done is an error', a
   assert.equal(rig.ended, 1, 'it ends once');
 });
 
-/** A wrong argument would be taken for another, or its message not say what to do. */
+/** If this fails, a wrong argument is taken for another, or its message gives no remedy. */
 test('bad arguments of the bridge name the argument and what it can be', () => {
   for (const [args, message] of [
     [['--transport', 'tin'], /--transport is tin: give one of usb, uart/],

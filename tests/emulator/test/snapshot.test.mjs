@@ -1,4 +1,4 @@
-// Snapshots: a machine that is taken back goes on as it did, bit for bit, whatever was done to it in between.
+// Snapshots: a restored machine goes on as it did, bit for bit, after any change in between.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -1,7 +1,7 @@
-// The program that plays step runs, on three machines of each block, against a model of what it must do.
+// The program that plays step runs, on three machines of each block, against a model of its required behaviour.
 //
-// If one of these fails, edges that the bench reports are not those that the hardware would make, and no comparison of
-// the firmware with the host's prediction is valid.
+// If one of these fails, edges that the bench reports differ from those of the hardware, and no comparison of the
+// firmware with the host's prediction is valid.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -1,4 +1,4 @@
-// The microsecond timer: when it counts, and when its alarms come.
+// The microsecond timer: the times at which it counts, and at which its alarms come.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -1,4 +1,4 @@
-// The USB device controller with its bus and host, played by a driver that does what embassy-rp does.
+// The USB device controller with its bus and host, used by a driver that acts like embassy-rp.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -29,7 +29,7 @@ function rig({ options, plugged = true } = {}) {
   return { board, driver, host, data, ready, wait };
 }
 
-/** Sends bytes, and gives what came back within so many milliseconds. */
+/** Sends bytes, and gives the bytes that came back within so many milliseconds. */
 function echo({ board, host, data }, bytes, ms = 50) {
   data.length = 0;
   host.send(bytes);
@@ -37,7 +37,7 @@ function echo({ board, host, data }, bytes, ms = 50) {
   return [...data];
 }
 
-/** The controller gives buffers to the firmware before anything came: each would count as a packet. */
+/** If this fails, the controller gives buffers to the firmware before a packet has arrived, and each counts as a packet. */
 test('an OUT buffer stays with the controller until a packet of the host has filled it', () => {
   const { board, driver, host, wait } = rig();
   driver.echoing = false;
@@ -61,7 +61,9 @@ test('an OUT buffer stays with the controller until a packet of the host has fil
   assert.deepEqual([...board.chip.usbDPRAM.slice(driver.memory(OUT), driver.memory(OUT) + 3)], [1, 2, 3]);
 });
 
-/** Packets take another time on the wire than at full speed: USB 2.0, table 5-9, has 19 of 64 bytes in a frame, and 71 of none. */
+/**
+ * If this fails, packets take another time than at full speed: USB 2.0, table 5-9, has 19 of 64 bytes in a frame, and 71 of none.
+ */
 test('as many packets fit a frame as the specification has', () => {
   const { board, driver, host } = rig();
   driver.echoing = false;
@@ -80,7 +82,7 @@ test('as many packets fit a frame as the specification has', () => {
   }
 });
 
-/** Bytes are lost, doubled or come in another order; or what fills its last packet never ends. */
+/** If this fails, bytes are lost, duplicated or reordered, or a transfer that fills its last packet never ends. */
 test('bytes come back as they went, whole packets and empty ones included', () => {
   const all = rig();
   for (const count of [1, 63, 64, 65, 128, 1000, 64 * 40]) assert.deepEqual(echo(all, bytesOf(count)), bytesOf(count), `${count} bytes`);
@@ -88,7 +90,7 @@ test('bytes come back as they went, whole packets and empty ones included', () =
   assert.deepEqual(all.host.errors, []);
 });
 
-/** A host that does not read loses bytes, or the device goes on without it. */
+/** If this fails, a host that does not read loses bytes, or the device goes on without it. */
 test('a host that does not read holds the device back, and gets everything once it reads', () => {
   const { board, host, data, wait, driver } = rig();
   host.setReading(false);
@@ -103,7 +105,7 @@ test('a host that does not read holds the device back, and gets everything once 
   assert.deepEqual(data, bytesOf(1000));
 });
 
-/** Firmware that does not keep the order of DATA0 and DATA1 would pass here, and lose packets with a real host. */
+/** If this fails, firmware that does not keep the order of DATA0 and DATA1 passes here, and loses packets with a real host. */
 test('a packet with the wrong DATA PID is dropped, and noted', () => {
   const { driver, host, wait, data, board } = rig();
   driver.echoing = false;
@@ -120,7 +122,7 @@ test('a packet with the wrong DATA PID is dropped, and noted', () => {
   assert.match(host.errors[0].text, /endpoint 2 IN.*DATA PID/);
 });
 
-/** A refused request would end the default pipe for good, or not be reported as refused. */
+/** If this fails, a refused request ends the default pipe for good, or is not reported as refused. */
 test('a request that the device refuses is reported, and the next SETUP clears the stall', () => {
   const all = rig();
   const { host, wait, driver } = all;
@@ -136,7 +138,7 @@ test('a request that the device refuses is reported, and the next SETUP clears t
   assert.equal(driver.read(u.EP_STALL_ARM), 0);
 });
 
-/** An endpoint that stalls would stay so after the host has cleared it, or answer while it stalls. */
+/** If this fails, a stalled endpoint stays so after the host has cleared it, or answers while it stalls. */
 test('a stalled endpoint takes nothing until the host clears it', () => {
   const { host, driver, wait, board } = rig();
   driver.echoing = false;
@@ -152,7 +154,7 @@ test('a stalled endpoint takes nothing until the host clears it', () => {
   assert.equal(driver.buffer(OUT, true) & u.LENGTH, 1);
 });
 
-/** A reset would leave an address or a packet of before it. */
+/** If this fails, a reset keeps an address or a packet from before it. */
 test('a bus reset in the middle of a transfer is reported, and a transfer after it is whole', () => {
   const all = rig();
   const { host, driver, ready, wait } = all;
@@ -168,7 +170,7 @@ test('a bus reset in the middle of a transfer is reported, and a transfer after 
   assert.deepEqual(host.errors, []);
 });
 
-/** The device answers an address that is not its own, or a host that gets no answer waits for ever. */
+/** If this fails, the device answers an address that is not its own, or a host that gets no answer waits for ever. */
 test('no answer is an error after three tries, by name', () => {
   const { host, driver, wait } = rig();
   host.onError = () => {};
@@ -179,7 +181,7 @@ test('no answer is an error after three tries, by name', () => {
   assert.match(host.errors[0].text, /no answer from address 1, 3 times/);
 });
 
-/** Noise would double a packet, or lose one. */
+/** If this fails, noise duplicates a packet, or loses one. */
 test('packets that noise destroys are sent again, and none comes twice', () => {
   const all = rig();
   const { board } = all;
@@ -194,7 +196,7 @@ test('packets that noise destroys are sent again, and none comes twice', () => {
   assert.deepEqual(all.host.errors, []);
 });
 
-/** Suspend would come with a busy bus, too early or never, or data would be lost over it. */
+/** If this fails, suspend comes with a busy bus, too early or never, or loses data. */
 test('suspend is reported after 3 ms without frames, resume as the host drives it', () => {
   const all = rig();
   const { host, driver, wait, data, board } = all;
@@ -224,7 +226,7 @@ test('suspend is reported after 3 ms without frames, resume as the host drives i
   assert.equal(driver.read(u.SIE_STATUS) & (u.SUSPENDED | u.RESUME), u.RESUME, 'the bus is no longer suspended');
 });
 
-/** Firmware would be informed of the loss of its host by what a real controller does not give. */
+/** If this fails, the firmware is informed of the loss of its host in a way that a real controller does not support. */
 test('without the cable the bus is idle, which a driver that overrides VBUS takes for suspend', () => {
   const all = rig();
   const { host, driver, wait, ready } = all;
@@ -244,7 +246,7 @@ test('without the cable the bus is idle, which a driver that overrides VBUS take
   assert.deepEqual(echo(all, bytesOf(700)), bytesOf(700));
 });
 
-/** The loss of VBUS is not reported to a driver that looks at it. */
+/** If this fails, the loss of VBUS is not reported to a driver that checks it. */
 test('a driver that does not override VBUS loses it with the cable', () => {
   const all = rig({ options: { override: false }, plugged: false });
   const { host, driver, wait, ready } = all;
@@ -261,7 +263,7 @@ test('a driver that does not override VBUS loses it with the cable', () => {
   assert.equal((driver.read(u.INTR) >>> 13) & 1, 1, 'the connection has changed');
 });
 
-/** A host would go on with a device that has been reset, or a board without power keep its pull-up. */
+/** If this fails, a host goes on with a device that has been reset, or a board without power keeps its pull-up. */
 test('a watchdog reset and a power cut take the device off the bus; it comes back with its firmware', () => {
   const all = rig();
   const { board, host, driver, ready, wait } = all;
@@ -282,7 +284,7 @@ test('a watchdog reset and a power cut take the device off the bus; it comes bac
   assert.deepEqual(host.errors, []);
 });
 
-/** A snapshot in the middle of a packet would lose it, or have it twice. */
+/** If this fails, a snapshot in the middle of a packet loses it, or duplicates it. */
 test('a transfer goes on from a snapshot as it did', () => {
   const { board, host, data } = rig();
   host.send(bytesOf(900));
@@ -298,7 +300,7 @@ test('a transfer goes on from a snapshot as it did', () => {
   assert.deepEqual(goOn(), first);
 });
 
-/** Firmware that needs what is not modelled would run on a wrong model. */
+/** If this fails, firmware that needs a feature outside the model runs on a wrong model. */
 test('what is not modelled is refused by name', () => {
   const { driver, board } = rig({ plugged: false });
   assert.throws(() => driver.write(u.MAIN_CTRL, 3), /host mode/);

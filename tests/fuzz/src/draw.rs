@@ -1,4 +1,4 @@
-//! Machines and programs: any that settings accept, as fast as cases are short.
+//! Machines and programs: any that settings accept, fast enough for the short cases.
 
 use cophase_core::axes::{CamSettings, CamTableSettings, FollowerSettings};
 use cophase_core::controller::Controller;
@@ -16,7 +16,7 @@ use cophase_core::units::Turns;
 
 use crate::Script;
 
-/// The usual follower, or now and then a gear of another ratio, or the cam table at any shift.
+/// The usual follower, sometimes a gear of another ratio, or the cam table at any shift.
 fn follower(script: &mut Script<'_>) -> FollowerSettings {
     if !script.one_in(16) {
         return FollowerSettings::DIRECT;
@@ -31,7 +31,7 @@ fn follower(script: &mut Script<'_>) -> FollowerSettings {
     }
 }
 
-/// A turn in which the axis is at times faster than the master, and at times slower: it may have an index.
+/// A turn in which the axis is at times faster than the master, and at times slower. It may have an index.
 fn cam() -> CamSettings {
     let point = |i: u32| {
         let turn = f64::from(i) / 32.0;
@@ -43,7 +43,7 @@ fn cam() -> CamSettings {
     }
 }
 
-/// Settings; a few of them are refused, which is for the caller to see.
+/// Settings. A few of them are refused, which the caller must handle.
 pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
     let tick_hz = [2000, 1000, 500, 2000, 5000, 10_000, 2000, 1000][script.below(8)];
     let speed_hz = script.between(4.0, 60.0);
@@ -129,7 +129,7 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
                     } else {
                         0.0
                     },
-                    // Every fourth machine lacks some.
+                    // Every fourth machine lacks some index sensors.
                     index_turns: (!sensors.is_multiple_of(4) || bit(sensors >> 2)).then_some(0.125),
                     index_width_turns: 0.02,
                     index_delay_s: if script.one_in(4) { 1e-4 } else { 0.0 },

@@ -1,9 +1,9 @@
 //! The loop under arbitrary feedback.
 //!
 //! An input is one tick of feedback; a *case* is a machine and [`TICKS`] of them in a row, both read from bytes by a
-//! [`Script`]. Feedback that is random throughout never completes homing, so a script says what goes wrong and for how
-//! long with an otherwise sound `Machine`, and where feedback is to be random throughout. What must hold
-//! whatever comes is in `Watch`.
+//! [`Script`]. Feedback that is random throughout never completes homing. So a script determines the disturbances of
+//! an otherwise sound `Machine`, their duration, and the stretches of random feedback. `Watch` checks the conditions
+//! that must hold for any feedback.
 #![forbid(unsafe_code)]
 
 mod draw;
@@ -24,7 +24,7 @@ pub const TICKS: u32 = 5000;
 pub struct Reached {
     /// Ticks that were played.
     pub ticks: u32,
-    /// In how many of them the program was played.
+    /// Ticks in which the program was played.
     pub running: u32,
     /// Faults that latched.
     pub faults: u32,
@@ -35,7 +35,7 @@ pub struct Reached {
 /// Plays the case of some bytes on a machine of `count` axes.
 ///
 /// # Panics
-/// If the loop does, or anything that must hold does not.
+/// If the loop panics, or a condition fails.
 pub fn play(count: usize, bytes: &[u8]) -> Reached {
     let mut script = Script::new(bytes);
     let mut drawn = (0..100).map(|_| {

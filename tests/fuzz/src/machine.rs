@@ -1,4 +1,4 @@
-//! A machine that does as commanded, but for what the script does to it.
+//! A machine that follows its commands, except for the disturbances of the script.
 
 use cophase_core::controller::Controller;
 use cophase_core::drift::IndexPulse;
@@ -32,7 +32,7 @@ struct Crank {
     is: i64,
 }
 
-/// All of them, and what else feedback has.
+/// All cranks, and the rest of the feedback.
 pub struct Machine {
     cranks: Vec<Crank>,
     tick_cycles: i64,
@@ -100,7 +100,7 @@ impl Machine {
         }
     }
 
-    /// Something happens; half of the time what was wrong is right again, and the machine is started.
+    /// Applies an event. Half of the time it removes all disturbances, and resets or starts the machine.
     pub fn disturb(&mut self, script: &mut Script<'_>, controller: &mut Controller) {
         let count = self.cranks.len();
         let axis = script.below(count);
@@ -148,7 +148,7 @@ impl Machine {
         }
     }
 
-    /// All is well, and a command comes.
+    /// Removes all disturbances, and gives a command.
     fn fix(&mut self, command: Command) {
         (self.enable, self.stop, self.wild) = (true, false, false);
         (self.alarm, self.swapped) = (PerAxis::default(), None);
@@ -212,7 +212,7 @@ impl Machine {
         feedback
     }
 
-    /// Takes in what is to be played from the next deadline on.
+    /// Stores the phases that are to be played from the next deadline on.
     pub fn play(&mut self, output: &Output) {
         for (axis, crank) in self.cranks.iter_mut().enumerate() {
             let phase = output.telemetry.axis_phase(axis);
@@ -229,7 +229,7 @@ impl Machine {
 }
 
 impl Crank {
-    /// Advances to where it is at this deadline: what was commanded two ticks ago has just been played.
+    /// Advances to the position at this deadline: the command of two ticks ago has just been played.
     fn move_on(&mut self) {
         self.was = self.is;
         let step = self.commanded[1] - self.commanded[2];
@@ -242,7 +242,7 @@ impl Crank {
         self.is = self.commanded[1].wrapping_add(self.apart);
     }
 
-    /// A pulse where it met its flag going forward in the tick that is over, at that cycle.
+    /// The pulse of a crank that met its flag going forward in the last tick, at that cycle.
     fn pulse(&self, tick_cycles: i64) -> Option<IndexPulse> {
         let (from, to) = (
             self.was.wrapping_sub(self.index),

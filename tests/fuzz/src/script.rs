@@ -1,7 +1,7 @@
 //! Bytes as a sequence of numbers.
 
-/// Reads numbers from bytes, and from the beginning again when they end, each time as other ones: few bytes make a long
-/// sequence too, in which nothing repeats.
+/// Reads numbers from bytes. At their end it starts again from the beginning, each time with other values, so that a
+/// few bytes also make a long sequence without repetition.
 #[derive(Clone, Debug)]
 pub struct Script<'a> {
     bytes: &'a [u8],
@@ -23,7 +23,7 @@ impl<'a> Script<'a> {
     pub fn byte(&mut self) -> u8 {
         let byte = self.bytes.get(self.at).copied().unwrap_or_default();
         self.at += 1;
-        // Knuth's multiplicative hash of the round and the place in it; none in the first.
+        // Knuth's multiplicative hash of the round and the place in it; not used in the first round.
         let hash = (self.round << 16 ^ self.at as u32).wrapping_mul(2_654_435_761) >> 24;
         let reported = if self.round == 0 {
             byte

@@ -7,16 +7,17 @@ use cophase_core::units::{MAX_AXES, ONE_TURN, Phase, Turns};
 
 use crate::Reached;
 
-/// The limits in units of 2⁻⁴⁸ turn and one tick, and the tick before.
+/// The limits in units of 2⁻⁴⁸ turn and one tick, and the state of the previous tick.
 pub struct Watch {
     speed_most: f64,
-    /// Usual, and in a fault's stop.
+    /// Usual limits, and those in a fault's stop.
     acceleration_most: [f64; 2],
     jerk_most: [f64; 2],
     offset_most: Vec<i64>,
     /// Greatest phase offset of an axis in a slot, and one step.
     slot_most: Vec<i64>,
-    /// Axes that turn once with the master: their phases are its own, except for their offsets.
+    /// Axes that turn once with the master: their phases are those of the master, except for their
+    /// offsets.
     plain: Vec<Option<Turns>>,
     stepper: Vec<bool>,
     /// True if phase errors are corrected.
@@ -89,7 +90,7 @@ impl Watch {
         self.reached
     }
 
-    /// Holds one tick against everything.
+    /// Checks all conditions for one tick.
     pub fn check(&mut self, feedback: &Feedback, output: &Output) {
         let telemetry = &output.telemetry;
         self.stops_now |= feedback.command == Some(Command::StopNow);
@@ -133,7 +134,7 @@ impl Watch {
         let telemetry = &output.telemetry;
         let (before, now) = (self.state, telemetry.state);
         let on = output.drives_enabled;
-        // In a fault they hold or not; but they never come on in it.
+        // In a fault the drives hold or not, but they are never switched on.
         let expected = match now {
             State::Idle => false,
             State::Homing | State::Run | State::Stop | State::Parked => true,
@@ -227,7 +228,7 @@ impl Watch {
                     .wrapping_sub(offset)
                     .to_bits()
                     .abs();
-                // An offset is rounded once, and so may be the limit.
+                // An offset is rounded once, and the limit may be rounded too.
                 assert!(by <= most + 2, "axis {i}: phase offset {by} over {most}");
             }
         }

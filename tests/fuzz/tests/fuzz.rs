@@ -1,10 +1,10 @@
-//! Arbitrary feedback, as much of it as requested. `COPHASE_FUZZ_INPUTS` says how many ticks in all; without it there
-//! are few:
+//! Arbitrary feedback, for the requested number of ticks. `COPHASE_FUZZ_INPUTS` gives the number of ticks in all;
+//! without it there are few:
 //!
 //!     COPHASE_FUZZ_INPUTS=1000000000 cargo test -p cophase-fuzz --test fuzz -- --nocapture
 //!
-//! With overflow checks on, so not in release mode; a billion take some minutes. Every run plays
-//! other cases. One that fails is made smaller, and reported with the seed that brings it back (`BOLERO_RANDOM_SEED`).
+//! Overflow checks must be on, so not in release mode; a billion take some minutes. Every run plays other cases. A
+//! case that fails is reduced, and reported with the seed that reproduces it (`BOLERO_RANDOM_SEED`).
 
 use std::sync::Mutex;
 
@@ -48,7 +48,7 @@ fn fuzz(count: usize) {
         all.faults,
         kinds.join(", ")
     );
-    // Were it so, nothing would have been tried. Over many cases it is one tick in eight, and five faults a case.
+    // If these fail, the cases hardly test anything. Over many cases it is one tick in eight, and five faults a case.
     assert!(all.running > all.ticks / 200, "hardly anything runs");
     assert!(all.faults > all.ticks / TICKS, "hardly anything goes wrong");
 }

@@ -22,7 +22,7 @@ fn frames() -> usize {
     })
 }
 
-/// A server that all cases share: its state after one case is where the next begins.
+/// A server that all cases share. Each case begins in the state after the previous case.
 fn hub() -> Mutex<Hub<RecordingDevice, 1>> {
     Mutex::new(Hub::new(RecordingDevice::new()))
 }
@@ -37,7 +37,7 @@ fn framed(payload: &[u8]) -> Vec<u8> {
     buffer[..length.expect("the payload is short")].to_vec()
 }
 
-/// Bytes of noise are no request. If one had an effect, a bad cable could start a machine.
+/// If this fails, bytes of noise have an effect, and a bad cable could start a machine.
 #[test]
 fn noise_has_no_effect_on_a_controller() {
     let hub = hub();
@@ -93,7 +93,7 @@ fn any_bytes_are_decoded_or_refused_by_the_host() {
         });
 }
 
-/// A damaged frame is never taken for an intact one: one to three changed bytes are always found by the CRC, as they lie
+/// If this fails, a damaged frame is taken for an intact one. The CRC finds one to three changed bytes, because they lie
 /// within 32 bits or are few.
 #[test]
 fn changed_frames_are_found() {
@@ -108,7 +108,7 @@ fn changed_frames_are_found() {
             let place = usize::from(place) % (frame.len() - 1);
             let changed = frame[place] ^ change.max(1);
             if changed == 0 {
-                return; // A zero ends a frame: that is a cut one, and another test's.
+                return; // A zero ends a frame: this is a cut frame, which another test covers.
             }
             frame[place] = changed;
             let mut receiver = Receiver::new();

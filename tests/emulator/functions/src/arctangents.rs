@@ -24,7 +24,7 @@ extern "C" fn arctangent_fixed_analytics_i4f28(y: i32, x: i32) -> i32 {
     fixed_analytics::atan2(I4F28::from_bits(y), I4F28::from_bits(x)).to_bits()
 }
 
-/// The one that the controller's telemetry has for the direction of a tilt.
+/// The function that the controller's telemetry uses for the direction of a tilt.
 #[unsafe(no_mangle)]
 extern "C" fn arctangent_micromath_f32(y: u32, x: u32) -> u32 {
     let y = micromath::F32::from_bits(y);

@@ -1,4 +1,4 @@
-//! 1 / sqrt(1 − x), for x from 0 to 0.36, and the product of two numbers with 30 fraction bits that it is made of.
+//! 1 / sqrt(1 − x), for x from 0 to 0.36, and the product of two numbers with 30 fraction bits that it uses.
 
 use cophase_core::functions;
 

@@ -1,8 +1,8 @@
 //! Elementary functions, one C symbol each, for `measure.mjs` to call in the RP2040 emulator.
 //!
-//! A *candidate* takes and gives integers: the bits of its own format. Its symbol begins with what it
-//! computes (`root_`, `sine_`, `arctangent_`, `inverse_root_`, `product_`) and ends with who offers it; `measure.mjs` knows the
-//! format of each, and counts cycles and errors. Nothing here is started: there is no reset, no board.
+//! A *candidate* takes and gives integers: the bits of its own format. Its symbol begins with its function (`root_`, `sine_`,
+//! `arctangent_`, `inverse_root_`, `product_`) and ends with its source; `measure.mjs` knows the format of each, and counts
+//! cycles and errors. Nothing here is started: there is no reset, no board.
 //!
 //! On a host this crate is empty, so that the workspace builds with no target installed.
 

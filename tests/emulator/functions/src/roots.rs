@@ -1,4 +1,4 @@
-//! Square roots. Those that are normalised give 32 significant bits whatever the size of the argument.
+//! Square roots. The normalised ones give 32 significant bits for any size of the argument.
 
 use crate::{pair, tables};
 use cophase_core::functions;

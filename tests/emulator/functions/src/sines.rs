@@ -36,7 +36,8 @@ extern "C" fn sine_idsp_table(angle: u32) -> u64 {
 
 #[unsafe(no_mangle)]
 extern "C" fn sine_idsp_cordic(angle: u32) -> u64 {
-    // A start vector of 1/gain makes the result a unit vector. A hair less: ±1 must not overflow.
+    // A start vector of 1/gain makes the result a unit vector. It is slightly shorter, because ±1
+    // must not overflow.
     const START: i32 = (2147483000.0 / idsp::CORDIC_CIRCULAR_GAIN) as i32;
     let (cosine, sine) = idsp::cos_sin(START, 0, angle as i32);
     pair(sine as u32, cosine as u32)

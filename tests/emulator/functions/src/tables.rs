@@ -1,6 +1,6 @@
-//! The plain ways: what a table alone gives, or a table with straight lines between its entries.
+//! The plain methods: a table alone, or a table with straight lines between its entries.
 //!
-//! All share one quarter wave of 1,025 entries with 30 fraction bits, but the root, which has its own.
+//! All share one quarter wave of 1,025 entries with 30 fraction bits. Only the root has its own table.
 
 const STEPS: usize = 1024;
 const REST_BITS: u32 = 20; // bits of the angle below a step
@@ -39,7 +39,7 @@ pub fn sine_cosine_linear_i64(angle: u32) -> (i32, i32) {
     )
 }
 
-/// Sine and cosine of the first quarter, in the quarter that the angle is in.
+/// Sine and cosine of the first quarter, moved to the quarter of the angle.
 fn turned(angle: u32, sine: i32, cosine: i32) -> (i32, i32) {
     match angle >> 30 {
         0 => (sine, cosine),
@@ -118,7 +118,7 @@ pub fn arctangent(y: i32, x: i32) -> u32 {
     if y < 0 { angle.wrapping_neg() } else { angle }
 }
 
-/// The last entry stands twice: nothing lies beyond it.
+/// The last entry is repeated, because there is none after it.
 const fn arctangents() -> [u32; TANGENTS + 2] {
     let mut table = [0; TANGENTS + 2];
     let mut i = 0;

@@ -1,7 +1,7 @@
 //! The firmware's ELF file: its sections, its functions, and which of its words are code.
 //!
-//! Words: *mapping symbols* are `$t` and `$d`, by which the ELF for Arm separates code from the data that stands
-//! between it (literal pools and jump tables).
+//! Words: *mapping symbols* are `$t` and `$d`, by which the ELF for Arm separates code from the data in between
+//! (literal pools and jump tables).
 
 use std::path::Path;
 
@@ -9,31 +9,31 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionIndex, Sy
 
 use crate::error::{self, Error};
 
-/// A section that takes room in the chip.
+/// A section that uses memory of the chip.
 #[derive(Clone, Debug)]
 pub struct Section {
     /// Its place in the file's list.
     index: SectionIndex,
-    /// Kind of memory that it takes.
+    /// Kind of memory that it uses.
     pub kind: Kind,
-    /// Address at which the program sees it.
+    /// Address of the section for the program.
     pub address: u32,
-    /// Bytes that it takes.
+    /// Its size in bytes.
     pub size: u32,
     /// Its content; empty where the file has none.
     bytes: Vec<u8>,
-    /// Mapping symbols: where from on there is code, or is none.
+    /// Mapping symbols: the addresses from which there is code, or none.
     marks: Vec<(u32, bool)>,
 }
 
-/// Kind of memory that a section takes.
+/// Kind of memory that a section uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Code in flash.
     Text,
     /// Constants in flash.
     Constants,
-    /// In RAM, with its first content in flash; code that runs from RAM is there too.
+    /// In RAM, with its initial content in flash. Code that runs from RAM is there too.
     Data,
     /// In RAM, cleared or left as it is.
     Bss,
@@ -46,7 +46,7 @@ pub struct Function {
     pub names: Vec<String>,
     /// Address of its first instruction.
     pub address: u32,
-    /// Address past its last byte, literal pools counted.
+    /// Address after its last byte, literal pools included.
     pub end: u32,
     /// Its place in [`Firmware::sections`].
     pub section: usize,
@@ -57,16 +57,16 @@ pub struct Function {
 pub struct Variable {
     /// Its name, demangled.
     pub name: String,
-    /// Bytes that it takes.
+    /// Its size in bytes.
     pub size: u32,
 }
 
 /// The firmware's ELF file.
 #[derive(Clone, Debug)]
 pub struct Firmware {
-    /// Sections that take room in the chip.
+    /// Sections that use memory of the chip.
     pub sections: Vec<Section>,
-    /// By section and address.
+    /// Functions by section and address.
     pub functions: Vec<Function>,
     /// Variables in RAM.
     pub variables: Vec<Variable>,
@@ -128,7 +128,7 @@ impl Firmware {
         if let Some(code) = mark(name) {
             place.marks.push((address, code));
         } else if symbol.kind() == SymbolKind::Text {
-            let address = address & !1; // bit 0 says Thumb
+            let address = address & !1; // bit 0 marks Thumb code
             self.functions.push(Function {
                 names: vec![demangled(name)],
                 address,
@@ -141,7 +141,7 @@ impl Firmware {
         }
     }
 
-    /// Puts things in order: one function an address, and an end for those whose symbols have no size.
+    /// Sorts the functions: one function an address, and an end for those whose symbols have no size.
     fn settle(&mut self) {
         for section in &mut self.sections {
             section.marks.sort_unstable();
@@ -215,7 +215,7 @@ pub fn in_ram(address: u32) -> bool {
     address >> 28 == 2
 }
 
-/// None: it takes no room in the chip.
+/// None if the section uses no memory of the chip.
 fn kind<'a>(section: &impl ObjectSection<'a>) -> Option<Kind> {
     let SectionFlags::Elf { sh_flags, sh_type } = section.flags() else {
         return None;

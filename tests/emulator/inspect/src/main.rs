@@ -1,14 +1,14 @@
-//! `firmware-inspect`: looks into the firmware's ELF file, so that tests know what the flashed bytes are.
+//! `firmware-inspect`: reads the firmware's ELF file, so that tests can examine the flashed bytes.
 //!
 //! - `log` decodes what the firmware logged over RTT;
 //! - `panics` proves that no panic can be reached from given functions, and bounds their stack;
-//! - `places` checks that what functions may call lies in RAM;
-//! - `frames` names the functions at code addresses, those inlined there too;
-//! - `size` prints the firmware's size in flash and RAM, and compares it with what was kept;
+//! - `places` checks that the functions that may be called lie in RAM;
+//! - `frames` names the functions at code addresses, including those inlined there;
+//! - `size` prints the firmware's size in flash and RAM, and compares it with the stored figures;
 //! - `uf2` writes the firmware as a file for drag and drop.
 //!
-//! Exit status: 0 all is well; 1 a check failed; 2 the question makes no sense, with a sentence that says
-//! why: a file that is not there, a name that matches nothing.
+//! Exit status: 0 all checks passed; 1 a check failed; 2 the question makes no sense, with a sentence
+//! that gives the reason: a missing file, a name that matches nothing.
 
 mod calls;
 mod command;

@@ -1,4 +1,4 @@
-//! Names of functions: what a pattern matches, and which of them are panics.
+//! Names of functions: matching by a pattern, and recognition of panics.
 //!
 //! Rust's two manglings write generic functions differently: `Controller<_>::tick` or
 //! `<Controller<4>>::tick`. Here a *plain* name has no generic arguments, `Controller::tick`, and both
@@ -16,7 +16,7 @@ pub fn plain(name: &str) -> String {
             continue;
         }
         let Some(inside) = angles(&name[at..]) else {
-            out.push(c); // an operator, or no Rust name
+            out.push(c); // an operator, or not a Rust name
             continue;
         };
         while chars
@@ -27,7 +27,7 @@ pub fn plain(name: &str) -> String {
             before.is_alphanumeric() || matches!(before, '_' | ':' | '}')
         });
         if let Some(implemented) = inside.strip_prefix("impl ") {
-            // The older mangling names an impl by the module in which it stands; that is no part of a path.
+            // The older mangling names an impl by its module. That name is not part of a path.
             out = match implemented.split_once(" for ") {
                 Some((of, to)) => format!("<{} as {}>", plain(to), plain(of)),
                 None => plain(implemented),
@@ -77,7 +77,7 @@ pub fn matches(pattern: &str, name: &str) -> bool {
     })
 }
 
-/// Paths below which everything is a panic, or belongs to one.
+/// Paths below which every function is a panic, or belongs to one.
 const PANIC_PATHS: [&str; 5] = [
     "core::panicking",
     "core::panic",
@@ -86,7 +86,7 @@ const PANIC_PATHS: [&str; 5] = [
     "defmt::panic",
 ];
 
-/// Types of the language on which it has functions of its own.
+/// Primitive types that have functions of their own.
 const PRIMITIVES: [&str; 17] = [
     "bool", "char", "f32", "f64", "i128", "i16", "i32", "i64", "i8", "isize", "str", "u128", "u16",
     "u32", "u64", "u8", "usize",
@@ -105,7 +105,7 @@ const TRAPS: [&str; 9] = [
     "core::intrinsics::abort",
 ];
 
-/// Recognizes functions that the linker puts between two that are too far from each other for a jump.
+/// Recognizes functions that the linker inserts between two that are too far from each other for a jump.
 pub fn is_thunk(name: &str) -> bool {
     name.starts_with("__Thumbv6M")
 }
@@ -118,10 +118,10 @@ pub fn is_panic(name: &str) -> bool {
         path.strip_prefix(*root)
             .is_some_and(|rest| rest.is_empty() || rest.starts_with("::"))
     };
-    // In the libraries of the language, whatever is called so only panics: unwrap_failed, slice_index_fail,
-    // panic_already_borrowed, panic_const_div_by_zero, …
+    // In the libraries of the language, a function with such a name only panics: unwrap_failed,
+    // slice_index_fail, panic_already_borrowed, panic_const_div_by_zero, …
     let last = path.rsplit("::").next().unwrap_or(path);
-    // Of impls for types like [T], str or u32 only the type is named.
+    // Impls for types like [T], str or u32 are named by the type alone.
     let first = path.split("::").next().unwrap_or(path);
     let of_language = path.contains("::")
         && (first == "core"

@@ -13,9 +13,9 @@ use crate::calls::roots;
 use crate::error::Error;
 use crate::firmware::Firmware;
 
-/// The command: walks from every function that a root matches and prints what is reached.
+/// The command: walks from every function that a root matches and prints the functions that are reached.
 ///
-/// False if a panic, or code that is not known, can be reached, or an entry of the allow file is never met.
+/// False if a panic or unknown code can be reached, or an entry of the allow file is never used.
 ///
 /// # Errors
 /// Files that cannot be read; a root that matches nothing.

@@ -1,7 +1,7 @@
-//! The check that what must not wait for the flash lies in RAM.
+//! The check that all code that must not wait for the flash lies in RAM.
 //!
-//! Calls through a register to an unknown place are not followed: what they may reach is to be named as a
-//! root of its own. Panics are not followed either.
+//! Calls through a register to an unknown place are not followed: their possible callees must be given as
+//! roots. Panics are not followed either.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -13,9 +13,9 @@ use crate::calls::roots;
 use crate::error::Error;
 use crate::firmware::{Firmware, in_ram};
 
-/// The command: walks from every function that a root matches, and names what lies elsewhere.
+/// The command: walks from every function that a root matches, and names the functions outside RAM.
 ///
-/// False if anything does.
+/// False if there are any.
 ///
 /// # Errors
 /// A file that cannot be read; a root that matches nothing.

@@ -1,4 +1,4 @@
-//! The log's bytes come out as the statements that made them, however broken the stream is.
+//! The log's bytes are decoded to the statements that wrote them, also from a broken stream.
 
 mod support;
 
@@ -32,13 +32,13 @@ fn firmware(encoding: &str) -> (TempDir, PathBuf) {
     (dir, path)
 }
 
-/// A frame: index, time in µs, and what is printed.
+/// A frame: index, time in µs, and the values.
 fn frame(index: u16, time_us: u16, arguments: &[u16]) -> Vec<u8> {
     let words = [&[index, time_us], arguments].concat();
     words.into_iter().flat_map(u16::to_le_bytes).collect()
 }
 
-/// Reverse zero-compressing COBS: seven bytes, less those that are zero, then which they were.
+/// Reverse zero-compressing COBS: seven bytes without the zeros, then a byte that marks the zeros.
 fn rzcobs(frame: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     for group in frame.chunks(7) {
@@ -85,7 +85,8 @@ fn statements_come_out_in_both_encodings() {
     }
 }
 
-/// The ring may have been read from the middle of a frame, and the reading may end in one.
+/// The first bytes read from the ring may be the middle of a frame, and the last ones may be part
+/// of a frame.
 #[test]
 fn broken_frames_are_skipped_and_reported() {
     let (_dir, elf) = firmware("rzcobs");

@@ -1,4 +1,4 @@
-//! Functions reached from a root, in firmware whose calls are known because they are made here.
+//! Functions reached from a root, in firmware that is made here, so that its calls are known.
 
 mod support;
 
@@ -16,7 +16,7 @@ fn a_panic() -> Function {
     function(PANIC, &[Part::Is(0xe7fe)]) // b .
 }
 
-/// Status, words, complaints of a check from `root`.
+/// Status, output and errors of a check from `root`.
 fn check(functions: &[Function], root: &str, more: &[&str]) -> (i32, String, String) {
     let (_dir, elf) = firmware(functions);
     let arguments = ["panics", elf.to_str().unwrap(), "--root", root];
@@ -92,10 +92,10 @@ fn a_function_without_an_end_goes_on_into_the_next() {
 #[test]
 fn data_that_resemble_a_call_are_none() {
     let bl_to_panic = |offset: u32| (0xf800 | offset >> 1) << 16 | 0xf000;
-    // The data stand at 0x104, the panic at 0x108.
+    // The data are at 0x104, the panic at 0x108.
     let data = [Word::Is(bl_to_panic(0x108 - 0x104 - 4))];
     assert_free(&[with_data("root", &[NOP, RETURN], &data), a_panic()]);
-    // As code they are the call that they look like.
+    // The same bytes as code are a call.
     let code = [0xf000, 0xf800].map(Part::Is);
     let functions = [function("root", &[NOP, NOP, code[0], code[1]]), a_panic()];
     assert_reached(&functions, &[REACHED, "root"]);
@@ -126,13 +126,13 @@ fn a_call_through_a_literal_is_followed() {
 
 #[test]
 fn a_function_whose_address_is_held_may_be_called() {
-    // It is loaded and given away, never called here.
+    // The address is loaded and passed on, but never called here.
     let holds = with_data("root", &[Part::Is(0x4b00), RETURN], &[Word::Of("a")]);
     assert_reached(
         &[holds, calls("a", PANIC), a_panic()],
         &[REACHED, "root", "a"],
     );
-    // An even number is no function's address, in Thumb.
+    // An even number is not the address of a function in Thumb code.
     let even = with_data("root", &[Part::Is(0x4b00), RETURN], &[Word::Is(0x108)]);
     assert_free(&[even, calls("a", PANIC), a_panic()]);
 }
@@ -142,7 +142,7 @@ fn a_call_to_nobody_knows_where_is_no_proof() {
     let unknown = "unknown: a call through a register, by";
     let functions = [function("root", &[PUSH_R4_LR, CALL_R3, POP_R4_PC])];
     assert_reached(&functions, &[unknown, "root"]);
-    // A literal that another instruction has overwritten meanwhile is not what is called: movs r3, #1.
+    // A literal that another instruction has overwritten is not the callee: movs r3, #1.
     let code = [Part::Is(0x4b01), Part::Is(0x2301), CALL_R3, RETURN];
     let functions = [
         with_data("root", &code, &[Word::Of("a")]),
@@ -166,7 +166,7 @@ fn an_undefined_instruction_is_a_trap_but_behind_a_call_that_does_not_return() {
     assert_free(&functions);
 }
 
-/// adr r1, table; ldr r0, [r1, r0]; mov pc, r0: what a `match` becomes.
+/// adr r1, table; ldr r0, [r1, r0]; mov pc, r0: the code of a `match`.
 #[test]
 fn a_jump_through_a_table_stays_inside() {
     let table = [Part::Is(0xa101), Part::Is(0x5808), Part::Is(0x4687), RETURN];
@@ -176,7 +176,7 @@ fn a_jump_through_a_table_stays_inside() {
     assert_reached(&[function("root", &without_table)], &[unknown, "root"]);
 }
 
-/// Compilers use `bl` inside of a function where no other jump reaches as far.
+/// Compilers use `bl` inside of a function where no other jump has the range.
 #[test]
 fn a_far_jump_inside_is_no_recursion() {
     let far = [
@@ -227,7 +227,7 @@ fn the_stack_is_that_of_the_deepest_path() {
     );
 }
 
-/// push {r4, lr}; ldr r4, [pc]; add sp, r4; …: how frames over 508 bytes are made.
+/// push {r4, lr}; ldr r4, [pc]; add sp, r4; …: the code for frames over 508 bytes.
 #[test]
 fn a_large_frame_comes_from_a_literal() {
     let code = [
@@ -272,7 +272,7 @@ fn recursion_is_walked_once_and_has_no_bound() {
     );
 }
 
-/// If this fails, a check that checks nothing passes.
+/// If this fails, a check without anything to check passes.
 #[test]
 fn a_root_that_is_not_there_is_an_error() {
     let functions = [calls("module::root", "a"), function("a", &[RETURN])];
@@ -306,7 +306,7 @@ fn a_call_that_is_allowed_is_not_followed() {
         out.contains("allowed: a → core::panicking::panic_fmt: never"),
         "{out}"
     );
-    // Another's call is not.
+    // The call of another function is not allowed.
     let (status, out, _) = allowed(&functions, &entry("root", "core::panicking::panic_fmt", ""));
     assert_eq!(status, 1);
     assert!(
@@ -348,7 +348,7 @@ fn an_entry_needs_a_reason() {
     }
 }
 
-/// push {r0, r1}; ldr r0, [pc, #4]; str r0, [sp, #4]; pop {r0, pc}; then the address: as the linker makes them.
+/// push {r0, r1}; ldr r0, [pc, #4]; str r0, [sp, #4]; pop {r0, pc}; then the address: the thunks of the linker.
 #[test]
 fn a_thunk_is_the_function_behind_it() {
     let code = [0xb403, 0x4801, 0x9001, 0xbd01].map(Part::Is);

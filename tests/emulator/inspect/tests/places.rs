@@ -5,7 +5,7 @@ mod support;
 use support::code::{POP_R4_PC, PUSH_R4_LR, Part, RETURN, firmware, function};
 use support::{inspect, said};
 
-/// If this fails, something of the tick path could wait for the flash unseen.
+/// If this fails, code of the tick path could wait for the flash unnoticed.
 #[test]
 fn what_lies_in_the_flash_is_named_with_its_caller() {
     let functions = [

@@ -25,7 +25,7 @@ fn firmware(text: usize) -> (TempDir, PathBuf) {
     let bss = elf.empty_section(".bss", 3000);
     elf.symbol(bss, "firmware::DMA_WORDS", SymbolKind::Data, 0, 2048);
     elf.symbol(bss, "firmware::FLAG", SymbolKind::Data, 2048, 4);
-    elf.section(".debug_info", SectionKind::Debug, &[0; 5000]); // takes nothing of the chip
+    elf.section(".debug_info", SectionKind::Debug, &[0; 5000]); // uses no memory of the chip
     let dir = tempfile::tempdir().unwrap();
     let path = elf.write(dir.path());
     (dir, path)
@@ -99,7 +99,7 @@ fn a_change_beyond_its_margin_fails_until_it_is_blessed() {
         "{out}"
     );
 
-    // Blessed without a measurement of the stack, the one before is kept.
+    // After a blessing without a measured stack, the previous figure stays.
     assert_eq!(size(&grown, &["--golden", golden, "--bless"]).0, 0);
     let kept = std::fs::read_to_string(golden).unwrap();
     assert!(kept.contains("\ntext_bytes = 10600\n"), "{kept}");

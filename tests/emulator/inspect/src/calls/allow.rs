@@ -5,7 +5,7 @@
 //! from = "cophase_firmware::report::note"  # patterns, as roots are
 //! to = "core::panicking::panic"            # or "unknown", for a call through a register; or "trap"
 //! reason = "why this cannot happen, or does no harm"
-//! calls = []                       # what it may call instead: bounds a call through a register
+//! calls = []                       # functions it may call instead: bounds a call through a register
 //! ```
 
 use std::path::Path;
@@ -17,7 +17,7 @@ use crate::error::{self, Error};
 use crate::firmware::Firmware;
 use crate::name;
 
-/// The entries, and which of them were met.
+/// The entries, each with whether it was used.
 #[derive(Clone, Debug, Default)]
 pub struct Allowed {
     entries: Vec<(Entry, Vec<Callee>, bool)>,
@@ -38,7 +38,7 @@ pub struct Entry {
     pub from: String,
     /// Pattern of the callee.
     pub to: String,
-    /// Reason why that does no harm.
+    /// Reason why the call does no harm.
     pub reason: String,
     /// Patterns of the functions that are called instead.
     #[serde(default)]
@@ -73,7 +73,7 @@ impl Allowed {
         Ok(Self { entries })
     }
 
-    /// If a call is allowed, what is called instead; and the entry is noted as met.
+    /// The functions called instead, if a call is allowed. Marks the entry as used.
     pub fn take(
         &mut self,
         firmware: &Firmware,
@@ -96,7 +96,7 @@ impl Allowed {
         Some(instead.clone())
     }
 
-    /// Entries with whether they were met.
+    /// Entries with whether they were used.
     pub fn entries(&self) -> impl Iterator<Item = (&Entry, bool)> {
         self.entries.iter().map(|(entry, _, met)| (entry, *met))
     }

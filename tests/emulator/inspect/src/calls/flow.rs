@@ -1,9 +1,10 @@
-//! One function, read instruction by instruction: what it may call, and how deep its stack is there.
+//! One function, read instruction by instruction: its possible callees, and the depth of its stack at
+//! each.
 //!
-//! All of its code counts, whether it can be reached inside of the function or not. A jump through a table
-//! stays inside: that is what compilers make tables for, and only where the instructions before take the
-//! table's address is it believed. The depth of the stack is followed along every path; where two meet,
-//! the deeper counts.
+//! All of its code counts, whether it can be reached inside of the function or not. Compilers make jumps
+//! through a table that stay inside the function. A jump counts as one of these only if the instructions
+//! before it take the table's address. The depth of the stack is followed along every path. Where two
+//! paths meet, the deeper one counts.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,9 +16,9 @@ use crate::firmware::{Firmware, Function};
 pub enum Callee {
     /// Another, or itself, by its place in [`Firmware::functions`].
     Function(usize),
-    /// Code at an address at which there is no function.
+    /// Code at an address outside of every function.
     Nowhere(u32),
-    /// The content of a register that is not known.
+    /// The content of a register, which is not known.
     Unknown,
     /// No function: an instruction that is undefined on purpose.
     Trap,
@@ -32,7 +33,7 @@ pub struct Body {
     pub depth: Option<u32>,
 }
 
-/// A function that takes more for itself than the chip has is one that was misread.
+/// A function that takes more stack than the chip has was misread.
 const MOST_DEPTH: u32 = 1 << 20;
 
 /// Before a jump through a table, its address is taken at most so many instructions earlier.
@@ -54,7 +55,8 @@ impl Body {
                 body.add(callee, depth);
             }
         }
-        // A function whose address it holds may be called by it, or by whom it gives that to.
+        // The function, or any function that gets an address from it, may call a function whose address it
+        // holds.
         for callee in code.held(firmware) {
             body.add(callee, deepest);
         }
@@ -67,7 +69,7 @@ impl Body {
     }
 }
 
-/// An instruction, and what is known where it stands.
+/// An instruction with the known state before it.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     instruction: Instruction,
@@ -106,7 +108,7 @@ impl<'a> Code<'a> {
                 && target != function.address
                 && (function.address..function.end).contains(&target)
             {
-                // No other jump reaches so far; the address that it leaves in lr is not used.
+                // No other jump has this range; the address that it leaves in lr is not used.
                 instruction.flow = Flow::Jump(target);
             }
             instructions.insert(at, instruction);
@@ -149,7 +151,7 @@ impl<'a> Code<'a> {
                 );
             }
             Flow::Table if !place.table_near => callees.push(Callee::Unknown),
-            // After a call that does not return, to catch it if it did.
+            // A trap directly after a call does not count: it guards a call that does not return.
             Flow::Trap if !place.after_call => callees.push(Callee::Trap),
             _ => {}
         }
@@ -159,7 +161,7 @@ impl<'a> Code<'a> {
             Flow::Next | Flow::JumpIf(_) | Flow::CallRegister(_)
         );
         if goes_on && next >= self.function.end {
-            callees.push(to(next)); // it goes on into the next function
+            callees.push(to(next)); // the code continues in the next function
         }
         callees
     }
@@ -205,7 +207,7 @@ impl<'a> Code<'a> {
                     Flow::JumpRegister(_) | Flow::Table | Flow::Return | Flow::Trap => {}
                 }
             }
-            // What is left is reached through tables only, from where the stack was at most this deep.
+            // The remaining code is reached through tables only, at a stack of at most this depth.
             let left = self.places.keys().find(|at| !depths.contains_key(at));
             match left {
                 Some(&at) => waiting.push((at, deepest)),
@@ -223,7 +225,8 @@ impl<'a> Code<'a> {
                 .operand
                 .map(|word| moved((word as i32).wrapping_neg())),
             Stack::Becomes(_) => {
-                // Where a frame is given back: registers are restored next. Else it may be anything.
+                // The stack pointer is known if a frame is given back, that is if registers are restored
+                // next. Otherwise it is not.
                 let next = self.places.get(&(at + place.instruction.length))?;
                 matches!(next.instruction.stack, Stack::Takes(..0)).then_some(depth)
             }
@@ -231,7 +234,7 @@ impl<'a> Code<'a> {
     }
 }
 
-/// The instructions with what is known at each of them.
+/// The instructions with the known state at each of them.
 fn places(
     instructions: &BTreeMap<u32, Instruction>,
     literal: impl Fn(u32) -> Option<u32>,
@@ -243,7 +246,7 @@ fn places(
             _ => None,
         })
         .collect();
-    // Where tables lead is not known here: then a literal counts only where it is used at once.
+    // The targets of tables are not known here. Then a literal counts only if it is used at once.
     let has_table = instructions.values().any(|i| i.flow == Flow::Table);
     let mut registers: [Option<u32>; 16] = [None; 16];
     let mut table_age = None;

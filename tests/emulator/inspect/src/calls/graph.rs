@@ -7,7 +7,7 @@ use super::flow::{Body, Callee};
 use crate::firmware::Firmware;
 use crate::name;
 
-/// The call graph of a firmware, read as far as it is walked.
+/// The call graph of a firmware, built as far as the walk has come.
 pub struct Graph<'a> {
     firmware: &'a Firmware,
     allowed: &'a mut Allowed,
@@ -25,9 +25,10 @@ struct Calls {
 /// Result of a walk from one root.
 #[derive(Clone, Debug)]
 pub struct Reached {
-    /// Functions that are reached, the root counted, panics not, and by whom first; the root by itself.
+    /// Functions that are reached, with the root and without panics, and the first caller of each. The root's
+    /// caller is itself.
     pub functions: BTreeMap<usize, usize>,
-    /// Forbidden calls that are reached: for each the functions on the way, root first, and its end.
+    /// Forbidden calls that are reached: for each the functions of its path, root first, and its callee.
     pub forbidden: Vec<(Vec<usize>, Callee)>,
     /// Depth of the stack.
     pub stack: Stack,
@@ -36,9 +37,9 @@ pub struct Reached {
 /// Depth of the stack; panics and allowed calls are not counted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stack {
-    /// So many bytes at most, on a path of functions with what each of them takes.
+    /// An upper bound in bytes, and the path of functions with the share of each.
     Bytes(u32, Vec<(usize, u32)>),
-    /// No bound is known, and why.
+    /// No bound is known; the reason.
     Unbounded(String),
 }
 
@@ -121,8 +122,8 @@ impl<'a> Graph<'a> {
         calls
     }
 
-    /// The depth below a function, on `above` of which it stands. `known`: depth, own part of it, and the
-    /// deepest callee.
+    /// The depth of the stack below a function; `above` holds its callers. `known`: depth, own part of it, and
+    /// the deepest callee.
     fn stack(
         &mut self,
         function: usize,

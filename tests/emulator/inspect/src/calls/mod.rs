@@ -1,10 +1,10 @@
 //! Call graph of the linked firmware, and the depth of its stack.
 //!
-//! Words: the *root* is the function from which everything is walked. A function *may call* what it calls or
-//! jumps to, and every function whose address stands among its literals.
+//! Words: the *root* is the function from which everything is walked. A function *may call* its callees, its
+//! jump targets, and every function whose address is among its literals.
 //!
-//! The walk is as good as its reading: code is what mapping symbols say that it is; interrupts are no part of
-//! it, nor are faults of the processor. The stack is without interrupts' frames.
+//! The walk depends on its reading: mapping symbols determine which bytes are code. Interrupts and faults of
+//! the processor are not part of it. The stack is without interrupts' frames.
 
 pub mod allow;
 pub mod flow;

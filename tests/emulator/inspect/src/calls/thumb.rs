@@ -1,5 +1,5 @@
-//! The instructions of a Cortex-M0+ (Armv6-M: Thumb of 16 bits, and a few of 32), as far as they matter for
-//! who calls whom and how deep the stack gets.
+//! The instructions of a Cortex-M0+ (Armv6-M: Thumb of 16 bits, and a few of 32), as far as the call graph
+//! and the depth of the stack need them.
 //!
 //! Source: Armv6-M Architecture Reference Manual (Arm DDI 0419E), A5 and A6.
 
@@ -35,7 +35,7 @@ pub enum Stack {
     Takes(i32),
     /// Adds a register, most often a negative number.
     AddsRegister(u8),
-    /// Becomes what a register holds.
+    /// Becomes the content of a register.
     Becomes(u8),
 }
 
@@ -48,18 +48,18 @@ pub struct Instruction {
     pub flow: Flow,
     /// Its effect on the stack.
     pub stack: Stack,
-    /// Registers that may hold something else afterwards, a bit each; too many rather than too few.
+    /// Registers that may change, a bit each; too many rather than too few.
     pub written: u16,
     /// Loads the word at an address into a register.
     pub literal: Option<(u8, u32)>,
-    /// True if it takes an address near it, as the reader of a table does.
+    /// True if it takes an address near it, as for the reading of a table.
     pub takes_address: bool,
 }
 
 /// Registers that a call may change: r0 to r3, r12 and lr.
 const CALLER_SAVED: u16 = 0b0101_0000_0000_1111;
 
-/// The instruction at `address` whose first halfword is `first`; `second` is what stands after it.
+/// The instruction at `address` whose first halfword is `first`; `second` is the halfword after it.
 pub fn decode(address: u32, first: u16, second: u16) -> Instruction {
     let mut instruction = Instruction {
         length: 2,
@@ -107,7 +107,7 @@ pub fn decode(address: u32, first: u16, second: u16) -> Instruction {
     instruction
 }
 
-/// Those that reach the high registers: add, compare, move, and jumps to registers.
+/// Instructions with high registers: add, compare, move, and jumps to registers.
 fn special(instruction: &mut Instruction, bits: u16) {
     let target = (bits >> 4 & 8 | bits & 7) as u8;
     let source = (bits >> 3 & 15) as u8;
@@ -131,7 +131,7 @@ fn special(instruction: &mut Instruction, bits: u16) {
     }
 }
 
-/// The stack's own, and small ones.
+/// Instructions for the stack, and small ones.
 fn miscellaneous(instruction: &mut Instruction, bits: u16) {
     let bytes = i32::from(bits & 0x7f) * 4;
     let registers = |count: u32| 4 * count as i32;
@@ -153,7 +153,7 @@ fn miscellaneous(instruction: &mut Instruction, bits: u16) {
     }
 }
 
-/// Those of 32 bits: the call, and ones for the system's registers.
+/// Instructions of 32 bits: the call, and those for the system's registers.
 fn long(instruction: &mut Instruction, pc: u32, first: u16, second: u16) {
     instruction.length = 4;
     if first >> 11 != 0b11110 {
@@ -183,7 +183,7 @@ mod tests {
         decode(0x1000, first, second)
     }
 
-    /// Encodings as an assembler makes them (clang --target=thumbv6m-none-eabi), at address 0x1000.
+    /// Encodings of an assembler (clang --target=thumbv6m-none-eabi), at address 0x1000.
     #[test]
     fn jumps_and_calls_lead_where_they_should() {
         for (first, second, expected) in [

@@ -5,10 +5,10 @@ use std::fmt;
 use defmt_decoder::{Frame, Locations};
 use serde::Serialize;
 
-/// A frame in words.
+/// A frame as text.
 #[derive(Clone, Debug, Serialize)]
 pub struct Line {
-    /// The cycle in which the frame's last byte was out, if the stream has stamps.
+    /// The cycle in which the frame's last byte was sent, if the stream has stamps.
     #[serde(skip_serializing_if = "Option::is_none")]
     cycle: Option<u64>,
     /// Text of the firmware's timestamp; none if it has no timestamp.
@@ -44,7 +44,7 @@ impl Line {
     }
 }
 
-/// Cycle, if there is one, time, level and message; a message of many lines goes on below itself.
+/// Cycle, if there is one, time, level and message. A message of many lines continues below.
 impl fmt::Display for Line {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(cycle) = self.cycle {

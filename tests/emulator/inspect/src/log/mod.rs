@@ -2,8 +2,8 @@
 //! strings in the ELF file.
 //!
 //! Words: a *frame* is the bytes of one log statement. With the encoding `rzcobs` frames end at a zero
-//! byte, so that after a broken one the next is found again; with `raw` nothing after a broken one can be
-//! read.
+//! byte, so the next frame after a broken one is found again. With `raw` nothing after a broken frame can
+//! be read.
 
 mod line;
 mod stamps;
@@ -23,14 +23,14 @@ use line::Line;
 pub struct Found {
     /// Frames that were decoded.
     pub frames: usize,
-    /// Frames that were not what the ELF says that frames are.
+    /// Frames that do not match the formats in the ELF.
     pub malformed: usize,
-    /// Bytes at the end that are no whole frame, or past a broken frame of `raw`.
+    /// Bytes at the end that are not a whole frame, or that follow a broken frame of `raw`.
     pub left_over: usize,
 }
 
-/// Decodes `bytes`, hands each frame to `take` with the offset just past its last byte, and says what
-/// there was.
+/// Decodes `bytes`, passes each frame to `take` with the offset just after its last byte, and returns a
+/// summary.
 ///
 /// # Errors
 /// Every error of `take`.
@@ -60,7 +60,7 @@ pub fn decode<E>(
         };
         at += length;
         if rest[..length] == [0] {
-            continue; // zero bytes between frames say nothing
+            continue; // zero bytes between frames have no content
         }
         let mut decoder = table.new_stream_decoder();
         decoder.received(&rest[..length]);
@@ -91,7 +91,7 @@ pub fn print(
     let table = Table::parse(&elf)
         .map_err(|error| Error::content(elf_path, error))?
         .ok_or_else(|| Error::content(elf_path, "has no .defmt section, so it logs nothing"))?;
-    // Without debug information there are no locations; the lines are still of use.
+    // Without debug information there are no locations. The lines are still useful.
     let locations = table.get_locations(&elf).unwrap_or_else(|error| {
         eprintln!("firmware-inspect: no locations: {error}");
         Locations::new()

@@ -7,13 +7,13 @@ use crate::error::Error;
 /// The pieces of a stream. Bytes are read in rising order.
 #[derive(Clone, Debug)]
 pub struct Stamps {
-    /// Cycle of each piece, and the offset past its last byte.
+    /// Cycle of each piece, and the offset after its last byte.
     pieces: std::vec::IntoIter<(u64, usize)>,
     present: Option<(u64, usize)>,
 }
 
 impl Stamps {
-    /// From the text of the file at `path`.
+    /// Parses the text of the file at `path`.
     ///
     /// # Errors
     /// A line that is not two numbers.
@@ -39,7 +39,7 @@ impl Stamps {
         Ok(Self { pieces, present })
     }
 
-    /// The cycle of the byte at `offset`; none past the last piece.
+    /// The cycle of the byte at `offset`; none after the last piece.
     pub fn of_byte(&mut self, offset: usize) -> Option<u64> {
         while let Some((cycle, end)) = self.present {
             if offset < end {

@@ -1,4 +1,4 @@
-//! Figures that are kept with the code, a line each: `flash_bytes = 48120`.
+//! Figures that are stored with the code, a line each: `flash_bytes = 48120`.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
@@ -6,20 +6,22 @@ use std::path::Path;
 
 use crate::error::{self, Error};
 
-/// A figure may grow by so many parts of a hundred before it has to be blessed.
+/// Growth of a figure, in percent, above which it must be blessed.
 const MOST_GROWTH: u64 = 5;
 
-/// And shrink by so many; then it is blessed so that it cannot grow back unseen.
+/// Shrinkage of a figure, in percent, above which it must be blessed, so that it cannot grow back
+/// unnoticed.
 const MOST_SHRINKAGE: u64 = 20;
 
-/// Changes of fewer bytes are ignored, whatever part they are: small figures move by a few words.
+/// Changes of fewer bytes are ignored, whatever their percentage: small figures vary by a few
+/// words.
 const LEAST_CHANGE: u64 = 64;
 
 /// The figures by their names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Golden(BTreeMap<String, u64>);
 
-/// A figure that is not what it was.
+/// A figure that has changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
     name: &'static str,
@@ -31,7 +33,7 @@ impl Golden {
     /// Reads the file.
     ///
     /// # Errors
-    /// A file that cannot be read, or that holds other things than figures.
+    /// A file that cannot be read, or that holds anything but figures.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = error::read_text(path)?;
         let figures = toml::from_str(&text).map_err(|error| Error::content(path, error))?;
@@ -41,7 +43,7 @@ impl Golden {
     /// Rewrites the file. Figures that were not measured this time stay as they were.
     ///
     /// # Errors
-    /// A file that cannot be written, or that held other things than figures.
+    /// A file that cannot be written, or that held anything but figures.
     pub fn bless(path: &Path, figures: &[(&'static str, u64)]) -> Result<(), Error> {
         let mut golden = if path.exists() {
             Self::read(path)?
@@ -55,7 +57,7 @@ impl Golden {
             "# Size of the firmware, bytes, and with how many axes the stack is deepest. Written by `firmware-inspect size --bless`.\n",
         );
         for (name, figure) in &golden.0 {
-            let _ = writeln!(text, "{name} = {figure}"); // a string takes everything
+            let _ = writeln!(text, "{name} = {figure}"); // writing to a string cannot fail
         }
         std::fs::write(path, text).map_err(|error| Error::File {
             path: path.to_owned(),
@@ -63,7 +65,7 @@ impl Golden {
         })
     }
 
-    /// The figures that are not what they were.
+    /// The figures that have changed.
     pub fn compare(&self, figures: &[(&'static str, u64)]) -> Vec<Change> {
         let change = |&(name, is): &(&'static str, u64)| {
             let was = self.0.get(name).copied();

@@ -1,8 +1,8 @@
-//! Size of the firmware in flash and RAM, and its comparison with figures that are kept.
+//! Size of the firmware in flash and RAM, and its comparison with stored figures.
 //!
-//! Words: *text* is code in flash, *rodata* what is constant there, *data* what is copied from flash to RAM at
-//! the start (code that runs from RAM too), *bss* the rest of RAM that is given away. *Golden* figures are
-//! those of a file that is kept with the code.
+//! Words: *text* is code in flash, *rodata* constants in flash, *data* the bytes copied from flash to RAM at
+//! the start (code that runs from RAM too), *bss* the rest of RAM that is allocated. *Golden* figures are
+//! those of a file that is stored with the code.
 
 mod golden;
 
@@ -13,10 +13,10 @@ use crate::error::Error;
 use crate::firmware::{Firmware, Kind};
 use golden::Golden;
 
-/// Number of functions and variables that are named.
+/// Number of functions and variables that are listed by name.
 const NAMED: usize = 10;
 
-/// Smaller variables are no buffers.
+/// Smaller variables are not buffers.
 const LEAST_BUFFER: u32 = 64;
 
 /// Size of the firmware, bytes.
@@ -35,7 +35,7 @@ pub struct Size {
 pub struct Stack {
     /// Its depth, bytes.
     pub bytes: u64,
-    /// With how many axes that was.
+    /// The number of axes at which it was measured.
     pub axes: Option<u64>,
 }
 
@@ -65,7 +65,7 @@ impl Size {
         self.data + self.bss
     }
 
-    /// The figures that are kept, by name.
+    /// The stored figures, by name.
     fn figures(&self) -> Vec<(&'static str, u64)> {
         let mut figures = vec![
             ("flash_bytes", self.flash()),
@@ -84,7 +84,7 @@ impl Size {
 
 /// The command: prints the size of the firmware and compares it with the golden figures, or rewrites them.
 ///
-/// `stack`: the deepest stack that was measured. False if a figure is not what it was.
+/// `stack`: the deepest stack that was measured. False if a figure has changed.
 ///
 /// # Errors
 /// Files that cannot be read or written.

@@ -1,4 +1,4 @@
-//! Small firmware of Thumb code, put together of halfwords.
+//! Small firmware of Thumb code, assembled from halfwords.
 
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ pub enum Part {
 #[derive(Clone, Copy)]
 pub enum Word {
     Is(u32),
-    /// The address of a function, as a register gets it to call it.
+    /// The address of a function in the form for a call through a register.
     Of(&'static str),
 }
 
@@ -55,7 +55,7 @@ pub fn with_data(name: &'static str, code: &[Part], data: &[Word]) -> Function {
     }
 }
 
-/// Address of the first function: an odd small number is the address of none.
+/// Address of the first function. An odd small number is then never the address of a function.
 const BASE: u32 = 0x100;
 
 /// Writes the functions one after the other, each at a multiple of four, with their mapping symbols.
@@ -121,7 +121,8 @@ pub fn firmware(functions: &[Function]) -> (TempDir, PathBuf) {
 }
 
 impl Function {
-    /// As compilers have it: with what fills up before data, without what fills up behind.
+    /// The size as compilers give it: with the padding before data, without the padding after the
+    /// function.
     fn size(&self) -> u32 {
         let code: u32 = self.code.iter().map(Part::length).sum();
         match self.data.len() as u32 {
@@ -136,7 +137,7 @@ impl Part {
         if matches!(self, Self::Call(_)) { 4 } else { 2 }
     }
 
-    /// As the reference manual has the encodings BL T1, B T2 and B T1.
+    /// The encodings BL T1, B T2 and B T1 of the reference manual.
     fn encode(self, at: u32, place: impl Fn(&str) -> u32) -> Vec<u16> {
         let offset = |to: &str| place(to) as i32 - at as i32 - 4;
         match self {
@@ -144,7 +145,7 @@ impl Part {
             Self::Call(to) => {
                 let offset = offset(to);
                 let sign = u16::from(offset < 0);
-                // Near ones only: then I1 and I2 are the sign, and J1 and J2 are 1.
+                // Only near targets: then I1 and I2 are the sign, and J1 and J2 are 1.
                 vec![
                     0xf000 | sign << 10 | (offset >> 12 & 0x3ff) as u16,
                     0xf800 | (offset >> 1 & 0x7ff) as u16,

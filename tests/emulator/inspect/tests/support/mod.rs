@@ -1,4 +1,4 @@
-//! ELF files, made here of bytes and names, so that no binary needs to be kept.
+//! ELF files that are built here from bytes and names, so that no binary is stored.
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 pub mod code;
@@ -11,7 +11,8 @@ use object::{
     Architecture, BinaryFormat, Endianness, SectionKind, SymbolFlags, SymbolKind, SymbolScope,
 };
 
-/// An ELF file in the making. Its sections all begin at address 0: object files have no other addresses.
+/// An ELF file under construction. Its sections all begin at address 0: object files have no other
+/// addresses.
 pub struct Elf {
     object: Object<'static>,
 }
@@ -66,7 +67,7 @@ impl Elf {
     }
 }
 
-/// `firmware-inspect` with these arguments and this input.
+/// Runs `firmware-inspect` with these arguments and this input.
 pub fn inspect(arguments: &[&str], input: &[u8]) -> Output {
     assert_cmd::Command::new(env!("CARGO_BIN_EXE_firmware-inspect"))
         .args(arguments)
