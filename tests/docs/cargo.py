@@ -26,7 +26,7 @@ def workspace():
 
 
 def runs_in_ci(test, ci):
-    """Whether CI runs a test's file: one of a default member, of a package that `.ci/run` names, or one that npm runs."""
+    """True if CI runs a test's file: one of a default member, of a package that `.ci/run` names, or one that npm runs."""
     path = (ROOT / test).resolve()
     owners = [(folder, name) for name, (folder, _) in packages().items() if path.is_relative_to(folder)]
     if path.suffix == '.rs' and owners:

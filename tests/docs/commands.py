@@ -88,7 +88,7 @@ def _is_program(path):
 
 
 def _is_path(word, line):
-    """Whether a line begins with a path that it explains, as a list of folders does."""
+    """True if a line begins with a path that it explains, as in a list of folders."""
     return bool(re.match(PATH, word)) and not _is_program(word) and (ROOT / word).exists() and '  ' in line
 
 
@@ -155,7 +155,7 @@ class Runner:
             return None, f'not done after {SECONDS} s'
 
     def parse(self, line, folder):
-        """Whether `cophase` accepts the arguments; whether one is missing, its help does not check."""
+        """Checks that `cophase` accepts the arguments. A missing argument is not found, because its help does not check that."""
         line = re.sub(r'\s*[<>|].*$', '', line)
         if line not in self.parsed:
             self.parsed[line] = self.shell(f'{line} --help', folder)

@@ -61,7 +61,7 @@ def check_refusals(text):
 
 
 def check_sayings(text):
-    """What the tables quote as said is said somewhere in the sources."""
+    """Checks that the sources contain the messages that the tables quote."""
     sources = '\n'.join((pages.ROOT / name).read_text() for name in pages.tracked('host-sim/*.rs', 'firmware/*.rs'))
     sources = re.sub(r'\\\n\s*', '', sources)  # a string continues after a backslash
     problems, says = [], False
@@ -73,7 +73,7 @@ def check_sayings(text):
 
 
 def led_patterns():
-    """What the firmware shows on the LED: words that a row must have beside what it means, for each pattern."""
+    """Patterns of the firmware's LED. For each, the words that a row must have beside its meaning."""
     source = (pages.ROOT / LED).read_text()
     begin = source.index('pub fn led(')
     source = source[begin:source.index('\n}', begin)]

@@ -16,7 +16,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 def turned_rad(machine, t_s):
-    """What a field has turned by: its speed rises as 3u^2 - 2u^3, then stays."""
+    """Angle by which a field has turned. Its speed rises as 3u^2 - 2u^3, and is constant then."""
     omega = 2 * np.pi * machine["speed_hz"]
     ramp_s = machine["ramp_s"]
     u = min(t_s / ramp_s, 1.0)

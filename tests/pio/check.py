@@ -83,7 +83,7 @@ def check_mutants(axes, index_machine, guard_machine, files):
 
 
 def is_found(check, mutant, what):
-    """Whether a check fails, as it must."""
+    """True if a check fails, as it must."""
     try:
         check(mutant)
     except Difference:

@@ -50,7 +50,7 @@ def at_random(numbers, count, gap):
 
 
 def run(machine, given, end, polls_before=0, emptied=lambda cycle: True):
-    """What the machine reports: count of the poll, and levels. It has made `polls_before` polls."""
+    """Report of the machine: count of the poll, and levels. It has made `polls_before` polls before."""
     at = iter(given)
     now, coming = 0, next(at)
 

@@ -134,7 +134,7 @@ class StateMachine:
         return sorted(found)
 
     def refused(self, opcode):
-        """What of an instruction pioemu would execute otherwise than the hardware."""
+        """Parts of an instruction that pioemu executes differently from the hardware."""
         operation, low = opcode >> 13, opcode & 0xFF
         one_pin = self.machine.bits(PINCTRL, 25, 20) == 1 and self.pin(self.machine.bits(PINCTRL, 4, 0)) == 0
         return {
@@ -186,7 +186,7 @@ class StateMachine:
                     yield before.clock, after
 
     def only_waits(self, opcode, state):
-        """Whether a loop of one `jmp y--` without delay is being executed, and is neither at its beginning nor its end."""
+        """True in the middle of a loop of one `jmp y--` without delay: neither in its first nor in its last pass."""
         delay = opcode >> 8 & (1 << 5 - self.side_count) - 1
         here = JMP << 13 | Y_DECREMENT << 5 | state.program_counter
         is_loop = opcode & 0xE0FF == here and delay == 0

@@ -19,7 +19,7 @@ def word(edges, cycles, forward):
 
 
 def play(timed, begins, step=0, forward=0):
-    """What lines do when words are played: (cycle, line, level) of each change, and the cycle at the end.
+    """Changes of the lines while words are played: (cycle, line, level) of each, and the cycle at the end.
 
     `timed` are pairs of the cycle from which on a word is available, and the word. A word that the machine waits for
     begins `begins` cycles after it is available.

@@ -7,7 +7,7 @@ export function csv(rows) {
   return `${[Object.keys(rows[0]).join(','), ...lines].join('\n')}\n`;
 }
 
-/** Rows of strings from what `csv` wrote. */
+/** Reads the output of `csv` into rows of strings. */
 export function parsed(text) {
   const fields = (line) =>
     [...line.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map((m) => (m[1] ?? m[2]).replaceAll('""', '"'));
