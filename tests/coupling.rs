@@ -63,7 +63,7 @@ fn derived() -> (Gains, CorrectionSettings) {
 /// If this fails, the derivation is wrong, or the loop is slower than it states. The coupling then swings at other gains than its
 /// margin shows.
 #[test]
-fn the_coupling_swings_where_its_margin_ends() {
+fn the_coupling_oscillates_beyond_its_gain_margin() {
     let (gains, reported) = derived();
     assert_eq!(
         (reported.coupling, reported.coupling_per_s),
@@ -105,7 +105,7 @@ fn the_coupling_swings_where_its_margin_ends() {
 /// If this fails, the other cranks do not wait. A crank that is held up is then left behind until its own drive has brought it
 /// back, and under a lasting load it stays behind.
 #[test]
-fn the_others_wait_for_one_that_is_held_up() {
+fn coupled_axes_wait_for_a_delayed_axis() {
     let alone = errors(&scene(&text("", "torque_nm = 3")));
     let coupled = errors(&scene(&text("couple = true", "torque_nm = 3")));
     let worst = |errors: &[[f64; 3]]| errors.iter().map(spread).fold(0.0, f64::max);

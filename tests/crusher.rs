@@ -60,7 +60,7 @@ fn the_speed_varies_as_in_the_periodic_regime() {
 /// If this fails, a converter with a stiff position loop does not work against the flywheel. Such a converter holds the speed, so the
 /// flywheel does not give up energy. Torque and irregularity increase.
 #[test]
-fn a_stiff_position_loop_fights_the_flywheel() {
+fn a_stiff_position_loop_increases_the_irregularity() {
     let soft = with(&[]);
     let stiff = with(&[("position_gain_per_s = 5", "position_gain_per_s = 20")]);
     let irregularity = |run: &Run| figure(run, "irregularity").unwrap();

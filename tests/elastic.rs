@@ -85,7 +85,7 @@ fn first_harmonic(recorded: &Recorded, pick: impl Fn(&(f64, f64, f64)) -> f64) -
 /// makes the cranks turn unevenly, by m R² / 2NJ = 4e-5 of their speed. The force's amplitude changes with the speed, and the frame's
 /// amplitude at resonance by up to 1/2ζ = 10 times twice that: 1e-3.
 #[test]
-fn a_frame_answers_as_two_masses_do() {
+fn the_frame_response_matches_the_two_mass_theory() {
     let (m, frame, block) = (1.0, 20.0, 100.0);
     let (k1, k2) = (120e3, 20e6);
     let c1 = 2.0 * 0.05 * f64::sqrt(k1 * (m + frame));
@@ -133,7 +133,7 @@ fn a_frame_answers_as_two_masses_do() {
 /// If this fails, the elastic level and the phased level below it disagree where their assumptions coincide. A frame of 1000 t on
 /// 1e12 N/m moves 1e-9 m under a kilonewton. The effect on cranks and platform is below a trace's last digits, 1e-9 turns and 1 nm.
 #[test]
-fn a_frame_that_stands_fast_is_phased() {
+fn a_rigid_frame_matches_the_phased_level() {
     let elastic = SCENE
         .replace("AMAX", &amax_g(20.0).to_string())
         .replace(
@@ -169,7 +169,7 @@ fn a_frame_that_stands_fast_is_phased() {
 /// The rods are short by F / N k. At rest F is the weight. In motion it is up to m (g + amax), plus the share of 30 rev/s, at 0.14 of
 /// the rods' mode: 2 %, and as much again for harmonics.
 #[test]
-fn elastic_rods_give_by_what_statics_say() {
+fn elastic_rods_deflect_as_statics_predicts() {
     let quasi_static = SCENE
         .replace("\"elastic\"", "\"phased\"")
         .replace("AMAX", &amax_g(30.0).to_string())
@@ -208,7 +208,7 @@ fn refused(text: &str) -> String {
 /// If this fails, a machine stands on a frame that the scene does not describe. Or a method advances it that takes an integral for a
 /// speed.
 #[test]
-fn what_a_frame_and_an_integral_need_is_said() {
+fn a_missing_frame_and_unsuitable_methods_are_refused() {
     let text = SCENE.replace("AMAX", "5");
     let (before, rest) = text.split_once("[frame]").unwrap();
     let (_, after) = rest.split_once("[limits]").unwrap();
@@ -239,7 +239,7 @@ fn what_a_frame_and_an_integral_need_is_said() {
 /// If this fails, a method that only damping keeps stable is accepted for a frame without damping. The rotors' drives damp their own
 /// mode well, but the frame swings up by metres.
 #[test]
-fn a_frame_without_damping_is_its_own_question() {
+fn explicit_euler_is_refused_for_an_undamped_frame() {
     let undamped = SCENE
         .replace("AMAX", "3.6")
         .replace("suspension_zeta = 0.05", "suspension_zeta = 0");

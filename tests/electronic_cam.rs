@@ -284,7 +284,7 @@ const LAWS: [(&str, f64); 4] = [
 /// `pushers_move_as_on_the_cam_shaft`. The error of the spline's second derivative grows with the square of the law's fastest wave, so it
 /// is printed for each law.
 #[test]
-fn each_law_accelerates_the_pusher() {
+fn each_law_gives_the_published_pusher_acceleration() {
     for (law, coefficient) in LAWS {
         let text = library::find("electronic-cam").unwrap().text;
         let text = text.replace("\"modified-sine\"", &format!("\"{law}\""));

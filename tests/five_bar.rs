@@ -89,7 +89,7 @@ fn the_hand_presses_while_it_follows_the_line() {
 
 /// If this fails, the errors do not grow with the joints' friction. The suspension exists to reduce that friction.
 #[test]
-fn friction_costs_place_and_force() {
+fn friction_increases_position_and_force_errors() {
     let light = with(&[("lift_n = 19.62", "lift_n = 0")]);
     let heavy = with(&[
         ("lift_n = 19.62", "lift_n = 0"),

@@ -114,7 +114,7 @@ fn assert_within(what: &str, found: f64, published: f64, relative: f64) {
 /// If this fails, the loop does not turn the cam evenly at the speed that follows from the program. Or the chain in a scene differs
 /// from the source's. This is item 4 of the results to reproduce: its four laws, to 0.1 %.
 #[test]
-fn as_printed_the_published_accelerations() {
+fn accelerations_match_the_published_values() {
     for (law, cam_side, pusher) in [
         ("cycloid", 361.01, 371.61),
         ("skewed-cycloid", 350.21, 369.92),
@@ -136,7 +136,7 @@ fn as_printed_the_published_accelerations() {
 
 /// Item 5 of the results to reproduce: with the shaft's damper at the cam, where it belongs.
 #[test]
-fn with_the_damper_at_the_cam() {
+fn accelerations_match_with_the_damper_at_the_cam() {
     let (steady, outcome) = steady(&text("modified-sine", "cam"));
     for peaks in &steady.peaks {
         assert_within("cam side, m/s²", peaks.cam_side_mps2, 323.45, 1e-3);
@@ -157,7 +157,7 @@ fn with_the_damper_at_the_cam() {
 /// If this fails, the kinematic level does not follow the law itself: 307.04 m/s² at the return, 84 mm from bottom to top, no
 /// deviation.
 #[test]
-fn on_the_kinematic_level_the_law_itself() {
+fn the_kinematic_level_follows_the_law_exactly() {
     let text = format!("fidelity = \"kinematic\"\n{}", text("modified-sine", "cam"));
     let (steady, outcome) = steady(&text);
     assert!(outcome.method.is_none());
@@ -175,7 +175,7 @@ fn on_the_kinematic_level_the_law_itself() {
 /// If this fails, methods disagree on the same follower. RK4 and SDIRK4 follow every mode. Exact discretisation errs by its input's
 /// curvature: its step may miss 0.03 % of a peak.
 #[test]
-fn methods_agree() {
+fn methods_agree_on_the_same_follower() {
     let text = text("modified-sine", "cam");
     let (exact, outcome) = steady(&text);
     assert_eq!(
@@ -226,7 +226,7 @@ fn steppers_drive_cams_as_well() {
 /// If this fails, the feed-forward of a servo is that of a platform that does not exist. With a rotor of 2 g m² at the scene's
 /// acceleration of 20 rev/s² it is 0.25 N·m at most. The least load of the core adds less than 0.02.
 #[test]
-fn feed_forward_is_the_rotors_alone() {
+fn torque_feed_forward_covers_only_the_rotor() {
     struct Torque(f64, f64);
     impl Observer for Torque {
         fn tick(&mut self, moment: &Moment<'_>) {

@@ -86,7 +86,7 @@ fn starts(count: usize, of: impl Fn(usize) -> f64) -> Vec<f64> {
 
 /// If this fails, cranks that stand a little apart run so, or are moved further apart, or homing takes too long.
 #[test]
-fn small_differences_are_trimmed_away_before_it_runs() {
+fn small_phase_differences_are_trimmed_before_the_run() {
     for count in 2..=6 {
         for drive in [STEPPERS, SERVOS] {
             let apart = starts(count, |i| [1.5, -1.0, 0.4, -0.7, 1.1, -1.3][i]);
@@ -122,7 +122,7 @@ fn small_differences_are_trimmed_away_before_it_runs() {
 
 /// If this fails, a machine that was switched off where it was parked does not start, or parks elsewhere from then on.
 #[test]
-fn wherever_the_cranks_were_left_they_park_at_the_parking_phase() {
+fn cranks_park_at_the_parking_phase_from_any_start() {
     for drive in [STEPPERS, SERVOS] {
         for left_deg in [-179.0, -90.0, 20.0, 135.0, 180.0] {
             let text = text(3, drive, &[left_deg; 3], "[correction]\ngain =  0.5\n");
@@ -163,7 +163,7 @@ fn exceeded_homing_range_is_refused_by_axis() {
 
 /// If this fails, swapped lines are detected only by a wrong correction at speed, or correct lines are refused.
 #[test]
-fn swapped_wiring_is_refused_for_every_pair_and_right_wiring_is_not() {
+fn swapped_wiring_is_refused_and_correct_wiring_is_accepted() {
     const PROVES: &str = "[correction]\ngain =  0.5\nprove_wiring = true\n";
     for count in 2..=6 {
         for drive in [STEPPERS, SERVOS] {
@@ -355,7 +355,7 @@ fn servos_with_an_integral_are_homed_on_rods_that_bend() {
 /// If this fails, soft servos that bent rods pull together are refused. Once they are levelled, the rods let go, and each crank is
 /// elsewhere than its command alone would place it.
 #[test]
-fn soft_servos_are_brought_together_twice() {
+fn soft_servos_are_levelled_twice() {
     let scene = |seed: u32, more: &str| {
         let axes: String = [1.943, 0.178, -1.689, 0.701, -1.717]
             .iter()

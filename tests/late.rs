@@ -70,7 +70,7 @@ fn gaps(watched: &Watched) -> Vec<(u64, u64)> {
 
 /// If this fails, ordinary jitter of the processor reaches the cranks.
 #[test]
-fn less_than_a_tick_late_changes_nothing_but_the_count() {
+fn a_delay_within_a_tick_changes_only_the_count() {
     let punctual = watch(&scene(SCENE));
     for (by_us, counted) in [(200.0, 0), (300.0, 1), (499.0, 1)] {
         let late = watch(&scene(&late_by(by_us)));
@@ -90,7 +90,7 @@ fn less_than_a_tick_late_changes_nothing_but_the_count() {
 /// If this fails, a missed deadline costs steps, makes some axes stand and not others, or is made up for by
 /// a burst. (`watch` asserts that all axes are together at every tick.)
 #[test]
-fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
+fn a_missed_deadline_pauses_all_axes_without_losing_steps() {
     let punctual = watch(&scene(SCENE));
     for (by_us, missed) in [(500.0, 1), (750.0, 1), (1000.0, 2), (1499.0, 2)] {
         let checked = scene(&late_by(by_us));
@@ -141,7 +141,7 @@ fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
 /// If this fails, a processor that hangs leaves the machine running without a program. Or it cuts the drives
 /// off and each crank coasts by itself, although the loop is back.
 #[test]
-fn three_missed_in_a_row_stop_the_machine_in_phase() {
+fn three_consecutive_missed_deadlines_stop_the_machine_in_phase() {
     for (by_us, missed) in [(1500.0, 3), (5000.0, 10)] {
         let late = watch(&scene(&late_by(by_us)));
         let fault = late.outcome.fault.expect("an overrun is a fault");
@@ -185,7 +185,7 @@ fn missing_one_in(ticks: u32, times: u32) -> Watched {
 /// If this fails, a loop with more work than a tick has time for runs on without end, at a fraction of its
 /// speed. All axes stay in phase, and only a counter reports it.
 #[test]
-fn a_loop_that_misses_again_and_again_is_a_fault() {
+fn repeated_missed_deadlines_are_a_fault() {
     for (ticks, misses_before_the_fault) in [(2, 3), (3, 3), (5, 4)] {
         let watched = missing_one_in(ticks, 40);
         let fault = watched.outcome.fault.expect("an overrun is a fault");
@@ -203,7 +203,7 @@ fn a_loop_that_misses_again_and_again_is_a_fault() {
 /// If this fails, an index pulse that comes while deadlines are missed is compared with a phase that was
 /// never played. One axis is then taken to be off: with sensors that stand apart, at some times.
 #[test]
-fn a_missed_deadline_is_no_tilt_wherever_the_index_sensors_stand() {
+fn a_missed_deadline_causes_no_tilt_fault() {
     let apart = SCENE
         .replace("number = 1", "number = 1\nindex_deg = 90")
         .replace("number = 2", "number = 2\nindex_deg = 180");

@@ -52,7 +52,7 @@ fn ahead(run: &Run, axis: usize) -> f64 {
 /// At 90° the load of m g pushes on N cranks with levers of R each (s = 1), so that T sin(p δ) = m g R / N. A platform above its cranks
 /// pushes them ahead, one below holds them back.
 #[test]
-fn a_parked_crank_hangs_in_its_motors_spring() {
+fn gravity_deflects_a_parked_crank_by_the_motor_stiffness() {
     for (platform, sign) in [("above", 1.0), ("below", -1.0)] {
         let text = SCENE.replace(
             "load_kg = 8\n",
@@ -149,7 +149,7 @@ fn refused(text: &str) -> String {
 
 /// If this fails, a model level that needs torques runs on a scene without them.
 #[test]
-fn what_torque_needs_is_required() {
+fn torque_levels_require_inertia_and_pull_out_torque() {
     for model_level in ["rigid", "phased"] {
         let text = SCENE.replace("phased", model_level);
         for (line, key) in [
@@ -199,7 +199,7 @@ fn a_method_is_not_run_where_it_is_unstable() {
 /// If this fails, a run continues with cranks that turn as no machine does. Or a drive without a torque limit is taken for a method with
 /// too long a step.
 #[test]
-fn what_runs_away_is_ended_and_its_cause_named() {
+fn a_runaway_ends_the_run_and_its_cause_is_named() {
     let text = SCENE
         .replace("drive = \"stepper\"", "drive = \"servo\"")
         .replace("rotor_inertia_kgm2 = 1e-3", "rotor_inertia_kgm2 = 1e-4")
@@ -226,7 +226,7 @@ fn what_runs_away_is_ended_and_its_cause_named() {
 
 /// If this fails, cranks that stand apart are put at one angle on one shaft, and are taken to have slipped there.
 #[test]
-fn cranks_apart_are_not_put_on_one_shaft() {
+fn the_rigid_level_refuses_cranks_out_of_phase() {
     let rigid = SCENE.replace("phased", "rigid");
     for (key, line) in [
         ("offset_deg", "offset_deg = 90"),
@@ -244,7 +244,7 @@ fn cranks_apart_are_not_put_on_one_shaft() {
 
 /// If this fails, the method's steps for a motor that is stronger at speed than at rest are those for a soft motor.
 #[test]
-fn steps_are_for_where_a_motor_is_stiffest() {
+fn step_counts_use_the_greatest_motor_stiffness() {
     let rising = SCENE
         .replace("count = 4", "count = 3")
         .replace(
@@ -266,7 +266,7 @@ fn steps_are_for_where_a_motor_is_stiffest() {
 /// If this fails, cranks that are apart by design shake the platform as if they were in phase. Three cranks, a third of a turn apart,
 /// hardly lift it.
 #[test]
-fn a_platform_on_cranks_apart_hardly_heaves() {
+fn evenly_phased_cranks_hardly_lift_the_platform() {
     let apart = SCENE
         .replace("phased", "kinematic")
         .replace("count = 4", "count = 3")
@@ -288,7 +288,7 @@ fn a_platform_on_cranks_apart_hardly_heaves() {
 /// If this fails, a machine with strong friction does not come to rest with an implicit method. The method's equations level off beside
 /// standstill, where whole corrections jump from one side to the other.
 #[test]
-fn implicit_methods_find_standstill() {
+fn implicit_methods_bring_machines_with_friction_to_rest() {
     for method in ["sdirk4", "implicit-midpoint"] {
         let text = SCENE
             .replace(
@@ -314,7 +314,7 @@ fn implicit_methods_find_standstill() {
 /// If this fails, a crank that friction should hold shakes by the method's step. Its index then passes early, and homing ends a turn
 /// sooner.
 #[test]
-fn friction_near_standstill_is_followed_by_the_chosen_method() {
+fn the_automatic_method_resolves_friction_near_standstill() {
     let stiff = host_sim::scene::library::find("stiff-bearing").expect("a built-in scene");
     let running_s = |text: &str| {
         let run = run(text);

@@ -136,7 +136,7 @@ proptest! {
 /// If this fails, the axes of the four patent machines or the default one differ by one step, or the
 /// scenes' sense of rotation affects the phase. No chance is involved here.
 #[test]
-fn built_in_machines_are_in_phase_to_the_count() {
+fn built_in_machines_are_exactly_in_phase() {
     for name in ["default", "patent-1", "patent-2", "patent-3", "patent-4"] {
         let checked = cophase_tests::built_in(name);
         let common = &checked.scene.axes;

@@ -64,7 +64,7 @@ fn following_turns(run: &Run, axis: usize) -> Vec<f64> {
 
 /// If this fails, a drive does not count the edges on its wires, and its crank is off permanently.
 #[test]
-fn cranks_stand_at_the_end_where_the_edges_have_brought_them() {
+fn final_crank_positions_match_the_step_edges() {
     let checked = built_in(SCENE);
     let run = record(&checked, Every::Ticks(1), Window::All);
     let (trace, edges) = (run.trace(), run.edges());
@@ -96,7 +96,7 @@ fn cranks_stand_at_the_end_where_the_edges_have_brought_them() {
 
 /// If this fails, a scene cannot give the lag of its cranks, or `drift.lag_us` cannot be computed from the drive's parameters.
 #[test]
-fn the_following_error_at_a_steady_speed_is_that_of_the_loop() {
+fn the_steady_following_error_matches_the_loop_gains() {
     for feed_forward in [0.0, 0.5, 0.9, 1.0] {
         for integral in [true, false] {
             let share = format!("velocity_feed_forward = {feed_forward}");
@@ -155,7 +155,7 @@ fn first_beyond(run: &Run, axis: usize, window_deg: f64) -> Option<usize> {
 /// A stuck crank stays behind by the travel of its command. An overloaded crank is dragged off. The alarm is read with the end of
 /// the tick in which the error passes the window.
 #[test]
-fn the_alarm_comes_at_the_window() {
+fn the_alarm_occurs_at_the_following_error_window() {
     let stuck = "[[fault]]\nat_s = 1.5\nkind = \"stuck\"\naxis = 1\n";
     let load =
         "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 13\nfor_s = 0.05\n";
@@ -263,7 +263,7 @@ fn an_alarm_stops_all_axes_in_phase() {
 
 /// If this fails, a drive that was cut at speed jumps back by the distance that its crank coasted, as soon as it is on again.
 #[test]
-fn a_drive_that_was_off_counts_on_from_where_its_crank_stands() {
+fn a_reenabled_drive_counts_from_the_actual_crank_position() {
     let cut = "[[fault]]\nat_s = 1.5\nkind = \"enable-loss\"\nfor_s = 1\n\
                [[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 3\ndo = \"reset\"\n\
                [[command]]\nat_s = 3.1\ndo = \"start\"\n";
@@ -290,7 +290,7 @@ fn a_drive_that_was_off_counts_on_from_where_its_crank_stands() {
 
 /// If this fails, a crank of a servo is reported to have lost steps, although a servo drive does not lose steps.
 #[test]
-fn a_crank_that_slips_by_an_electrical_cycle_of_a_stepper_slips() {
+fn a_servo_slip_is_not_reported_as_lost_steps() {
     // 7.2°, four full steps of 1.8°, in one tick.
     let slip = "[[fault]]\nat_s = 1.5\nkind = \"slip\"\naxis = 1\nrate_deg_per_s = 14400\nfor_s = 0.0005\n";
     let named = |text: &str| {
@@ -307,7 +307,7 @@ fn a_crank_that_slips_by_an_electrical_cycle_of_a_stepper_slips() {
 
 /// If this fails, a scene accepts settings and faults that do not apply to such a drive.
 #[test]
-fn what_does_not_apply_is_refused_by_name() {
+fn inapplicable_settings_and_faults_are_refused_by_name() {
     let lost = on(
         "kinematic",
         "[[fault]]\nat_s = 1\nkind = \"lost-steps\"\naxis = 1\n",

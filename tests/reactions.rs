@@ -17,7 +17,7 @@ const fn word(reaction: Reaction) -> &'static str {
 
 /// If this fails, a reader of the table wires, and trusts, a machine that reacts differently.
 #[test]
-fn the_table_that_is_read_is_the_one_that_is_run() {
+fn the_documented_reactions_match_the_code() {
     let begin = "<!-- reactions -->\n";
     let from = DOCS.find(begin).expect("the table's beginning") + begin.len();
     let to = DOCS.find("<!-- /reactions -->").expect("the table's end");

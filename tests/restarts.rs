@@ -38,7 +38,7 @@ fn a_hold_keeps_the_speed_and_the_place_in_the_program() {
 
 /// If this fails, a program is played from its start after each stop, or skips a piece.
 #[test]
-fn a_start_after_a_stop_goes_on_and_after_the_end_begins_again() {
+fn start_resumes_after_stops_and_restarts_after_the_end() {
     let plain = scripted("");
     let stopped =
         scripted(&(command(0.0, "start") + &command(1.3, "stop") + &command(3.0, "start")));
@@ -105,7 +105,7 @@ fn a_reset_after_a_fault_lets_the_machine_start_again() {
 /// If this fails, the fact that a crank stands on the wrong side is lost. The next homing then tilts the platform by it until all indices
 /// are detected.
 #[test]
-fn a_crank_that_is_known_to_be_far_off_is_not_moved_by_the_next_start() {
+fn a_start_refuses_a_crank_beyond_the_homing_range() {
     let stuck = "[drift]\ntilt_limit_mrad = 3\n\
         [[fault]]\nat_s = 2.1\nkind = \"stuck\"\naxis = 0\nfor_s = 0.1\n";
     let twice = command(0.0, "start") + &command(5.0, "reset") + &command(6.0, "start");

@@ -64,7 +64,7 @@ fn assert_same(one: &Run, other: &Run) {
 
 /// If this fails, a golden file is useless, and a fault that occurred once may never be reproduced.
 #[test]
-fn twice_the_same() {
+fn two_runs_of_a_scene_give_the_same_bytes() {
     for checked in [scene(SHORT), built_in("lost-steps")] {
         let run = || record(&checked, Every::Ticks(1), Window::All);
         assert_same(&run(), &run());
@@ -74,7 +74,7 @@ fn twice_the_same() {
 /// If this fails, threads share virtual time or other data. A campaign that uses all cores then differs from one
 /// on a single core.
 #[test]
-fn side_by_side_the_same() {
+fn parallel_runs_give_the_same_bytes() {
     let scenes = [scene(SHORT), built_in("lost-steps"), built_in("patent-3")];
     let run = |i: usize| record(&scenes[i], Every::Fitting, Window::FirstMotion);
     let alone: Vec<Run> = (0..3).map(run).collect();
@@ -95,7 +95,7 @@ fn side_by_side_the_same() {
 
 /// If this fails, thinning a trace or moving the window changes the run: the observer is part of the experiment.
 #[test]
-fn a_closer_view_shows_more_of_the_same() {
+fn finer_traces_and_windows_do_not_change_the_run() {
     let checked = scene(SHORT);
     let all = record(&checked, Every::Ticks(1), Window::All);
     let lines = |run: &Run| -> Vec<String> {

@@ -58,7 +58,7 @@ fn the_platform_is_at_the_cosine_and_holds_its_amax() {
 /// If this fails, gravity has another lever on a yoke than its radius at 90°. A load of m g pushes on N cranks, so that T sin(p
 /// δ) = m g R / N in each motor's spring. A platform above its cranks pushes them ahead, one below holds them back.
 #[test]
-fn a_parked_yoke_hangs_in_its_motors_spring() {
+fn gravity_deflects_a_parked_yoke_by_the_motor_stiffness() {
     for model_level in ["rigid", "phased"] {
         for (platform, sign) in [("above", 1.0), ("below", -1.0)] {
             let text = library::find("scotch-yoke").unwrap().text;

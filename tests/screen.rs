@@ -198,7 +198,7 @@ fn the_controller_keeps_two_shafts_in_phase() {
 
 /// If this fails, the screen of the source, which has one shaft, does not run.
 #[test]
-fn one_shaft_runs() {
+fn a_screen_with_one_shaft_runs() {
     let run = with(&[
         ("count = 2", "count = 1"),
         ("[-600, 600]", "[0]"),

@@ -55,7 +55,7 @@ impl Observer for Compare {
 
 /// If this fails, drives push against the platform, or a reversed drive pushes against the others.
 #[test]
-fn torque_position_and_speed_are_those_of_the_machine() {
+fn setpoints_match_the_torque_and_motion_of_the_machine() {
     let patent = library::find("patent-1").expect("a built-in scene").text;
     let checked = scene(&format!(
         "{patent}\n[[axis]]\nnumber = 4\nreversed = true\n"
@@ -85,7 +85,7 @@ fn torque_position_and_speed_are_those_of_the_machine() {
 /// If this fails, a servo gets the torque of a gentler stop, or of an overflowed number, when a fault requires the hardest
 /// stop. That stop may be ten times as hard as any other ramp.
 #[test]
-fn torque_in_a_faults_stop_is_that_of_the_machine() {
+fn torque_setpoints_match_the_machine_in_a_fault_stop() {
     let text = r#"
 name = "hard stop"
 [machine]

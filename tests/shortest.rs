@@ -190,7 +190,7 @@ fn a_fault_during_another_stop_and_two_at_once_stop_in_the_least_time() {
 
 /// If this fails, a machine commanded to park passes the phase at which all its cranks could already stand.
 #[test]
-fn a_stop_at_a_phase_is_at_the_first_passage() {
+fn a_stop_at_a_phase_uses_the_first_passage() {
     let park = (33.3 / 360.0 * ONE_TURN).round();
     each_machine(|axes, drive| {
         for step in 0..8 {

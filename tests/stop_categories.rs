@@ -226,7 +226,7 @@ fn category_0_disables_the_drives_in_the_same_tick() {
 /// If this fails, the brake setting is not obeyed. The drives then hold against a brake, or a machine without one falls. The simulated
 /// machine has no brake, so the test shows how far a platform falls that nothing holds.
 #[test]
-fn with_a_brake_the_same_fault_cuts() {
+fn the_brake_setting_disables_drives_after_the_stop() {
     for axes in DRIVES {
         let mut worst_mrad = (0.0_f64, 0.0_f64);
         for axes in each_phase(axes) {
@@ -247,7 +247,7 @@ fn with_a_brake_the_same_fault_cuts() {
 
 /// If this fails, these events do not end a hold, and drives stay on although an operator, or their own alarm, requires them off.
 #[test]
-fn a_hold_ends_with_enable_an_alarm_or_a_reset_and_with_nothing_else() {
+fn only_enable_loss_alarms_and_resets_end_a_hold() {
     let axes = STEPPERS;
     let reset = command(HELD_S, "reset");
     let started = command(HELD_S, "start") + &command(HELD_S + 0.1, "stop");
@@ -290,7 +290,7 @@ fn a_hold_ends_with_enable_an_alarm_or_a_reset_and_with_nothing_else() {
 
 /// If this fails, a crank that leaves its command while it is held keeps its drive, and tilts the platform against the others.
 #[test]
-fn an_axis_that_moves_although_it_is_held_is_a_runaway_and_disables() {
+fn a_moving_held_axis_is_disabled_as_a_runaway() {
     let runaway = fault("runaway", HELD_S, "axis = 2\nspeed_hz = 2");
     let parked = command(AT_S, "stop");
     for (before, latched) in [
@@ -322,7 +322,7 @@ fn an_axis_that_moves_although_it_is_held_is_a_runaway_and_disables() {
 
 /// If this fails, the pulses of a parked axis without an encoder do not count, and its drive can turn it for hours.
 #[test]
-fn a_parked_axis_by_index_alone_is_let_go_within_two_turns() {
+fn index_pulses_disable_a_parked_runaway_within_two_turns() {
     let commands = [(0.0, "start"), (3.0, "stop"), (12.0, "reset")];
     let happens: String = commands.map(|(at_s, what)| command(at_s, what)).concat();
     let default = library::find("default").expect("a built-in scene").text;
@@ -339,7 +339,7 @@ fn a_parked_axis_by_index_alone_is_let_go_within_two_turns() {
 
 /// If this fails, a jammed crank is held, and its drive presses it with its full torque.
 #[test]
-fn a_jammed_crank_is_not_pressed_after_the_stop() {
+fn drives_are_disabled_after_a_crank_jams() {
     let run = run(SERVOS, &fault("stuck", AT_S, "axis = 1"));
     assert_eq!(run.kind(), FaultKind::Stuck);
     assert!(!run.last().drives);
@@ -348,7 +348,7 @@ fn a_jammed_crank_is_not_pressed_after_the_stop() {
 /// If this fails, the first pulse is not enough, and an axis without an encoder makes another turn against those that are held. A pulse
 /// in one tick is read in the next one, and the tick after that plays the output.
 #[test]
-fn an_index_alone_shows_within_a_turn_that_an_axis_moves_although_it_is_held() {
+fn index_pulses_disable_moving_held_axes_within_a_turn() {
     let speed_hz = 2.0;
     let bound_turns = 1.0 + 4.0 / 2000.0 * speed_hz;
     // The axis that caused the stop, and another one.

@@ -30,7 +30,7 @@ fn amid_band(watched: &Watched) -> f64 {
 
 /// If this fails, a machine does not come to rest by itself, or comes to rest elsewhere than commanded.
 #[test]
-fn a_program_ends_parked_at_the_phase_to_park_at() {
+fn a_program_ends_parked_at_the_parking_phase() {
     let watched = scripted("");
     assert_eq!(watched.states(), [Homing, Run, Stop, Parked]);
     stands_at_park_phase(watched.last());

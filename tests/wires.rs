@@ -43,7 +43,7 @@ hold_s = 0.3
 
 /// If this fails, a drive counts a step in the wrong direction, and its crank is two steps off permanently.
 #[test]
-fn direction_lines_keep_their_times() {
+fn direction_lines_keep_setup_and_hold_times() {
     let run = record(&scene(TURNING), Every::Ticks(1), Window::All);
     let edges = run.edges();
     let (step, dir) = (edges.wire("step_0"), edges.wire("dir_0"));

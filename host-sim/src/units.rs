@@ -48,7 +48,7 @@ mod tests {
     /// If this fails, a half, a value next to it, or a large number is rounded differently, and counts of encoders are off by
     /// one.
     #[test]
-    fn whole_numbers_are_those_of_the_standard_library() {
+    fn nearest_and_floor_equal_the_standard_library() {
         let wholes = [
             0.0,
             1.0,

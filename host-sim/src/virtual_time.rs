@@ -205,7 +205,7 @@ mod tests {
     use embassy_time::{Duration, Instant, Timer};
 
     #[test]
-    fn jumps_to_alarms_in_order_without_waiting() {
+    fn the_clock_jumps_to_alarms_in_order() {
         let times = run(
             async {
                 let mut times = Vec::new();
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn lateness_is_as_requested() {
+    fn alarms_are_late_by_the_requested_time() {
         let late = |at| if at == 2_000 { 150 } else { 0 };
         let times = run(
             async {
@@ -261,7 +261,7 @@ mod tests {
 
     /// If this fails, two threads share one clock.
     #[test]
-    fn clocks_are_of_their_thread() {
+    fn each_thread_has_its_own_clock() {
         let other = std::thread::spawn(|| {
             run(async { Timer::after(Duration::from_secs(7)).await }, |_| 0);
             Instant::now().as_secs()
@@ -278,7 +278,7 @@ mod tests {
 
     /// If this fails, a future that gives its parts wakers of their own waits forever.
     #[test]
-    fn wakers_of_parts_are_woken() {
+    fn a_wrapped_waker_is_woken() {
         struct Part(Waker);
         impl Wake for Part {
             fn wake(self: Arc<Self>) {

@@ -38,7 +38,7 @@ ramp_s = 0.8
 
 /// If this fails, a machine that cannot be assembled diverges, and its user gets advice on the method's step instead.
 #[test]
-fn rods_that_cannot_bend_so_far_are_refused() {
+fn offsets_that_bend_the_rods_too_far_are_refused() {
     for offset_deg in [30.0, 90.0, 180.0] {
         let refused = Checked::new(load::parse(&scene("phased", 4, offset_deg)).unwrap());
         let error = refused.unwrap_err();

@@ -31,7 +31,7 @@ fn events(stop_s: f64) -> Vec<EventKind> {
 /// If this fails, a stop in a band is logged as a crossing that did not happen, or stays in the band longer than
 /// docs/loop.md claims.
 #[test]
-fn a_stop_in_a_band_turns_back_and_is_logged_so() {
+fn stops_in_a_band_turn_back_and_are_logged() {
     // Time from rest at one edge to rest at the other.
     let across_s =
         (TO_HZ - FROM_HZ) / ACCELERATION_HZ_PER_S + ACCELERATION_HZ_PER_S / JERK_HZ_PER_S2;

@@ -101,7 +101,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn columns_are_as_the_plain_definition_has_them(
+    fn compared_columns_match_a_direct_computation(
         length in 30_usize..200,
         every in (1_u64..6, 1_u64..6),
         changes in prop::collection::vec((0_usize..200, -3.0_f64..3.0, -2_i64..3), 0..6),
@@ -206,7 +206,7 @@ fn vcd(pulses: &[u64], end: u64) -> String {
 }
 
 #[test]
-fn a_run_that_is_late_parts_unless_times_count_from_its_start() {
+fn delayed_runs_differ_unless_times_count_from_the_start() {
     let ticks = steady(100);
     let mut late: Ticks = vec![(false, ticks[0].1, ticks[0].2); 7];
     late.extend(ticks.iter().copied());
@@ -227,7 +227,7 @@ fn a_run_that_is_late_parts_unless_times_count_from_its_start() {
 
 /// A file that ends early counts as different only if something happens after its end.
 #[test]
-fn what_one_run_lacks_counts_if_anything_happens_there() {
+fn missing_rows_count_only_if_something_happens_in_them() {
     let mut ticks = steady(100);
     let at_rest = *ticks.last().unwrap();
     ticks.extend(vec![at_rest; 20]);
@@ -249,7 +249,7 @@ fn what_one_run_lacks_counts_if_anything_happens_there() {
 
 /// Without a common time, numbers are interpolated. Integers and states are not.
 #[test]
-fn between_rows_integers_hold_their_value() {
+fn integers_are_not_interpolated_between_rows() {
     let ramp: Ticks = (0..40)
         .map(|i| (i >= 20, f64::from(i), i64::from(i)))
         .collect();
@@ -293,7 +293,7 @@ fn not_a_number_differs_from_a_number_and_not_from_itself() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_refused_with_a_reason() {
+fn incomparable_runs_are_refused_with_a_reason() {
     let good = csv(&steady(20), 1, 0);
     let refused = |second: &str, tolerance: Option<&str>| {
         let tolerances = Tolerances::new(tolerance.map(|name| (name.to_owned(), 1.0)));

@@ -257,7 +257,7 @@ fn two_term_error() {
 /// Item 8. If this fails, the mechanism gains or loses energy without friction. The mean of 3600 equal
 /// steps is exact for harmonics below the 3600th.
 #[test]
-fn torque_gives_back_what_it_takes() {
+fn torque_does_no_net_work_over_a_turn() {
     for found in examples(10.0) {
         let omega = found.speed_rad_s();
         for (platform, maximum) in [
@@ -293,7 +293,7 @@ fn peak_powers() {
 /// Item 11. If this fails, a phase error is converted into the wrong height. 1.483 mm belongs to the
 /// radius that the source prints for example 3, 40 mm. The unrounded radius gives 1.467 mm.
 #[test]
-fn one_full_step_of_phase_error() {
+fn a_full_step_gives_the_published_height_difference() {
     let step = 1.8_f64.to_radians();
     let mismatch_mm = |m: &SliderCrank| 1e3 * m.worst_height_mismatch(step).value;
     let found = examples(10.0);
@@ -340,7 +340,7 @@ fn no_design_in_range_has_a_higher_torque_than_found() {
 /// If this fails, a bad number is accepted, or is refused without its flag, its range, or the other bad
 /// numbers.
 #[test]
-fn refuses_what_is_out_of_range_all_at_once() {
+fn all_values_out_of_range_are_refused_together() {
     let all_bad = Requirement {
         load_kg: 0.0,
         amax_g: 9.99,
@@ -371,7 +371,7 @@ fn refuses_what_is_out_of_range_all_at_once() {
 
 /// If this fails, an end of a range is accepted although it is outside, or the reverse.
 #[test]
-fn ranges_end_where_they_say() {
+fn range_ends_are_accepted_and_values_beyond_are_refused() {
     let good = example(3, 10.0);
     type Change = fn(&mut Requirement, f64);
     let cases: [(Change, f64, f64, f64); 6] = [
@@ -407,7 +407,7 @@ fn ranges_end_where_they_say() {
 
 /// If this fails, numbers too small to compute with come out as NaN or 0 instead of being refused.
 #[test]
-fn refuses_what_leaves_floating_point() {
+fn numbers_too_small_to_compute_with_are_refused() {
     let good = example(3, 10.0);
     let slow = design(&Requirement {
         freq_hz: 1e-170,
@@ -423,7 +423,7 @@ fn refuses_what_leaves_floating_point() {
 
 /// If this fails, a warning is missing where it is due, or appears where it is not.
 #[test]
-fn warnings_come_when_due() {
+fn warnings_appear_only_where_they_apply() {
     let kind = |warning: &Warning| match warning {
         Warning::RoundedGravity { .. } => 'g',
         Warning::ThirdBranch { exact: Some(_), .. } => '3',

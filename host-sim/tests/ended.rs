@@ -31,7 +31,7 @@ fn run(text: &str) -> (Value, String) {
 /// If this fails, the report omits the reason of a stop when the drives were switched off, or gives the program's end as the reason
 /// although a fault followed.
 #[test]
-fn what_stopped_the_machine_is_always_said() {
+fn the_report_always_names_the_cause_of_the_stop() {
     let (plain, _) = run(&scene(STEPPERS, ""));
     assert_eq!(plain["ended"]["stopped_by"], "program end");
     let stop_s = plain["time_in_state_s"]["stop"].as_f64().unwrap();
@@ -61,7 +61,7 @@ fn fault_line(more: &str) -> String {
 
 /// If this fails, a summary states a coordinated stop where the drives were off, where a crank stood, or where no axis turned.
 #[test]
-fn a_common_stop_is_said_of_axes_that_made_one() {
+fn the_summary_reports_a_common_stop_only_if_axes_stopped() {
     const TOGETHER: &str = "brought to rest together";
     let fault = |at_s: f64, kind: &str| format!("[[fault]]\nat_s = {at_s}\nkind = \"{kind}\"\n");
     let alarm = |at_s: f64| fault(at_s, "drive-alarm") + "axis = 1\n";
@@ -108,7 +108,7 @@ fn a_common_stop_is_said_of_axes_that_made_one() {
 
 /// If this fails, a fault appears to have its last name from its detection on, or to be two faults.
 #[test]
-fn a_fault_that_gets_a_better_name_is_one_with_two_times() {
+fn a_renamed_fault_is_one_fault_with_two_times() {
     let lost = "[[fault]]\nat_s = 2\nkind = \"lost-steps\"\naxis = 1\ncycles = 9\n";
     let (report, page) = run(&scene(STEPPERS, lost));
     let faults = report["faults"].as_array().unwrap();
@@ -151,7 +151,7 @@ fn a_fault_that_gets_a_better_name_is_one_with_two_times() {
 
 /// If this fails, the page states that cranks lead at 360°, where no axis is.
 #[test]
-fn the_side_that_leads_is_below_a_whole_turn() {
+fn the_reported_leading_side_is_below_360_degrees() {
     for (deg, expected) in [
         (359.7, "lead at 0°"),
         (359.4, "lead at 359°"),
@@ -166,7 +166,7 @@ fn the_side_that_leads_is_below_a_whole_turn() {
 
 /// If this fails, cranks that coast count as motors that slipped, and the page omits their final positions.
 #[test]
-fn what_cranks_do_with_their_drives_off_is_said_apart() {
+fn slips_with_drives_off_are_reported_separately() {
     let mut scene = library::find("lost-steps").unwrap().scene();
     scene.axes.brake = true;
     let checked = Checked::new(scene).unwrap();
@@ -193,7 +193,7 @@ fn what_cranks_do_with_their_drives_off_is_said_apart() {
 
 /// If this fails, the gains that the program derives do not appear in the report.
 #[test]
-fn the_coupling_says_its_gains() {
+fn the_report_contains_the_derived_coupling_gains() {
     let servos = "drive = \"servo\"\nsteps_per_turn = 32768\nencoder = true\nrotor_inertia_kgm2 = 1e-3\n\
                   servo = { position_gain_per_s = 120, velocity_gain_nms = 1.0 }";
     let couple = "[correction]\ncouple = true\n";

@@ -186,7 +186,7 @@ fn checked(text: &str) -> Checked {
 /// The same check for less uniform machines. One has a crank that stands off, whose rods pull at the others. One has cranks that are
 /// apart by design, on a frame. One has elastic rods. One has a method and a step that the scene sets.
 #[test]
-fn less_even_machines() {
+fn bounds_and_the_auto_level_hold_for_uneven_machines() {
     let default = library::SCENES[0].text;
     let four = default.replace("lag_deg = 2", "lag_deg = 0.1\ntorque_percent = 3");
     let standing = four.replacen("[[axis]]\n", "[[axis]]\nstart_deg = 1\n", 1);
@@ -215,7 +215,7 @@ fn less_even_machines() {
 
 /// If this fails, equal motors that swing beyond their torque are assumed to stay alike, as they do on one shaft.
 #[test]
-fn motors_that_may_slip_are_not_bounded_on_one_shaft() {
+fn motors_that_may_slip_have_no_lag_bound() {
     // The motors' springs of 200 N·m/rad meet the fourth harmonic of 17 rev/s.
     let weak = SOFT
         .replace("damping_nms = 0.5", "damping_nms = 0.002")
@@ -316,7 +316,7 @@ fn a_question_that_cannot_be_answered_is_refused() {
 /// If this fails, the answer to a question is not printed, or is that of another time. A crank that stands off at power-up tilts the
 /// platform only in homing.
 #[test]
-fn an_answer_is_that_of_running_and_stopping() {
+fn an_answer_covers_running_and_stopping_but_not_homing() {
     let apart = SOFT
         .replace("lag_deg = 0.05", "spread_deg = 0.5")
         .replace("lambda = 0.25", "lambda = 0.25\nmount_radius_mm = 200")

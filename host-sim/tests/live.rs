@@ -248,7 +248,7 @@ fn a_program_that_is_loaded_runs() {
 
 /// Settings take effect with a restart, as on a board.
 #[test]
-fn settings_run_after_a_restart() {
+fn settings_take_effect_after_a_restart() {
     let other = checked(3.0);
     let mut buffer = vec![0; cophase_link::MAX_FILE_BYTES];
     let file = cophase_link::encode(&other.settings, 1, 0, &mut buffer)
@@ -284,7 +284,7 @@ fn settings_run_after_a_restart() {
 /// If this fails, a fault is injected too late, or one that the scene's machine cannot have. The page then shows a
 /// behaviour that no scene has.
 #[test]
-fn a_fault_that_is_injected_is_named_and_others_are_refused() {
+fn injected_faults_are_named_and_impossible_ones_are_refused() {
     let fault = |kind, axis| FaultAt {
         axis: Some(axis),
         ..FaultAt::new(0.0, kind)

@@ -52,7 +52,7 @@ fn required_torque_is_the_peak_of_a_run_at_that_speed() {
 /// so miss up to 1 % of a peak. They also add friction to a load that drives the motor, as that of crank-rockers does. There the picture
 /// shows less.
 #[test]
-fn the_greatest_load_is_that_of_the_warning() {
+fn the_greatest_load_matches_the_torque_warning() {
     for name in ["default", "stiff-bearing", "patent-4", "crank-rocker"] {
         let checked = Checked::new(library::find(name).expect("built in").scene()).unwrap();
         let load = range(&checked).greatest_load().expect("a curve");
@@ -95,7 +95,7 @@ fn limits_of_the_step_rate_are_where_settings_are_refused() {
 
 /// If this fails, a picture lacks a curve or a limit, or shows one that its machine does not have.
 #[test]
-fn the_picture_names_what_it_shows() {
+fn each_picture_labels_its_curves_and_limits() {
     let of = |name: &str| Checked::new(library::find(name).expect("built in").scene()).unwrap();
     let svg = range(&of("default")).render();
     for label in [

@@ -40,7 +40,7 @@ fn peaks(method: &str) -> Peaks {
 /// If this fails, the docs promise an accuracy of a peak that the step does not reach: of the pusher 0.03 %, of the cam side 0.3 %, and
 /// there a ninth of it for a third of the step.
 #[test]
-fn peaks_are_as_near_as_the_docs_have_it() {
+fn peaks_are_as_accurate_as_documented() {
     let steps = |count: u32| peaks(&format!("steps_per_tick = {count}\n"));
     let (own, third, fine) = (peaks(""), steps(3 * 18), steps(200));
     for (name, found, right) in [

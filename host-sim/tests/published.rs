@@ -20,7 +20,7 @@ fn ramp(mechanism: &SliderCrank, full_mps2: f64, t_s: f64) -> (f64, f64) {
 /// Calculated: 8.59 ms for example 1, 63.27 ms for example 4, here to half a unit of their last place. In closed form
 /// ω = w √t, so that ω′ = ω² at t = (2 w)^(−2/3).
 #[test]
-fn a_ramp_begins_steeper_than_it_turns() {
+fn tangential_acceleration_exceeds_centripetal_at_ramp_start() {
     for (g, freq_hz, lambda, published_ms) in [(200.0, 100.0, 0.1, 8.59), (10.0, 5.0, 0.3, 63.27)] {
         let full_mps2 = g * 10.0;
         let omega_rad_s = freq_hz * core::f64::consts::TAU;

@@ -278,7 +278,7 @@ fn three_amplitudes_are_drawn_by_their_names() {
 }
 
 #[test]
-fn poor_runs_give_pages_too() {
+fn runs_with_hardly_any_data_give_pages() {
     keep(
         "scope-none.svg",
         &ScopeData::new(2, ScopeFrame::default()).render(),
@@ -319,7 +319,7 @@ fn poor_runs_give_pages_too() {
 }
 
 #[test]
-fn the_header_is_as_the_contract_names_it() {
+fn the_csv_header_has_the_specified_columns() {
     let text = TraceCsv::new(Vec::new(), 2).unwrap().finish().unwrap();
     assert_eq!(
         String::from_utf8(text).unwrap(),

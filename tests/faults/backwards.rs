@@ -57,7 +57,7 @@ at_s = {AT_S}
 /// If this fails, the loop stops the machine and keeps the drive on. The others then come to rest in phase while this crank turns
 /// against them.
 #[test]
-fn a_crank_that_turns_back_is_named_reversed_and_its_drive_is_off() {
+fn a_reversed_crank_is_reported_and_its_drive_disabled() {
     for level in ["kinematic", "phased"] {
         for drive in [STEPPER, SERVO] {
             for speed_hz in [-12.0, -3.0, -0.5] {

@@ -37,7 +37,7 @@ fn coasted(samples: &Samples) -> (f64, f64) {
 /// Dry friction T takes N T of energy per radian. The rotors have N J ω²/2 of energy, the platform up to m v²/2, and its weight
 /// gives or takes at most m g 2 R.
 #[test]
-fn a_run_goes_on_until_cranks_that_are_let_go_stand() {
+fn a_run_continues_until_coasting_cranks_stand_still() {
     let friction_nm = 0.05;
     let samples = observe(&cut(&phased(), friction_nm));
     let omega = 5.0 * TAU;
@@ -61,7 +61,7 @@ fn a_run_goes_on_until_cranks_that_are_let_go_stand() {
 /// If this fails, a machine without friction runs without end, or a run that is cut off does not say so. Its last tilt is then
 /// taken for the final one.
 #[test]
-fn what_turns_on_for_ever_is_ended_and_said() {
+fn an_endless_coast_is_ended_and_reported() {
     let checked = cut(&phased(), 0.0);
     let samples = observe(&checked);
     let off = samples
@@ -83,7 +83,7 @@ fn what_turns_on_for_ever_is_ended_and_said() {
 /// If this fails, the report mixes motion with the drives off into motion with the drives on, and hides what the loop allowed.
 /// One crank of the three is stuck as its drives are cut. The platform tilts by the motion of the others.
 #[test]
-fn tilts_with_drives_on_and_off_are_apart() {
+fn tilts_with_drives_on_and_off_are_reported_separately() {
     let stuck = format!(
         "{}[[fault]]\nat_s = {AT_S}\nkind = \"enable-loss\"\n[[fault]]\nat_s = {}\nkind = \"stuck\"\naxis = 1\n",
         phased().replace("[axes]\n", "[axes]\nfriction_nm = 0.05\n"),

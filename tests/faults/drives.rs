@@ -17,7 +17,7 @@ const STEP: f64 = 1.0 / 12800.0;
 
 /// If this fails, a wrong number of steps is lost, or lost steps come back by themselves.
 #[test]
-fn lost_steps_are_whole_cycles_at_once_and_for_good() {
+fn lost_steps_are_whole_cycles_and_permanent() {
     for (cycles, text, off) in [
         (3, KINEMATIC.to_owned(), STEP),
         (-2, KINEMATIC.to_owned(), STEP),
@@ -47,7 +47,7 @@ fn lost_steps_are_whole_cycles_at_once_and_for_good() {
 
 /// If this fails, a slip has a wrong rate, or an encoder on the motor detects it, which is not possible.
 #[test]
-fn a_slip_walks_and_the_motor_does_not_see_it() {
+fn a_slip_grows_steadily_and_motor_encoders_miss_it() {
     for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
         let samples = with(
             &text,
@@ -67,7 +67,7 @@ fn a_slip_walks_and_the_motor_does_not_see_it() {
 
 /// If this fails, the other cranks move a stuck crank through the platform, or it never moves again after its release.
 #[test]
-fn a_stuck_crank_stands_and_a_stepper_is_caught_again_cycles_off() {
+fn a_stuck_stepper_stands_and_resumes_whole_cycles_off() {
     for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
         let samples = with(&text, "kind = \"stuck\"\naxis = 0\nfor_s = 0.03\n");
         let before = samples.at(AT_TICK - 1).actual[0];
@@ -181,7 +181,7 @@ fn a_load_step_holds_its_crank_back() {
 
 /// If this fails, a scene whose fault has not begun yet runs differently from a scene without faults.
 #[test]
-fn before_a_fault_begins_cranks_are_where_they_would_be() {
+fn a_fault_has_no_effect_before_it_begins() {
     for text in [KINEMATIC.to_owned(), phased()] {
         let plain = observe(&scene(&text));
         let samples = with(&text, "kind = \"lost-steps\"\naxis = 2\n");
@@ -198,7 +198,7 @@ fn before_a_fault_begins_cranks_are_where_they_would_be() {
 /// If this fails, a scene can move one crank of a single shaft by itself, or give a torque on a level where torque moves
 /// nothing.
 #[test]
-fn levels_that_cannot_show_a_fault_are_not_run() {
+fn model_levels_that_cannot_show_a_fault_are_refused() {
     let refused = |text: String| {
         let scene = load::parse(&text).expect("its form is right");
         Checked::new(scene)

@@ -36,7 +36,7 @@ fn assert_normal(values: &[f64], sigma: f64) {
 
 /// If this fails, a run with noise cannot be repeated, or another seed gives the same noise.
 #[test]
-fn one_seed_is_one_noise() {
+fn the_same_seed_gives_the_same_noise() {
     let noise = "index_deg = 0.05\nindex_us = 2\nencoder_counts = 1.5\nload_nm = 0.5";
     let text = |seed: u64| format!("{}[noise]\nseed = {seed}\n{noise}\n", phased());
     let run = |seed| record(&scene(&text(seed)), Every::Ticks(1), Window::All);
@@ -97,7 +97,7 @@ fn encoders_are_off_by_the_requested_noise() {
 
 /// If this fails, a load that changes every tick shakes no crank, or shakes all cranks alike.
 #[test]
-fn load_noise_shakes_each_crank_by_itself() {
+fn load_noise_acts_on_each_crank_independently() {
     let plain = observe(&scene(&phased()));
     let noisy = observe(&scene(&format!("{}[noise]\nload_nm = 2\n", phased())));
     let off = |axis: usize| -> Vec<f64> {

@@ -39,7 +39,7 @@ fn missing_pulses_are_as_many_as_requested() {
 
 /// If this fails, extra pulses come at a wrong time, or not at the same phase of the next turn.
 #[test]
-fn extra_pulses_come_at_their_time_and_a_turn_after() {
+fn extra_pulses_occur_on_time_and_repeat_each_turn() {
     for text in [KINEMATIC.to_owned(), phased()] {
         let samples = with(&text, "kind = \"index-extra\"\naxis = 0\ncount = 2\n");
         let rises = samples.rises_us(0);
@@ -59,7 +59,7 @@ fn extra_pulses_come_at_their_time_and_a_turn_after() {
 
 /// If this fails, the fault swaps wires of the drives, or of one kind of sensor alone.
 #[test]
-fn swapped_sensors_speak_of_the_other_axis() {
+fn swapped_sensors_report_the_other_axis() {
     let own = "[[axis]]\nnumber = 0\nindex_deg = 90\n";
     let fault = "kind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"sensors\"\n";
     let plain = observe(&scene(&format!("{KINEMATIC}{own}")));
@@ -72,7 +72,7 @@ fn swapped_sensors_speak_of_the_other_axis() {
 
 /// If this fails, a glitch affects another encoder, or lasts for a wrong time.
 #[test]
-fn a_glitch_is_off_by_its_counts_while_it_lasts() {
+fn an_encoder_glitch_shifts_counts_only_while_it_lasts() {
     let glitch = at("kind = \"encoder-glitch\"\naxis = 1\ncounts = -700\nfor_s = 0.01\n");
     let said = readings(&glitch, AT_TICK - 2..AT_TICK + 22);
     let counts: Vec<i32> = said.iter().map(|feedback| feedback.encoder[1]).collect();
@@ -133,7 +133,7 @@ fn encoders_count_in_their_motors_sense() {
 /// If this fails, a flag's length shifts the pulse of a crank that turns forward, or does not shift that of a crank that
 /// turns backward.
 #[test]
-fn a_flag_with_a_length_is_met_at_either_end() {
+fn a_long_flag_is_detected_at_its_leading_end() {
     let long = KINEMATIC.replace(
         "encoder = true",
         "encoder = true\nindex_width_deg = 10\nindex_deg = 40",
@@ -151,7 +151,7 @@ fn a_flag_with_a_length_is_met_at_either_end() {
 
 /// If this fails, a sensor with a delay answers in time, or loses edges that fall into the next tick.
 #[test]
-fn a_late_line_is_late_by_its_delay() {
+fn a_sensor_delay_shifts_the_index_edges() {
     let first = |text: &str| observe(&scene(text)).rises_us(1)[0];
     let late = KINEMATIC.replace("encoder = true", "encoder = true\nindex_delay_us = 700");
     let off = first(&late) - first(KINEMATIC);
@@ -160,7 +160,7 @@ fn a_late_line_is_late_by_its_delay() {
 
 /// If this fails, the report does not show which faults were injected, or which were reported.
 #[test]
-fn the_report_lists_what_was_put_in() {
+fn the_report_lists_the_injected_faults() {
     let run = record(
         &at("kind = \"lost-steps\"\naxis = 2\ncycles = 3\n"),
         Every::Fitting,

@@ -26,7 +26,7 @@ const LAG: f64 = 2.0 * 5.0 * 35.0 * 0.0103 / 3.0 / 200.0 / std::f64::consts::TAU
 
 /// If this fails, a reversed servo follows its setpoint, or a servo that slips takes its crank along.
 #[test]
-fn reversed_and_slipping_servos() {
+fn reversed_servos_turn_backward_and_slipping_ones_fall_behind() {
     for (model_level, off) in [(KINEMATIC_LEVEL, 1e-9), (PHASED, LAG)] {
         let samples = with(
             &unread(&servos(model_level)),
@@ -44,7 +44,7 @@ fn reversed_and_slipping_servos() {
 /// If this fails, a released servo jumps its whole distance at once on the kinematic level, or does not catch up on the phased
 /// level.
 #[test]
-fn a_servo_that_was_stuck_goes_on() {
+fn a_released_servo_follows_its_command_again() {
     let fault = "kind = \"stuck\"\naxis = 2\nfor_s = 0.02\n";
     let samples = with(&servos(KINEMATIC_LEVEL), fault);
     let behind = samples.ahead(2, AT_TICK + 39);
@@ -61,7 +61,7 @@ fn a_servo_that_was_stuck_goes_on() {
 
 /// If this fails, a scene can make a servo lose steps, or hold a cam shaft away from its command.
 #[test]
-fn what_a_scene_has_not_is_not_broken_in_it() {
+fn faults_that_the_scene_cannot_have_are_refused() {
     let refused = |text: &str| {
         let scene = load::parse(text).expect("its form is right");
         Checked::new(scene)

@@ -50,7 +50,7 @@ fn verdict((checked, observation): &(Checked, Observation)) -> Verdict {
 ///
 /// One crank of three that is e behind tilts the platform by 2/3 e s R/ρ at the phase where s is largest: 1.031 at λ = 0.25.
 #[test]
-fn a_limit_is_passed_when_the_cranks_pass_it() {
+fn the_first_tick_beyond_the_limit_is_recorded() {
     let mrad = |cycles: f64| {
         2.0 / 3.0 * cycles * 0.02 * std::f64::consts::TAU * 1.031 * 10.0 / 250.0 * 1e3
     };
@@ -78,7 +78,7 @@ fn a_limit_is_passed_when_the_cranks_pass_it() {
 /// If this fails, motion of cranks without drives counts against the loop, and no stop is soon enough. Here one crank is stuck as the
 /// drives are cut, and the others swing on, far beyond a limit of 3 mrad.
 #[test]
-fn what_cranks_do_without_drives_is_ignored() {
+fn motion_with_drives_off_is_ignored() {
     let stuck = format!(
         "kind = \"enable-loss\"\n[[fault]]\nat_s = {}\nkind = \"stuck\"\naxis = 1\n",
         AT_S + 0.01
@@ -90,7 +90,7 @@ fn what_cranks_do_without_drives_is_ignored() {
 
 /// If this fails, an axis that is left running while another stands is overlooked, or one is reported where all stop.
 #[test]
-fn who_is_left_running_is_known() {
+fn an_axis_left_running_is_reported() {
     // The machine is commanded to stop, and stops. One motor runs on with its drive on.
     let alone = format!(
         "kind = \"stop-input\"\n[[fault]]\nat_s = {}\nkind = \"runaway\"\naxis = 1\nspeed_hz = 9\nfor_s = 0.5\n",
@@ -114,7 +114,7 @@ fn who_is_left_running_is_known() {
 /// If this fails, a stop is reported where there is none, or where the twin stops too. A campaign then takes anything for a detection.
 /// If a stop is reported late, a loop that is in time seems late.
 #[test]
-fn the_outputs_show_a_stop_drives_that_go_off_and_nothing_else() {
+fn the_outputs_show_only_stops_and_disabled_drives() {
     let response = |fault: &str| {
         let (_, observation) = watched(KINEMATIC, fault);
         observation.stopped.map(|stopped| {
@@ -141,7 +141,7 @@ fn the_outputs_show_a_stop_drives_that_go_off_and_nothing_else() {
 /// If this fails, a campaign takes the place of an extra pulse from the loop that it judges. Or it counts a pulse at the flag's own
 /// place as missed, although it cannot be detected and has no effect.
 #[test]
-fn a_pulse_is_extra_by_where_its_crank_truly_was() {
+fn extra_pulses_are_judged_by_the_actual_crank_position() {
     let flags = observe(&scene(KINEMATIC)).rises_us(1);
     let after = |late_ms: f64| {
         let at_s = ((flags[1] + late_ms * 1e3).round()) * 1e-6;

@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn a_press_counts_once_and_only_when_it_has_lasted() {
+    fn a_press_counts_once_after_the_debounce_time() {
         let mut levels = std::vec![false; STEADY];
         levels.extend([true; 200]);
         assert_eq!(presses(&levels), [2 * STEADY - 1]);
@@ -89,7 +89,7 @@ mod tests {
     proptest! {
         /// Bouncing in any pattern gives no command, and delays a press by at most [`STEADY_S`].
         #[test]
-        fn bouncing_is_not_pressing(bounces in prop::collection::vec(1..STEADY, 0..40)) {
+        fn bounces_are_not_counted_as_presses(bounces in prop::collection::vec(1..STEADY, 0..40)) {
             let mut levels = std::vec![false; STEADY];
             let mut down = false;
             for bounce in bounces {

@@ -141,12 +141,12 @@ mod tests {
 
     /// Check value of this CRC in the catalogue of CRCs.
     #[test]
-    fn the_crc_is_the_one_that_zip_has() {
+    fn the_crc_matches_the_catalogue_check_value() {
         assert_eq!(CRC.checksum(b"123456789"), 0xCBF4_3926);
     }
 
     #[test]
-    fn any_beginning_of_a_page_is_too_short() {
+    fn an_incomplete_header_is_refused_as_too_short() {
         let page = HEADER.page();
         for bytes in 0..HEADER_BYTES {
             let error = Header::read(&page[..bytes]).unwrap_err();
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn newer_goes_round_the_wrap() {
+    fn sequence_comparison_handles_the_wrap() {
         let at = |sequence| Header { sequence, ..HEADER };
         for (newer, older) in [(2, 1), (0, u32::MAX), (5, u32::MAX - 5), (1 << 31, 1)] {
             assert!(at(newer).is_newer_than(&at(older)), "{newer} {older}");
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn no_built_in_file_passes_for_one_from_outside() {
+    fn built_in_files_never_have_the_outside_mark() {
         for payload_crc in [0, 1, 0xFFFF_FFFF] {
             assert_ne!(
                 Header {

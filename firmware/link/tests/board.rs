@@ -77,7 +77,7 @@ fn most_hz(board: AnyBoard, axes: usize, steps_per_turn: u32) -> u32 {
 
 /// If this fails, the message names a wrong tick rate. With a lower one users lose speed, and the board refuses a higher one too.
 #[test]
-fn the_rate_that_is_named_is_the_highest_that_is_accepted() {
+fn the_message_names_the_highest_accepted_tick_rate() {
     for board in boards() {
         for axes in 1..=board.most_axes {
             for steps_per_turn in STEPS_PER_TURN {
@@ -94,7 +94,7 @@ fn the_rate_that_is_named_is_the_highest_that_is_accepted() {
 
 /// If this fails, the usual rate is refused, or a machine is accepted that misses every second deadline.
 #[test]
-fn more_axes_and_more_steps_leave_less_room() {
+fn more_axes_or_steps_lower_the_highest_tick_rate() {
     for board in boards() {
         let most = |axes, steps_per_turn| most_hz(board, axes, steps_per_turn);
         for axes in 1..=board.most_axes {

@@ -40,7 +40,7 @@ fn settings_file_of(payload: &[u8], version: u16) -> Vec<u8> {
 
 /// If this fails, a board runs other numbers than the desk. NaN, infinities and -0.0 have bits too.
 #[test]
-fn settings_survive_to_the_bit() {
+fn settings_round_trip_bit_for_bit() {
     for (axes, bands, entries) in [(0, 0, 0), (2, 1, 1), (4, 2, 9), (6, 4, 128)] {
         let mut given = settings(axes, bands, entries);
         given.settle_s = 0.1 + 0.2;
@@ -109,7 +109,7 @@ fn every_flipped_bit_is_refused() {
 }
 
 #[test]
-fn another_version_and_what_follows_are_distinguished_from_damage() {
+fn another_version_and_trailing_bytes_are_distinguished_from_damage() {
     let whole = settings_file(&settings(2, 0, 1));
     let payload = &whole[HEADER_BYTES..];
     let refused = |settings_file: &[u8]| decode(settings_file).unwrap_err();
@@ -144,7 +144,7 @@ fn another_version_and_what_follows_are_distinguished_from_damage() {
 
 /// Messages name the problem and how to solve it.
 #[test]
-fn messages() {
+fn error_messages_name_the_problem_and_the_fix() {
     for (error, said) in [
         (
             SettingsFileError::TooShort { bytes: 9 },
@@ -201,7 +201,7 @@ fn numbers_out_of_range_are_refused_when_the_controller_is_made() {
 proptest! {
     /// All bytes are decoded or refused.
     #[test]
-    fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..600)) {
+    fn decoding_arbitrary_bytes_never_panics(bytes in prop::collection::vec(any::<u8>(), 0..600)) {
         prop_assert!(decode(&bytes).is_err());
         prop_assert!(settings_file_in(&bytes).is_err());
         // With a matching header all bytes reach the decoder behind it.
@@ -212,7 +212,7 @@ proptest! {
 
     /// The same for bytes that are nearly settings: few are refused before a controller is made.
     #[test]
-    fn no_nearly_right_payload_panics(
+    fn decoding_a_nearly_valid_payload_never_panics(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
         axes in 2_usize..=6,
     ) {

@@ -67,7 +67,7 @@ fn motion_needs_control_then_an_arm_then_a_start() {
 }
 
 #[test]
-fn an_arm_ends_with_its_time_and_with_the_enable_input() {
+fn an_arm_ends_at_its_timeout_or_when_enable_opens() {
     let mut hub = hub();
     let mut host = operator(&mut hub);
     host.request(&mut hub, &Request::Arm).unwrap();

@@ -68,7 +68,7 @@ fn outputs_and_single_axes_need_control_and_the_unlock() {
 
 /// If this fails, an output stays held after its host has left.
 #[test]
-fn a_held_output_is_released_after_its_time_and_with_its_host() {
+fn a_held_output_is_released_at_its_timeout_or_disconnect() {
     let mut hub = hub();
     let mut host = operator(&mut hub);
     host.request(&mut hub, &Request::Unlock).unwrap();
@@ -88,7 +88,7 @@ fn a_held_output_is_released_after_its_time_and_with_its_host() {
 }
 
 #[test]
-fn bring_up_ends_where_the_machine_begins() {
+fn bring_up_ends_when_the_machine_starts() {
     let mut hub = hub();
     let mut host = operator(&mut hub);
     host.request(&mut hub, &Request::Unlock).unwrap();
@@ -107,7 +107,7 @@ fn bring_up_ends_where_the_machine_begins() {
 /// If this fails, a restart, an erase of the flash or a single axis releases the cranks. An operator releases them with
 /// a reset.
 #[test]
-fn nothing_that_needs_drives_off_is_possible_while_they_hold_after_a_fault() {
+fn requests_that_need_drives_off_are_refused_while_holding() {
     let mut hub = hub();
     let mut host = operator(&mut hub);
     host.request(&mut hub, &Request::Unlock).unwrap();
@@ -187,7 +187,7 @@ fn a_machine_whose_host_is_lost_stops_as_its_settings_define() {
 
 /// Frames of a host that only watches do not keep a machine running after its operator is lost.
 #[test]
-fn another_host_does_not_stand_in() {
+fn frames_of_another_host_do_not_reset_the_timeout() {
     let (mut hub, _host) = started(HostLossReaction::Stop);
     let mut other = Host::new(1);
     passes(&mut hub, 499);
@@ -197,7 +197,7 @@ fn another_host_does_not_stand_in() {
 }
 
 #[test]
-fn a_queue_that_is_full_is_tried_again() {
+fn a_stop_is_retried_while_the_queue_is_full() {
     let (mut hub, _host) = started(HostLossReaction::Stop);
     hub.device().is_busy = true;
     passes(&mut hub, 500);
@@ -208,7 +208,7 @@ fn a_queue_that_is_full_is_tried_again() {
 }
 
 #[test]
-fn without_a_timeout_or_a_host_the_machine_goes_on() {
+fn no_stop_is_commanded_without_a_timeout_or_host() {
     let (mut hub, _host) = started(HostLossReaction::Stop);
     hub.device().host_loss = HostLossSettings::NONE;
     passes(&mut hub, 3_600_000);

@@ -32,7 +32,7 @@ fn one_of<'a>(flash: &Nor, old: &'a [u8], new: &'a [u8], done: bool) -> &'a [u8]
 
 /// If this fails, a power cut at the wrong moment leaves a machine without settings, or with half of them.
 #[test]
-fn a_power_cut_at_any_byte_leaves_the_old_or_the_new() {
+fn a_power_cut_at_any_byte_keeps_old_or_new_file() {
     // The files are longer than a sector, so that the order in which sectors are erased matters.
     let (oldest, old, new, next) = (
         settings_file(1, 3900),
@@ -67,7 +67,7 @@ fn a_power_cut_at_any_byte_leaves_the_old_or_the_new() {
 
 /// After a cut during the very first storage there is no file or the whole file, never half of it.
 #[test]
-fn a_power_cut_at_any_byte_of_the_first_leaves_none_or_it() {
+fn a_power_cut_in_the_first_save_leaves_no_partial_file() {
     let new = settings_file(3, 600);
     for cut in CUTS {
         for power in 0..cost(&empty(), &new) {
@@ -90,7 +90,7 @@ fn a_power_cut_at_any_byte_of_the_first_leaves_none_or_it() {
 
 /// Every first cut, each with nine second ones. Together they cover every second cut too.
 #[test]
-fn two_power_cuts_in_a_row_leave_the_old_or_the_new() {
+fn two_power_cuts_in_a_row_keep_old_or_new_file() {
     const STRIDE: usize = 521;
     let (old, new, newer) = (
         settings_file(2, 300),
@@ -120,7 +120,7 @@ fn two_power_cuts_in_a_row_leave_the_old_or_the_new() {
 proptest! {
     /// Any sequence of storing and cuts.
     #[test]
-    fn the_newest_is_always_one_that_was_meant(
+    fn any_saves_and_power_cuts_leave_a_whole_file(
         steps in prop::collection::vec(
             (1_usize..1500, prop::option::of(any::<prop::sample::Index>()), 0_usize..3), 1..12,
         ),

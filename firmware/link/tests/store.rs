@@ -12,7 +12,7 @@ use support::nor::{Nor, SECTOR};
 use support::slots::{A, B, SLOT, empty, newest, payload, save, settings_file, slot};
 
 #[test]
-fn settings_files_take_turns_and_the_last_is_newest() {
+fn saves_alternate_between_slots_and_the_last_is_newest() {
     let mut flash = empty();
     assert_eq!(newest(&flash), Newest::None);
     let slots = [Slot::A, Slot::B, Slot::A, Slot::B];
@@ -28,7 +28,7 @@ fn settings_files_take_turns_and_the_last_is_newest() {
 
 /// Sequence numbers wrap after 2³² files. The newest file must remain the newest.
 #[test]
-fn the_sequence_wraps() {
+fn the_newest_file_stays_newest_when_the_sequence_wraps() {
     let mut flash = empty();
     let stored = |sequence| {
         let settings_file = settings_file(1, 50);
@@ -49,7 +49,7 @@ fn the_sequence_wraps() {
 
 /// If this fails, a machine runs settings that were replaced long ago, and nobody notices.
 #[test]
-fn damage_to_the_newest_payload_is_corruption_and_nothing_else_is() {
+fn only_damage_to_the_newest_payload_is_corruption() {
     let mut whole = empty();
     save(&mut whole, &settings_file(1, 300), None).unwrap();
     let (at, _) = save(&mut whole, &settings_file(2, 300), None).unwrap();
@@ -114,7 +114,7 @@ fn another_version_is_not_corruption() {
 
 /// Settings that the firmware runs: every case of the rule.
 #[test]
-fn choice() {
+fn choose_selects_stored_or_built_in_settings_or_refuses() {
     let built_in = Header::read(&settings_file(1, 300)).unwrap();
     let other = Header::read(&settings_file(2, 300)).unwrap();
     let stored = |header, origin| Newest::Stored {
@@ -200,7 +200,7 @@ fn a_worn_page_is_found_and_the_old_file_stays() {
 }
 
 #[test]
-fn what_cannot_be_stored_is_refused_before_anything_is_erased() {
+fn damaged_or_oversized_files_are_refused_before_erasing() {
     let mut flash = empty();
     save(&mut flash, &settings_file(1, 300), None).unwrap();
     let before = flash.bytes.clone();
@@ -228,7 +228,7 @@ fn what_cannot_be_stored_is_refused_before_anything_is_erased() {
 }
 
 #[test]
-fn slots_that_cannot_be_are_refused() {
+fn invalid_slot_layouts_are_refused() {
     let flash = || Nor::new(vec![0xFF; 8 * SECTOR]);
     let sectors = |a: f64, b: f64, length: f64| {
         let bytes = |sectors: f64| (sectors * SECTOR as f64) as u32;

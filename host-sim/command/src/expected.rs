@@ -127,7 +127,7 @@ mod tests {
 
     /// If this fails, the time to set the run up counts for every tick, or no message announces a run of minutes.
     #[test]
-    fn the_whole_follows_from_two_pieces() {
+    fn the_run_time_is_extrapolated_from_two_pieces() {
         let expected = |set_up_s: f64, tick_s: f64, ticks: u64| {
             let mut timed = 0;
             let time = |first: u64| {
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn only_long_times_are_said() {
+    fn only_long_run_times_are_stated() {
         assert_eq!(about(2.9), None);
         for (seconds, words) in [
             (3.4, "3 s"),

@@ -62,7 +62,7 @@ fn failed(text: &str) -> serde_json::Value {
 
 /// If this fails, a program that starts from rest commands an acceleration that no machine has, or causes a fault.
 #[test]
-fn root_at_rest() {
+fn a_ramp_from_rest_keeps_the_acceleration_limit() {
     let facts = root::measure().unwrap();
     // In its first tick of length h, the root rises to √(40 g h / R (1 + λ)) / 2π, which is 1261 rev/s² h.
     let requested = facts.requested_hz_per_s();
@@ -81,7 +81,7 @@ fn root_at_rest() {
 /// If this fails, the frame's amplitude does not depend on the time at the resonance, or a shaft stays in the band longer than
 /// necessary.
 #[test]
-fn a_band_crossed_slowly() {
+fn slower_band_crossings_give_larger_amplitudes() {
     let facts = band::measure(Size::Small).unwrap();
     // Theory of one mass: m R / (M + m) · 1/2ζ = 5.95 mm. Harmonics and the weight of the displaced mass add a few per cent.
     let theory_um = 5e-3 / 21.0 / (2.0 * 0.02) * 1e6;
@@ -120,7 +120,7 @@ fn a_band_crossed_slowly() {
 /// Item 7 of `docs/reproduced.md`. If this fails, the error of the two-term approximation is wrong, or a λ outside the allowed
 /// range is accepted.
 #[test]
-fn lambda_at_both_ends() {
+fn published_errors_hold_at_both_ends_of_lambda() {
     for (ratio, published_percent) in [(0.1, 0.046), (0.6, 9.375)] {
         let facts = lambda::measure(ratio).unwrap();
         // The tolerance is half of the last published digit.

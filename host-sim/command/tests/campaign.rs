@@ -152,7 +152,7 @@ fn shards_that_do_not_fit_are_refused_and_named() {
 /// If this fails, a case that is run alone differs from the same case in the campaign, so it cannot be examined. Its scene file must
 /// be complete: a separate run of it ends the same.
 #[test]
-fn a_case_run_alone_is_the_campaigns() {
+fn a_replayed_case_equals_that_of_the_campaign() {
     let all = folder();
     ran(&campaign(&all, &["--runs", "8"]));
     let rows = read(&all, "campaign.csv");
@@ -307,7 +307,7 @@ fn chosen_strata_have_the_rows_of_a_plain_campaign() {
 
 /// Names that select nothing are refused before anything runs. The message suggests names that select something.
 #[test]
-fn strata_that_no_case_is_of_are_refused() {
+fn strata_without_cases_are_refused() {
     let folder = folder();
     for (arguments, reported) in [
         (
@@ -346,7 +346,7 @@ fn strata_that_no_case_is_of_are_refused() {
 /// A scene with faults of its own is refused, because a campaign draws the faults. A range without cases is refused, because it has no
 /// rows.
 #[test]
-fn what_cannot_be_a_campaign_is_refused() {
+fn invalid_campaigns_are_refused_with_a_reason() {
     let folder = folder();
     for (arguments, reported) in [
         (vec!["--runs", "0"], "--runs: 0 cases are none"),
@@ -385,7 +385,7 @@ fn what_cannot_be_a_campaign_is_refused() {
 /// If this fails, the monitor misses or misnames a kind of fault, or leaves an axis running. A small campaign shows this as well. The
 /// claim itself, with its bounds, is that of a large campaign: docs/campaign.md.
 #[test]
-fn a_small_campaign_finds_what_a_large_one_claims() {
+fn a_small_campaign_meets_the_documented_claims() {
     let out = folder();
     ran(&campaign(&out, &["--runs", "150"]));
     let rows = read(&out, "campaign.csv");

@@ -105,7 +105,7 @@ the_same_each_time! {
 
 /// If this fails, the measured stability limit of a method or a trim gain contradicts its theory.
 #[test]
-fn edges_of_stability_are_those_of_theory() {
+fn measured_stability_limits_match_theory() {
     let mut compared = HashMap::<String, u32>::new();
     for row in rows(&drawn("stability").csv) {
         let edge = |column: &str| row[column].parse::<f64>();
@@ -141,7 +141,7 @@ fn edges_of_stability_are_those_of_theory() {
 /// If this fails, the picture recommends a step with which the method diverges on a machine, or a step that is far too short. The region of
 /// RK4 is bounded by |z| = 2.6 to 3.0 in the left half plane, and the chain's published limit is 81.5 µs at 34,190.8 rad/s.
 #[test]
-fn longest_stable_steps_of_the_machines() {
+fn longest_stable_steps_of_the_machines_match_theory() {
     let drawn = drawn("stability");
     let rows = rows(&drawn.csv);
     let edge = |of: &str| {
@@ -173,7 +173,7 @@ fn longest_stable_steps_of_the_machines() {
 
 /// If this fails, a method is drawn below the uncertainty of its reference, or is chosen on the basis of too few steps.
 #[test]
-fn methods_are_shown_down_to_ten_times_the_uncertainty_and_at_six_steps() {
+fn each_method_has_six_steps_above_the_reference_uncertainty() {
     let drawn = drawn("methods");
     let mut steps = HashMap::<(String, String), u32>::new();
     let mut defaults = HashMap::<String, String>::new();
@@ -205,7 +205,7 @@ fn methods_are_shown_down_to_ten_times_the_uncertainty_and_at_six_steps() {
 
 /// If this fails, a machine gains or loses energy over hours although the chart states that the method keeps it.
 #[test]
-fn energy_is_kept_by_what_is_said_to_keep_it() {
+fn the_listed_methods_conserve_energy() {
     let drawn = drawn("energy");
     let finest = |method: &str| {
         let mut of_method = rows(&drawn.csv)
@@ -226,7 +226,7 @@ fn energy_is_kept_by_what_is_said_to_keep_it() {
 
 /// If this fails, the text recommends functions that the table beside it does not support.
 #[test]
-fn functions_called_are_beaten_by_what_is_said() {
+fn the_text_lists_every_better_function_of_the_table() {
     let drawn = drawn("functions");
     let rows = rows(&drawn.csv);
     for (function, called) in [
@@ -271,7 +271,7 @@ fn functions_called_are_beaten_by_what_is_said() {
 
 /// If this fails, a faster tick costs processor time without benefit, or a slower tick degrades a ramp.
 #[test]
-fn only_ramps_gain_by_a_faster_tick() {
+fn a_faster_tick_reduces_only_the_ramp_error() {
     let rows = rows(&drawn("tick-rate").csv);
     for scene in ["default", "patent-3"] {
         let of_scene: Vec<_> = rows.iter().filter(|row| row["scene"] == scene).collect();
@@ -300,7 +300,7 @@ fn processor_share(svg: &str) -> String {
 
 /// If this fails, the docs show the cost of an outdated firmware. Their picture must be that of the latest tick counts.
 #[test]
-fn the_processor_share_in_the_docs_is_that_of_the_counted_ticks() {
+fn the_documented_processor_share_matches_the_tick_counts() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/tick-rate.svg");
     let docs = std::fs::read_to_string(docs).unwrap();
     assert_eq!(
@@ -333,7 +333,7 @@ fn columns_are_those_of_the_docs() {
 
 /// If this fails, the docs contradict the measurement of a method, or an error is measured with too few steps.
 #[test]
-fn what_the_docs_say_of_decisions_was_measured() {
+fn the_documented_decisions_match_the_measurement() {
     let folder = tempfile::tempdir().unwrap();
     let output = chart(&["decisions", "--out", folder.path().to_str().unwrap()]);
     let said = String::from_utf8(output.stdout).unwrap();

@@ -87,7 +87,7 @@ fn two_runs_of_a_scene_are_equal() {
 /// The requested amax differs from that of the other run on the second ramp, by x³ (10 − 15 x + 6 x²) of the difference of
 /// both levels.
 #[test]
-fn runs_part_where_their_programs_do() {
+fn the_first_difference_is_where_the_programs_differ() {
     let scratch = tempfile::tempdir().unwrap();
     let options = ["--every", "1"];
     let a = run(scratch.path(), "a", &scene(2.0), &options);

@@ -79,7 +79,7 @@ fn json_has_exactly_the_promised_fields() {
 
 /// If this fails, defaults are not the documented ones, or negative numbers and bad counts are reported incorrectly.
 #[test]
-fn command_line_defaults_and_refusals() {
+fn defaults_are_as_documented_and_bad_values_are_refused() {
     let text = command("--load-kg 50 --amax-g 200 --freq-hz 100 --lambda 0.1 --motors 6 --json");
     let json: serde_json::Value = serde_json::from_str(&text.expect("a design")).expect("JSON");
     assert_eq!(json["gravity_mps2"].as_f64(), Some(STANDARD_GRAVITY_MPS2));
@@ -318,7 +318,7 @@ fn documented_session_is_what_is_printed() {
 
 /// If this fails, the page is wider than the terminal, or a step is missing or out of order.
 #[test]
-fn page_walks_the_steps_within_ninety_columns() {
+fn the_page_lists_all_steps_within_ninety_columns() {
     for gravity in ["10", "9.80665"] {
         for (load, amax, freq, lambda, motors) in EXAMPLES {
             let page = command(&format!(

@@ -162,7 +162,7 @@ fn designs_that_cannot_run_and_two_outputs_are_refused() {
 
 /// If this fails, the picture of a design differs from that of a run of its scene, or it replaces the page.
 #[test]
-fn the_picture_is_that_of_the_scene() {
+fn a_design_and_its_run_draw_the_same_picture() {
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path();
     let flags = flags(DESIGNS[3]);

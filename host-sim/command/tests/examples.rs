@@ -37,7 +37,7 @@ impl End {
 
 /// If this fails, an example ends differently from its comment.
 #[test]
-fn each_example_ends_as_it_says() {
+fn each_example_ends_as_its_comment_states() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
     let readme = fs::read_to_string(examples.join("README.md")).unwrap();
     let mut promised_faults = 0;

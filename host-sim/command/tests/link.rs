@@ -189,7 +189,7 @@ fn refusals_name_the_reason() {
 }
 
 #[test]
-fn a_controller_that_is_not_there_is_named() {
+fn an_unreachable_controller_is_named_in_the_error() {
     for (to, problem) in [
         ("tcp:127.0.0.1:1", "--to tcp:127.0.0.1:1"),
         ("/dev/no-such-port", "--to /dev/no-such-port"),
@@ -239,7 +239,7 @@ fn ran_s(log: &str) -> f64 {
 /// Settings can require the connection to the host that started the machine. A host that waits for the end keeps it. If
 /// the host leaves, the machine stops.
 #[test]
-fn a_machine_whose_host_leaves_stops_if_its_settings_say_so() {
+fn losing_the_host_stops_the_machine_if_configured() {
     const HOLD_S: f64 = 12.0;
     let text = scene_holding(1.0, 5.0, HOLD_S) + "[link]\ntimeout_s = 0.25\n";
     let served = Served::new(&text);

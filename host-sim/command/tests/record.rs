@@ -113,7 +113,7 @@ fn report(folder: &Path) -> serde_json::Value {
 
 /// If this fails, a recorded run cannot be compared with a simulated one.
 #[test]
-fn a_recording_of_a_simulated_controller_is_the_run_of_its_scene() {
+fn a_recording_equals_the_run_of_its_scene() {
     let (folder, scene) = scene();
     let (ran, recorded) = (folder.path().join("ran"), folder.path().join("recorded"));
     // A recording begins while the machine is idle, so the run must begin so too.
@@ -176,7 +176,7 @@ fn a_recording_of_a_simulated_controller_is_the_run_of_its_scene() {
 
 /// Without every tick there are no edges, and edges of an earlier recording are removed.
 #[test]
-fn a_recording_without_every_tick_has_no_edges_and_says_why() {
+fn a_recording_without_every_tick_explains_its_missing_edges() {
     let (folder, scene) = scene();
     let out = folder.path().join("out");
     fs::create_dir(&out).unwrap();
@@ -296,7 +296,7 @@ fn serve(lost: Arc<AtomicU64>, is_over: Arc<AtomicBool>) -> (u16, std::thread::J
 }
 
 #[test]
-fn every_sample_that_the_line_loses_is_counted_and_none_is_made_up() {
+fn lost_samples_are_counted_and_not_invented() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let (lost, is_over) = (
@@ -380,7 +380,7 @@ fn an_interrupt_ends_the_recording_and_writes_it() {
 }
 
 #[test]
-fn what_cannot_be_recorded_is_refused() {
+fn invalid_recording_options_are_refused() {
     let (folder, scene) = scene();
     let taken = folder.path().join("taken");
     fs::create_dir_all(taken.join("trace.csv")).unwrap();

@@ -56,7 +56,7 @@ fn the_same_scene_writes_the_same_files() {
 
 /// If this fails, a finer trace changes the run that it records.
 #[test]
-fn every_and_window_change_only_what_is_written() {
+fn every_and_window_options_change_only_the_written_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let (one, other) = (folder.path().join("one"), folder.path().join("other"));
     assert_eq!(

@@ -266,7 +266,7 @@ fn the_page_may_load_own_files_only() {
 }
 
 #[test]
-fn one_browser_commands_and_another_one_may_stop() {
+fn only_one_browser_commands_but_any_may_stop() {
     let served = Served::new();
     let mut first = served.browser();
     let hello = first.wait(|report| report["type"] == "hello");
@@ -383,7 +383,7 @@ fn bad_requests_are_refused_with_the_reason() {
 
 /// Samples arrive complete, in batches that follow each other tick by tick.
 #[test]
-fn batches_of_samples_follow_each_other() {
+fn sample_batches_are_contiguous() {
     let served = Served::new();
     let mut browser = served.browser();
     let hello = browser.wait(|report| report["type"] == "hello");

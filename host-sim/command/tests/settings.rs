@@ -128,7 +128,7 @@ fn a_scene_becomes_a_settings_file_of_the_same_setup() {
 
 /// If this fails, a user expects a board to do things that only the simulation does.
 #[test]
-fn what_a_board_cannot_be_given_is_named() {
+fn the_summary_names_the_keys_left_out() {
     let dir = tempfile::tempdir().unwrap();
     let left_out = |text: &str| {
         fs::write(dir.path().join("scene.toml"), text).unwrap();
@@ -182,7 +182,7 @@ fn what_a_board_cannot_be_given_is_named() {
 }
 
 #[test]
-fn a_long_name_is_cut_and_that_is_said() {
+fn long_names_are_cut_and_the_cut_is_reported() {
     let dir = tempfile::tempdir().unwrap();
     let long = format!("{}ü", "n".repeat(31)); // 33 bytes
     let text = BASE.replace("\"base\"", &format!("\"{long}\""));
@@ -277,7 +277,7 @@ fn a_bad_scene_leaves_an_earlier_file_alone() {
 }
 
 #[test]
-fn nowhere_to_write() {
+fn unusable_output_paths_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("taken"), "a file").unwrap();
     fs::create_dir(dir.path().join("folder")).unwrap();
@@ -317,7 +317,7 @@ fn nowhere_to_write() {
 /// If this fails, the summary does not mention that the board will refuse the settings. The refusal after flashing costs
 /// more.
 #[test]
-fn what_the_board_will_refuse_is_said() {
+fn the_summary_warns_of_settings_the_board_refuses() {
     let dir = tempfile::tempdir().unwrap();
     let text = BASE.replacen("drive = \"stepper\"", "drive = \"servo\"", 1);
     let (text, _) = text.split_once("[[command]]").unwrap();
@@ -337,7 +337,7 @@ fn what_the_board_will_refuse_is_said() {
 
 /// If this fails, gains that the program derives get onto a board without appearing in the summary.
 #[test]
-fn derived_coupling_gains_are_said() {
+fn the_summary_reports_derived_coupling_gains() {
     let dir = tempfile::tempdir().unwrap();
     let text = "name = \"servos\"\n[machine]\ncrank_radius_mm = 12\nlambda = 0.25\nload_kg = 5\n\
                 [limits]\nspeed_hz = 40\nacceleration_hz_per_s = 30\njerk_hz_per_s2 = 300\n\

@@ -58,7 +58,7 @@ fn run_on(program: &str, arguments: &[&str], file: &Path) -> Option<Output> {
 
 /// If this fails, a shell gets a script that it cannot read, or a script that lacks a subcommand.
 #[test]
-fn each_shell_gets_a_script_that_it_accepts_and_that_knows_all_subcommands() {
+fn each_completion_script_is_valid_and_has_all_subcommands() {
     let folder = tempfile::tempdir().unwrap();
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = printed(&["completions", shell]);

@@ -89,7 +89,7 @@ fn rows_without_a_receiver_are_counted_as_lost() {
 
 /// If this fails, a live plot ends before the user can see it move.
 #[test]
-fn real_time_takes_the_simulated_time() {
+fn a_real_time_run_takes_the_simulated_time() {
     let folder = tempfile::tempdir().expect("a folder");
     let began = Instant::now();
     let output = cophase(folder.path(), &["--real-time=5"]);
@@ -106,7 +106,7 @@ fn real_time_takes_the_simulated_time() {
 
 /// If this fails, a misspelt receiver is treated as one that is absent, or a folder is written before the refusal.
 #[test]
-fn what_is_no_receiver_or_factor_is_refused() {
+fn invalid_receivers_and_factors_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     for (option, right) in [

@@ -21,7 +21,7 @@ fn cause(fault: &FaultAt) -> Option<FaultKind> {
 
 /// If this fails, a user is given a name for another cause, and no message states that the sensors cannot distinguish the two.
 #[test]
-fn a_name_that_is_accepted_for_another_cause_has_it_as_an_alternative() {
+fn the_alternatives_of_an_accepted_name_include_the_cause() {
     let plan = Plan::new(20, None).expect("a plan of drawn machines");
     let mut compared = 0;
     for number in 0..2000 {

@@ -50,7 +50,7 @@ fn differ(a: &[f64], b: &[f64]) -> f64 {
 /// If this fails, a reference solution is wrong or less accurate than stated. A chart then shows the error of its own
 /// reference as the error of a method.
 #[test]
-fn answers_are_known_as_well_as_they_are_said_to_be() {
+fn reference_answers_are_as_accurate_as_stated() {
     let mut wrong = Vec::new();
     for problem in problems::all().unwrap() {
         let [dop853, verner] = match problem.start.len() {

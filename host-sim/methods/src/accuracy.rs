@@ -55,7 +55,7 @@ mod tests {
     /// Leading terms of the undamped oscillation's error, by theory: explicit Euler's amplitude grows by hω/2 per radian,
     /// symplectic Euler's and Verlet's phase leads by (hω)²/24, the midpoint's lags by (hω)²/12, and RK4's by (hω)⁴/120.
     #[test]
-    fn errors_are_those_of_theory() {
+    fn errors_match_their_theoretical_leading_terms() {
         let h = 0.02_f64;
         for (scheme, theory) in [
             (Scheme::ExplicitEuler, h / 2.0),

@@ -69,7 +69,7 @@ mod tests {
         /// If this fails, a swap or an elimination is wrong: the matrix times the solution is not the right-hand side. The
         /// bound is that of backward stability: n² ε times the size of the factors, with 10 for growth.
         #[test]
-        fn solves(
+        fn factors_solve_the_linear_system(
             entries in prop::collection::vec(-1.0..1.0_f64, 49),
             right in prop::collection::vec(-1.0..1.0_f64, 7),
         ) {
@@ -87,7 +87,7 @@ mod tests {
     /// If this fails, a zero pivot gives an infinite solution, or a regular matrix with a zero in its first entry counts as
     /// singular.
     #[test]
-    fn distinguishes_singular_from_regular() {
+    fn singular_matrices_are_distinguished_from_regular_ones() {
         let mut factors = Factors::new(2);
         assert!(!factors.factor(|m| m.copy_from_slice(&[1.0, 2.0, 2.0, 4.0])));
         assert!(!factors.factor(|m| m.copy_from_slice(&[f64::NAN, 2.0, 2.0, 4.0])));

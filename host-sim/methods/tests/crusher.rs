@@ -33,7 +33,7 @@ fn fitted(shape: Shape) -> (Crusher, Speeds) {
 /// Item 5. If this fails, the calibrated jaw does not give the published range of Je, or it changes the speeds by more than a fiftieth of a
 /// rad/s.
 #[test]
-fn equivalent_inertia_swings_as_published() {
+fn equivalent_inertia_has_the_published_range() {
     let crusher = Crusher::SOURCE;
     let turn = (0..3600).map(|i| crusher.inertia_kgm2(TAU * f64::from(i) / 3600.0).0);
     let (least, most) = turn.fold((f64::MAX, f64::MIN), |(least, most), inertia| {
@@ -61,7 +61,7 @@ fn equivalent_inertia_swings_as_published() {
 
 /// If this fails, dJe/dφ is not the slope of Je, and every turn gains or loses energy.
 #[test]
-fn slope_of_the_inertia_is_its_difference() {
+fn inertia_slope_equals_its_finite_difference() {
     for i in 0..72 {
         let (phi, h) = (TAU * f64::from(i) / 72.0, 1e-4);
         let at = |phi| Crusher::SOURCE.inertia_kgm2(phi).0;
@@ -106,7 +106,7 @@ fn one_turn(shape: Shape, start_rad: f64) -> (Crusher, Speeds) {
 /// Item 6. The source does not print the angle at which its turn begins. The test calibrates it against the printed mean. Three results are
 /// predictions: the fastest speed, the speed at the end, and that the rock acts in the second half of the turn.
 #[test]
-fn one_turn_from_the_published_start() {
+fn one_turn_reproduces_the_published_speeds() {
     let (mut low, mut high) = (TAU * 180.0 / 360.0, TAU * 240.0 / 360.0);
     for _ in 0..24 {
         let middle = 0.5 * (low + high);
@@ -133,7 +133,7 @@ fn one_turn_from_the_published_start() {
 /// Item 7. If this fails, the mechanism, the motor or the integration changed. The distance of the fixed pivots, the
 /// closing direction and the place of the force were selected for the least deviation from these six speeds.
 #[test]
-fn periodic_regime_as_computed_independently() {
+fn periodic_regime_matches_an_independent_computation() {
     for (shape, fastest, mean) in [
         (Shape::LinearRise, 28.043, 27.255),
         (Shape::SecondHalf, 28.167, 27.362),
@@ -149,7 +149,7 @@ fn periodic_regime_as_computed_independently() {
 /// If this fails, the regime is not periodic, or torque and energy are inconsistent. Over a turn of the regime, the work of the motor
 /// equals that of the rock.
 #[test]
-fn work_of_the_motor_is_that_of_the_rock() {
+fn motor_work_equals_rock_work_over_a_turn() {
     for shape in Shape::ALL {
         let (crusher, speeds) = fitted(shape);
         let (mut motor_j, mut rock_j) = (0.0, 0.0);
@@ -169,7 +169,7 @@ fn work_of_the_motor_is_that_of_the_rock() {
 /// −0.080 to −0.068 for rock over the whole stroke. The fastest speed is 0.040 rad/s too high where 0.031 was computed. This error depends
 /// on the positions of the nodes and on the load, which are not known. Over these it is −0.017 to 0.056.
 #[test]
-fn the_scheme_of_the_source_is_off_by_as_much() {
+fn the_source_scheme_error_is_near_the_computed_one() {
     let (crusher, converged) = fitted(Shape::LinearRise);
     let start = TAU * 30.0 / 360.0;
     let by_18 = crusher

@@ -57,7 +57,7 @@ fn judge(scheme: Scheme, drift: f64) {
 /// If this fails, a method is wrongly listed as conserving energy, and a machine runs down or up over hours. Or it is wrongly
 /// listed as not conserving energy, and a user rejects the cheaper method.
 #[test]
-fn of_an_oscillator() {
+fn methods_conserve_oscillator_energy_as_listed() {
     let machine = Oscillator::free(1.0, 0.0);
     for scheme in Scheme::ALL {
         judge(scheme, drift(scheme, &machine, TAU, |y| machine.energy(y)));
@@ -67,7 +67,7 @@ fn of_an_oscillator() {
 /// The same for an energy that is not quadratic, and therefore not an invariant of the midpoint method. The period of a swing
 /// of 1 rad is 4 K(sin ½) = 6.6998.
 #[test]
-fn of_a_pendulum() {
+fn methods_conserve_pendulum_energy_as_listed() {
     let machine = Pendulum::FREE;
     for scheme in Scheme::ALL {
         if scheme.facts().needs == Needs::Linear {

@@ -108,7 +108,7 @@ fn friction_brings_a_rotor_to_rest() {
 
 /// If this fails, NaN is passed on or half a step is kept, and the machine has a state that it never reached.
 #[test]
-fn a_value_that_is_none_is_reported_and_the_state_kept() {
+fn a_non_finite_value_is_reported_and_state_kept() {
     for scheme in Scheme::ALL {
         if !scheme.suits(&Edge) {
             continue;
@@ -166,7 +166,7 @@ fn a_singular_matrix_is_reported() {
 /// If this fails, a method is prepared for equations without the structure that it requires, and gives a wrong result
 /// without an error.
 #[test]
-fn structure_and_step_are_checked_before() {
+fn structure_and_step_are_checked_on_preparation() {
     for step_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         for scheme in Scheme::ALL {
             let refused = scheme

@@ -134,7 +134,7 @@ fn a_free_arm_keeps_its_energy() {
 
 /// Items 1, 8 and 9. If this fails, the tool's weight, the sensor's step or the rope's side pull are not those of the source.
 #[test]
-fn weight_step_and_side_pull() {
+fn weight_sensor_step_and_side_pull_match_the_source() {
     let near = |ours: f64, theirs: f64, by: f64| {
         println!("{ours}, published {theirs}");
         assert!((ours - theirs).abs() <= by, "{ours}, published {theirs}");
@@ -154,7 +154,7 @@ fn weight_step_and_side_pull() {
 /// Item 5. If this fails, the duration of a line does not follow from its length, speed and blends, or its speed is not the slope of its
 /// distance.
 #[test]
-fn lines_with_blends_take_their_time() {
+fn line_durations_follow_from_speed_and_blends() {
     let (from, to) = ([0.0, 0.3], [0.2, 0.3]);
     let by_speed = Line::with_speed(from, to, 0.02, 0.5).unwrap();
     assert!((by_speed.duration_s() - 10.5).abs() < 1e-12);
@@ -181,7 +181,7 @@ fn lines_with_blends_take_their_time() {
 /// Item 7. The source feeds lifts of 5.2 to 16.5 N. If the arm weighs 10.85 N at the hand by both joints, motors with a reserve of 5.65 N
 /// at the hand hold exactly these lifts on the whole path.
 #[test]
-fn the_window_of_lifts_is_weight_and_reserve() {
+fn the_lift_range_is_weight_plus_or_minus_reserve() {
     let (weight_n, reserve_n) = (0.5 * (5.2 + 16.5), 0.5 * (16.5 - 5.2));
     let mut arm = FiveBarArm::assumed(GRAVITY_MPS2);
     // Masses of links 1 and 2 that balance the others to this weight. Links 3 and 4 keep their assumed ratio.

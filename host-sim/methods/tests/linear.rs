@@ -47,7 +47,7 @@ proptest! {
     /// The entries are up to 2 and the step is up to 2 s. So the norm of A is at most 6, and rounding grows by at most
     /// e¹².
     #[test]
-    fn without_input_it_is_the_exponential(
+    fn without_input_the_step_is_the_matrix_exponential(
         entries in prop::array::uniform9(-2.0..2.0_f64),
         start in vector(),
         step_s in 0.01..2.0_f64,

@@ -42,7 +42,7 @@ fn rk4_limit(zeta: f64) -> f64 {
 /// If this fails, a limit is wrong, and so is the advice that depends on it. The bisection error is 1e-9 of the limit. The growth
 /// allowance moves the limit by less than 1e-7 (most at RK4's limit, where growth begins most gradually).
 #[test]
-fn limits_are_those_of_theory() {
+fn stability_limits_match_theory() {
     assert!((rk4_limit(0.0) - 8.0_f64.sqrt()).abs() < 1e-12);
     for scheme in Scheme::ALL {
         for zeta in [0.0, 0.01, 0.05, 0.1, 0.3437, 0.49] {
@@ -65,7 +65,7 @@ fn limits_are_those_of_theory() {
 
 /// Above ζ = 1/2 other conditions set the limit: real eigenvalues, and for Verlet the other side of the unit circle.
 #[test]
-fn limits_of_strong_damping() {
+fn stability_limits_match_theory_at_strong_damping() {
     for zeta in [0.6, 1.0, 2.0, 5.0_f64] {
         let slowest = if zeta > 1.0 {
             2.0 / (zeta + (zeta * zeta - 1.0).sqrt())
@@ -94,7 +94,7 @@ fn limits_of_strong_damping() {
 
 /// If this fails, the measured matrix does not describe the steps: runs diverge inside the limit, or do not diverge outside it.
 #[test]
-fn runs_blow_up_just_outside_and_not_just_inside() {
+fn runs_diverge_just_outside_the_limit_only() {
     // At 1.01 times its limit, explicit Euler grows by √(1 + 0.01 (2ζ)²) per step. At ζ = 0.1 this is e²⁰ in all.
     const STEPS: u32 = 100_000;
     let largest = |scheme: Scheme, h_omega: f64, zeta: f64| {
@@ -136,7 +136,7 @@ fn runs_blow_up_just_outside_and_not_just_inside() {
 /// If this fails, SDIRK4 is not L-stable, or the midpoint method damps. The documentation of modes that the step does not resolve is then
 /// wrong. The stability function of SDIRK4 falls as 1/z, with a factor below 10.
 #[test]
-fn far_beyond_the_step_sdirk_damps_and_midpoint_rings() {
+fn sdirk4_damps_unresolved_modes_and_midpoint_rings() {
     let zeta = 0.1;
     assert!(Scheme::Sdirk4.growth(1e4, zeta) < 1e-3);
     assert!(Scheme::Sdirk4.growth(1e6, zeta) < 1e-5);

@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tolerance_is_that_of_the_unit_unless_it_is_given() {
+    fn a_given_tolerance_overrides_that_of_the_unit() {
         let given = Tolerances::new([("command_turns".to_owned(), 0.5), ("z_m".to_owned(), 1.0)]);
         for (column, expected) in [
             ("accel_mps2", 1e-3),

@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_trace_is_refused_with_its_line() {
+    fn an_invalid_trace_is_refused_with_its_line() {
         for (text, problem) in [
             ("", "ends within a line"),
             ("t_s,state\n", "no row"),

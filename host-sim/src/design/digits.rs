@@ -52,7 +52,7 @@ mod tests {
 
     /// If this fails, the report shows digits without significance, or hides significant ones.
     #[test]
-    fn four_digits_are_four() {
+    fn numbers_have_four_significant_digits() {
         let cases = [
             (4.605_508, "4.606"),
             (46.055_08, "46.06"),

@@ -143,7 +143,7 @@ mod tests {
 
     /// If this fails, friction at high speed differs from its formula, because tanh is not 1 there.
     #[test]
-    fn friction_at_high_speed_is_that_of_its_formula() {
+    fn friction_at_high_speed_equals_its_formula() {
         for speeds in [
             SURELY_1,
             SURELY_1.next_up(),

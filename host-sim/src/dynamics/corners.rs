@@ -85,7 +85,7 @@ mod tests {
 
     /// If this fails, corners in one plane appear warped, or warped corners appear to lie in one plane.
     #[test]
-    fn what_a_plane_makes_of_corners_gives_the_plane() {
+    fn corner_heights_of_a_plane_return_the_plane() {
         for count in 2..=MOST {
             let corners = Corners::new(count, 0.25);
             let slope_y = if count == 2 { 0.0 } else { -0.02 };
@@ -99,7 +99,7 @@ mod tests {
 
     /// If this fails, the fitted plane is not the closest one: the residual heights must be orthogonal to every plane.
     #[test]
-    fn what_is_left_over_has_no_plane_in_it() {
+    fn residual_heights_contain_no_plane() {
         for count in 4..=MOST {
             let corners = Corners::new(count, 0.25);
             let heights: Vec<f64> = (0..count)

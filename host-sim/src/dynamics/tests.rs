@@ -65,7 +65,7 @@ fn close(found: f64, right: f64, scale: f64) -> Result<(), TestCaseError> {
 proptest! {
     /// If this fails, the shaft needs another torque than the one for which `cophase design` sizes motors.
     #[test]
-    fn a_rigid_shaft_moves_as_its_torque_was_computed(
+    fn the_design_torque_accelerates_a_rigid_shaft_as_computed(
         platform in platforms(),
         alpha in -7.0..7.0,
         omega in -200.0..200.0,
@@ -82,7 +82,7 @@ proptest! {
 
     /// If this fails, cranks in phase load each other.
     #[test]
-    fn cranks_in_phase_are_one_shaft(
+    fn cranks_in_phase_accelerate_as_one_rigid_shaft(
         platform in platforms(),
         n in 2_usize..=6,
         alpha in -7.0..7.0,
@@ -102,7 +102,7 @@ proptest! {
 
     /// If this fails, a machine gains or loses energy without a source or sink.
     #[test]
-    fn what_motors_give_a_phased_machine_is_what_it_gains(
+    fn a_phased_machine_gains_the_work_of_its_motors(
         platform in platforms(),
         (alpha, omega, torque) in states(),
     ) {
@@ -117,7 +117,7 @@ proptest! {
 
     /// As above, for a platform on springs.
     #[test]
-    fn what_motors_give_an_elastic_machine_is_what_it_gains(
+    fn an_elastic_machine_gains_the_work_of_its_motors(
         platform in platforms(),
         (alpha, omega, torque) in states(),
         place in planes(1e-3),
@@ -135,7 +135,7 @@ proptest! {
     /// As above, for a machine on a moving frame, with and without a foundation, on both kinds of rods. If this fails, the
     /// suspension excites or damps the machine by itself.
     #[test]
-    fn what_motors_give_a_machine_on_a_frame_is_what_it_gains(
+    fn a_suspended_machine_gains_the_work_of_its_motors(
         platform in platforms(),
         (alpha, omega, torque) in states(),
         elastic in any::<bool>(),
@@ -164,7 +164,7 @@ proptest! {
     /// If this fails, a rigidly fixed frame changes the motion of the cranks. Its mass here is 1e9 times the
     /// usual one, so it moves by less than 1e-9 of the platform's motion.
     #[test]
-    fn a_frame_that_stands_fast_is_none(
+    fn a_fixed_frame_does_not_affect_the_cranks(
         platform in platforms(),
         (alpha, omega, torque) in states(),
     ) {
@@ -187,7 +187,7 @@ proptest! {
     /// quasi-static rods have it, at the same speeds. The springs then push with y and the warps if their compression
     /// matches that load already.
     #[test]
-    fn rods_that_are_short_by_their_load_push_as_quasi_static_ones(
+    fn compressed_elastic_rods_push_as_quasi_static_rods(
         platform in platforms(),
         (alpha, omega, torque) in states(),
     ) {

@@ -157,7 +157,7 @@ mod tests {
 
     /// If this fails, one sensor has the noise of another, or noise that depends on earlier draws.
     #[test]
-    fn streams_are_apart_and_draws_are_by_number() {
+    fn streams_differ_and_draws_depend_only_on_number() {
         let stream = |sensor, axis| Stream::new(7, sensor, axis, 1.0).unwrap();
         let first = stream(Sensor::FlagStart, 0);
         let later = first.draw(40);

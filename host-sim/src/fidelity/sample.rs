@@ -89,7 +89,7 @@ mod tests {
 
     /// If this fails, a stop during a hold comes after the end of the sample's program.
     #[test]
-    fn what_is_timed_stays_whole() {
+    fn a_scene_with_timed_events_is_not_shortened() {
         let mut scene = library::SCENES[0].scene();
         scene.late.push(crate::scene::file::LateAt {
             at_s: 3.0,

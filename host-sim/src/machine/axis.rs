@@ -43,7 +43,7 @@ pub struct SimulatedAxis {
     /// Slip since the motor lost the field, in steps, until the field holds it again.
     slipping: i64,
     overload: Overload,
-    /// Largest fraction of the pull-out torque that was required, and the speed at which it was, rev/s.
+    /// Largest fraction of the pull-out torque that was required, and the speed at that time, rev/s.
     torque_used: Option<(f64, f64)>,
     /// Commanded travel of the drive, turns; only if torque moves the cranks.
     commanded_turns: f64,
@@ -130,7 +130,7 @@ impl SimulatedAxis {
         self.lost_cycles
     }
 
-    /// Largest fraction of the pull-out torque that was required of the motor, and the speed at which it was, rev/s.
+    /// Largest fraction of the pull-out torque that was required of the motor, and the speed at that time, rev/s.
     pub fn torque_used(&self) -> Option<(f64, f64)> {
         self.torque_used
     }
@@ -170,7 +170,7 @@ impl SimulatedAxis {
     /// Takes the command of the drive in a tick, for machines whose cranks are moved by torque.
     ///
     /// The count of pulses bounds the command to one step either way. Within that it follows `command_turns`, the phase from which the
-    /// pulses are made. Sampled once per tick, whole steps would beat with the ticks and excite the rotor at frequencies that the true
+    /// pulses are made. Whole steps that are sampled once per tick beat with the ticks. They excite the rotor at frequencies that the true
     /// edge times do not contain.
     pub fn command(
         &mut self,
@@ -200,8 +200,8 @@ impl SimulatedAxis {
         self.commanded_turns - self.cleared_turns
     }
 
-    /// Takes over the position that the crank has reached in a tick of `cycles`. Returns what passed its index sensor, as if the crank
-    /// had turned evenly.
+    /// Takes over the position that the crank has reached in a tick of `cycles`. Returns the events at its index sensor, if there are
+    /// any. Their times are those of a crank that turns evenly.
     pub fn moved(&mut self, turns: f64, cycles: u32, energised: bool) -> Option<Passed> {
         let passed = self.moved_under(turns, self.field_turns(), cycles, energised);
         if self.drive.follows_rotor(energised) {
@@ -294,8 +294,8 @@ impl SimulatedAxis {
         }
     }
 
-    /// Plays one tick. Returns what passed the index sensor in it, if anything did.
-    #[inline(always)] // Inlined as axes are independent of each other, and the division takes long.
+    /// Plays one tick. Returns the events at the index sensor in it, if there are any.
+    #[inline(always)] // Inlined, because axes are independent of each other and the division is slow.
     pub fn play(
         &mut self,
         plan: &mut Plan<'_>,
@@ -321,8 +321,8 @@ impl SimulatedAxis {
         self.pass(before, Turning::By(plan.runs))
     }
 
-    /// Returns what the sensor detects on the travel from `before`, if anything. A rise is at the edge that brought the flag, if pulses
-    /// moved the crank forward. All other times are those of a crank that turns evenly.
+    /// Returns the events at the sensor on the travel from `before`, if there are any. If pulses moved the crank forward, a rise is at the
+    /// edge that brought the flag. All other times are those of a crank that turns evenly.
     #[inline]
     fn pass(&mut self, before: f64, turning: Turning<'_>) -> Option<Passed> {
         let after = self.turns();

@@ -215,7 +215,7 @@ mod tests {
     /// If this fails, a scene whose equations diverge ends in meaningless numbers. The simulator refuses an unstable step
     /// beforehand, so the test sets the step directly: 100 us for RK4, whose limit here is 81 us.
     #[test]
-    fn what_diverges_stops_and_says_so() {
+    fn divergence_stops_the_followers_and_is_reported() {
         let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToCam);
         let (tick_s, steps) = (5e-4, 5);
         let elastic = Elastic {

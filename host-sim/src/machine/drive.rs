@@ -1,6 +1,6 @@
 //! The drive of a simulated axis: its kind of command, and the following error that it monitors.
 //!
-//! A drive is commanded by pulses or by setpoints. A stepper's drive turns the field and does not know where the rotor is. A
+//! A drive is commanded by pulses or by setpoints. A stepper's drive turns the field and does not measure the rotor. A
 //! servo's drive closes a position loop. It raises its alarm when the rotor leaves the *following-error window* around the command,
 //! and continues to follow. It clears its alarm when it is switched off. A drive that counts pulses then also clears its following
 //! error, and continues to count from the position of its rotor.

@@ -216,7 +216,7 @@ mod tests {
     /// If this fails, a sensor at power-up may be on the wrong side of an edge that the crank stands close to, within the noise. The
     /// next flag then does not rise, and a working sensor is reported as faulty.
     #[test]
-    fn what_is_over_the_sensor_at_rest_is_what_the_edges_make_of_it() {
+    fn the_flag_state_at_rest_agrees_with_its_edges() {
         for seed in 0..50 {
             let noise = |sensor| Stream::new(seed, sensor, 0, 0.05 / 360.0);
             let mut flag = Flag {

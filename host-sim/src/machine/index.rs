@@ -84,7 +84,7 @@ pub struct IndexSensor {
     has_length: bool,
     delay_cycles: i64,
     time: Option<Stream>,
-    /// Edges of the flag so far. Each edge takes its noise by this number.
+    /// Number of edges of the flag so far. It selects the noise of the next edge.
     edges: i64,
     /// Pending changes of the line, in order: cycles from the beginning of the present tick, and the level.
     changes: VecDeque<(i64, bool)>,
@@ -239,7 +239,7 @@ mod tests {
     /// If this fails, the pulse of a late line is reported at the time of its flag, or not at all if the line changes a tick
     /// later.
     #[test]
-    fn a_late_line_is_late_across_ticks() {
+    fn a_line_delay_shifts_edges_across_ticks() {
         for delay in [0, 300, 1700] {
             let mut sensor = IndexSensor::new(50, 120).delayed(delay, None);
             let rises = [Some(600), None, None];

@@ -60,7 +60,7 @@ const FLAG_S: f64 = 20e-6;
 pub struct Machine {
     /// Motors and their cranks.
     pub axes: Axes<SimulatedAxis>,
-    /// Platform that the cranks carry. For cams, the platform that the crank which the core is given would carry.
+    /// Platform that the cranks carry. For cams, the platform on the equivalent crank, which the core is given.
     pub platform: Platform,
     /// Time for which an index line stays high, cycles.
     pub index_cycles: u32,
@@ -86,7 +86,7 @@ impl Machine {
     /// Creates the machine of a scene, at power-up.
     ///
     /// # Errors
-    /// Fails if no machine can be made of the numbers in the scene.
+    /// Fails if no machine can be created from the numbers in the scene.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
         let settings = &checked.settings;
         let in_common = &checked.scene.axes;
@@ -304,7 +304,7 @@ impl Machine {
         rotors.or_else(|| Some(self.followers.as_ref()?.broken()?.into()))
     }
 
-    /// Plays one tick, and sets `passages` to what passed the index sensors in it. `master_turns` is the travel of the master in the
+    /// Plays one tick, and sets `passages` to the events at the index sensors in it. `master_turns` is the travel of the master in the
     /// tick. `command_turns` are the commanded positions at its end. `disturbance` holds the disturbance of each drive, in a scene
     /// that has any.
     ///

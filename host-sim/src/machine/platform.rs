@@ -2,7 +2,7 @@
 //!
 //! Crank i stands at angle 2π i/N on a circle of radius ρ and lifts its corner by x(αᵢ). The platform is the plane closest to the corners
 //! ([`Corners`]); with two or three it passes through them. A small difference of phases causes tilt. The part that no plane can follow is
-//! warp. It is given in degrees of crank angle, because this difference is what bends rods and platform.
+//! warp. It is given in degrees of crank angle, because this difference bends rods and platform.
 
 use crate::axes::{Axes, per_axis};
 use crate::dynamics::{Corners, MOST};
@@ -39,7 +39,7 @@ pub struct Pose {
 }
 
 impl Platform {
-    /// Creates the platform of a scene. For cams, the platform that the crank which the core is given would carry.
+    /// Creates the platform of a scene. For cams, the platform on the equivalent crank, which the core is given.
     pub fn new(checked: &Checked) -> Self {
         let machine = &checked.settings.machine;
         let mechanism = checked.mechanism;

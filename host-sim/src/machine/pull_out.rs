@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reads_between_its_points() {
+    fn the_torque_curve_interpolates_between_points() {
         let curve = PullOut::new(&[(1.0, 8.0), (5.0, 4.0)]).unwrap();
         for (speed_hz, torque_nm) in [(0.0, 8.0), (1.0, 8.0), (2.0, 7.0), (5.0, 4.0), (5.1, 0.0)] {
             assert_eq!(curve.torque_nm(speed_hz), torque_nm, "{speed_hz} rev/s");

@@ -1,4 +1,4 @@
-//! Cranks that are not simply where commanded: the equations of motion of the machine, advanced a control tick at a time.
+//! Cranks that deviate from their commanded positions: the equations of motion of the machine, advanced one control tick at a time.
 //!
 //! Until the drives are on for the first time, the cranks stay where they were set up. After that, cranks whose drives are off
 //! coast under load and friction.
@@ -235,7 +235,7 @@ impl Rotors {
         })
     }
 
-    /// True if a crank is as slow as friction changes its sign, or may become so within a tick.
+    /// True if a crank is so slow that its dry friction is not constant, or may become so slow within a tick.
     fn is_near_rest(&self) -> bool {
         let from = self.driven.positions();
         let cranks = from..from + self.driven.angles();

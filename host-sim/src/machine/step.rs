@@ -114,7 +114,7 @@ mod tests {
 
     /// If this fails, the message that refuses a scene states a meaningless number of steps.
     #[test]
-    fn steps_without_end_are_said_in_words() {
+    fn an_excessive_step_count_is_reported_in_words() {
         let mode = Mode {
             omega_rad_s: 283.7,
             zeta: 1_418_589.0,

@@ -49,7 +49,7 @@ fn s_and_h_are_derivatives_of_x() {
 
 /// If this fails, a machine that is moved by torque has other kinematics than one that follows its commands.
 #[test]
-fn all_at_once_is_one_by_one() {
+fn combined_kinematics_equal_the_separate_functions() {
     for (settings, mechanism) in all() {
         let farthest_m = mechanism.x_m(0.0);
         for alpha in degrees() {
@@ -140,7 +140,7 @@ fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
 /// If this fails, torque and motion disagree. Torque times speed must be the rate of the load's energy, with the crank
 /// accelerating, for a platform above and below. Height and speed of the load come from x alone, by differences in time.
 #[test]
-fn torque_is_the_energy_it_puts_into_the_load() {
+fn torque_times_speed_is_the_rate_of_load_energy() {
     let (omega, alpha_ddot, d) = (40.0, 900.0, 1e-4);
     for (settings, mechanism) in all() {
         for (platform, up) in [(Platform::Below, -1.0), (Platform::Above, 1.0)] {

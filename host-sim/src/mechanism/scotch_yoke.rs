@@ -90,7 +90,7 @@ mod tests {
     /// If this fails, the yoke differs in sign or scale from the slider-crank, whose limit it is for a long rod. s and h
     /// differ by λ at most. The platform positions differ by the rod length, within λ R/2.
     #[test]
-    fn an_endless_rod_makes_a_slider_crank_a_yoke() {
+    fn a_slider_crank_with_long_rod_approaches_the_yoke() {
         let omega = 60.0;
         for lambda in [1e-2, 1e-4, 1e-6] {
             let rod_m = YOKE.crank_radius_m / lambda;
@@ -126,7 +126,7 @@ mod tests {
 
     /// If this fails, the platform moves with a second harmonic, as with a rod. The acceleration is computed from positions only.
     #[test]
-    fn the_acceleration_has_the_crank_frequency_alone() {
+    fn the_acceleration_has_only_the_crank_frequency() {
         const SAMPLES: u32 = 360;
         let step = TAU / f64::from(SAMPLES);
         let at = |k: u32| YOKE.x_m(f64::from(k) * step);
@@ -146,7 +146,7 @@ mod tests {
     /// If this fails, motors are sized wrongly. Without gravity the torque is ½ m R² ω² sin 2α: the rate at which the
     /// kinetic energy ½ m v² of a harmonic motion changes.
     #[test]
-    fn torque_goes_to_and_fro_twice_a_turn() {
+    fn torque_oscillates_twice_per_turn() {
         let load = Load {
             mass_kg: 6.0,
             gravity_mps2: 0.0,

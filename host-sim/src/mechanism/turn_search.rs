@@ -91,7 +91,7 @@ mod tests {
     /// 1e-6 raises exactly one of them. Maximum k is at 2πk/40. The slow term is largest at the one nearest to `favourite`,
     /// which is number 0, 11, 23 and 39 in turn.
     #[test]
-    fn finds_the_one_hill_that_is_higher_by_a_millionth() {
+    fn the_search_finds_a_maximum_higher_by_a_millionth() {
         for k in [0_u32, 11, 23, 39] {
             let favourite = TAU * f64::from(k) / 40.0;
             let peak = largest_over_turn(|a| (40.0 * a).cos() + 1e-6 * (a - favourite).cos());
@@ -103,7 +103,7 @@ mod tests {
 
     /// If this fails, a maximum between two samples, or at the end of the turn, is missed.
     #[test]
-    fn searches_between_samples_and_across_the_seam() {
+    fn maxima_between_samples_and_at_turn_ends_are_found() {
         for k in 0..1000 {
             let top = TAU * f64::from(k) / 1000.0;
             let peak = largest_over_turn(|a| 3.0 * (a - top).cos());

@@ -105,7 +105,7 @@ mod tests {
 
     /// If this fails, a user examines the coupling where the drive is as likely, or the reverse.
     #[test]
-    fn a_crank_that_is_ahead_was_not_held_and_one_behind_does_not_run_away() {
+    fn ahead_rules_out_stuck_and_behind_rules_out_runaway() {
         let ahead = fault(FaultKind::Slip, 0.05);
         let behind = fault(FaultKind::Slip, -0.05);
         let others = ["runaway", "stuck"];
@@ -124,7 +124,7 @@ mod tests {
 
     /// If this fails, probabilities belong to another sensor, or do not add up to 1.
     #[test]
-    fn probabilities_are_of_the_sensor_and_add_up() {
+    fn probabilities_depend_on_the_sensor_and_sum_to_one() {
         let lost = fault(FaultKind::LostSteps, -0.02);
         let [index, encoder] =
             [false, true].map(|has| probabilities(&lost, has, &["stuck", "slip"]));

@@ -233,7 +233,7 @@ mod tests {
 
     /// If this fails, a run claims to monitor a tilt that nothing measures, or warns of cranks that have encoders.
     #[test]
-    fn what_sensors_leave_unknown_is_said() {
+    fn unmonitored_axes_are_reported() {
         let said = |count: usize, without: &[usize], encoder: bool| {
             let apart: String = without
                 .iter()
@@ -284,7 +284,7 @@ mod tests {
 
     /// If this fails, a pull-out curve that is too short looks like weak motors, which slip at its end.
     #[test]
-    fn a_pull_out_curve_that_ends_too_early_is_said() {
+    fn a_pull_out_curve_that_ends_early_is_reported() {
         let warned = |axes: &str| beyond_pull_out(&scene("", axes));
         let top_hz = scene("", "").top_speed_hz();
         assert!((5.0..9.9).contains(&top_hz), "{top_hz}");
@@ -303,7 +303,7 @@ mod tests {
 
     /// If this fails, a scene is idle for its whole length, and its report does not say so.
     #[test]
-    fn commands_before_the_first_start_are_said() {
+    fn commands_before_the_first_start_are_reported() {
         let warned = |commands: &str| {
             before_start(&scene(&format!("command = [{commands}]"), "").scene.command)
         };

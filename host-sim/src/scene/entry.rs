@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn entries_are_in_words() {
+    fn array_entries_are_described_in_words() {
         for (key, name, words) in [
             ("limits.speed_hz", None, ""),
             (

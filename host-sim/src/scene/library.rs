@@ -65,7 +65,7 @@ mod tests {
     use crate::scene::Checked;
 
     #[test]
-    fn all_are_well_formed_and_called_what_they_are_called() {
+    fn built_in_scenes_are_valid_and_named_as_listed() {
         for built_in in SCENES {
             let scene = built_in.scene();
             assert_eq!(scene.name, built_in.name);

@@ -151,7 +151,7 @@ mod tests {
 
     /// If this fails, a user who obeys the message gives a value that is wrong by that factor.
     #[test]
-    fn another_unit_that_fits_is_named() {
+    fn the_fix_names_another_unit_that_fits() {
         for (key, value, range, fix) in [
             (
                 "limits.speed_hz",

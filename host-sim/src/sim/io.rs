@@ -51,7 +51,7 @@ pub struct SimulatedIo<P> {
     faults: Faults,
     statistics: Statistics,
     progress: P,
-    /// Boxed, as an output has kilobytes of room for runs, and is passed on every tick.
+    /// Boxed, because an output has kilobytes of room for runs, and is passed on every tick.
     waiting: VecDeque<Box<Waiting>>,
     /// Played outputs, kept to reuse their memory.
     #[expect(
@@ -278,7 +278,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             tilt_mrad: OnceCell::new(),
         };
         self.played += 1;
-        // Only played ticks count. The run may end before the next tick, and then nothing else shows what latched in this one.
+        // Only played ticks count. The run may end before the next tick, and then no later tick shows a fault that latched in this one.
         self.fault = self.fault.or(telemetry.fault);
         self.statistics.tick(&moment);
         observer.tick(&moment);

@@ -8,7 +8,7 @@ use super::statistics::Statistics;
 /// Outcome of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Last state. If it is neither parked nor fault, the run was cut off, as nothing more was due.
+    /// Last state. If it is neither parked nor fault, the run was cut off, because nothing more was due.
     pub state: State,
     /// Fault that latched, if one did at any time.
     pub fault: Option<Fault>,

@@ -24,7 +24,7 @@ pub struct Schedule {
     end_us: u64,
 }
 
-/// Time that a machine which still runs is given after the last event that is due, µs.
+/// Time for which a machine may still run after the expected end of the scene, µs.
 const PATIENCE_US: u64 = 120 * TICKS_PER_S;
 
 impl Schedule {

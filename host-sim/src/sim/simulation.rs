@@ -43,7 +43,7 @@ impl<P: FnMut(u64, u64)> Simulation<P> {
 
     /// Runs the scene up to a time, µs: no input is read at or after it. The scene may end before that time.
     pub fn run_until(&mut self, until_us: u64, observer: &mut impl Observer) {
-        // The loop may read the input of a deadline later by as much as this.
+        // The loop may read the input of a deadline late by up to this time.
         let late_us = self.lateness.longest_us();
         self.run_to(until_us.saturating_sub(late_us), observer);
     }
@@ -106,10 +106,11 @@ mod tests {
         }
     }
 
-    /// If this fails, runs of a campaign that share their beginning differ from runs that do not, as a pause loses or repeats something.
+    /// If this fails, a pause loses or repeats a tick or an event, and runs of a campaign that share their beginning differ from runs that
+    /// do not.
     /// The deadline before the fault is late, so that its input is read after the fault has begun.
     #[test]
-    fn a_copy_goes_on_as_if_it_had_run_alone() {
+    fn a_copied_simulation_continues_as_an_uninterrupted_run() {
         let mut scene = library::find("default").expect("built in").scene();
         scene.noise = Noise {
             index_deg: 0.05,

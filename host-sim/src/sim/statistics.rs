@@ -70,7 +70,7 @@ pub struct Statistics {
     pub correction_deg: Vec<f64>,
     /// Electrical cycles slipped, for each axis.
     pub slipped_cycles: Vec<i64>,
-    /// Largest fraction of its pull-out torque that was required of each axis, and the speed at which it was, rev/s; none if
+    /// Largest fraction of its pull-out torque that was required of each axis, and the speed at that time, rev/s; none if
     /// torque is not compared.
     pub torque_used: Vec<Option<(f64, f64)>>,
     /// Largest torque that each motor gave, N·m; empty if torque does not move the cranks.

@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dropped_run_takes_its_folders_away() {
+    fn a_dropped_run_removes_its_folders() {
         let scratch = tempfile::tempdir().unwrap();
         let mut files = RunFiles::create(scratch.path().join("a/b")).unwrap();
         files.file("trace.csv").unwrap().write_all(b"half").unwrap();
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_lead_elsewhere_are_refused() {
+    fn file_names_outside_the_folder_are_refused() {
         let scratch = tempfile::tempdir().unwrap();
         let mut files = RunFiles::create(scratch.path()).unwrap();
         for name in ["", ".", "..", "a/b", "../a", "/a", "a/"] {

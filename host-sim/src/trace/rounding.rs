@@ -66,7 +66,7 @@ mod tests {
     proptest! {
         /// Half a unit of the last place, plus one rounding in scaling (2^-53 of the value).
         #[test]
-        fn reads_back_within_half_the_last_place(value in -1e7_f64..1e7, decimals in 0_u32..=9) {
+        fn numbers_read_back_within_half_the_last_place(value in -1e7_f64..1e7, decimals in 0_u32..=9) {
             let text = text(value, decimals);
             let back: f64 = text.parse().unwrap();
             let bound = 0.5 * 10_f64.powi(-(decimals as i32)) + value.abs() * f64::EPSILON;
@@ -75,7 +75,7 @@ mod tests {
 
         /// If this fails, a column of turns prints digits without significance.
         #[test]
-        fn has_at_most_the_column_s_decimals(value in -4e6_f64..4e6, decimals in 0_u32..=9) {
+        fn numbers_have_at_most_the_column_decimals(value in -4e6_f64..4e6, decimals in 0_u32..=9) {
             let text = text(value, decimals);
             let found = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
             prop_assert!(found <= decimals as usize, "{value} became {text}");

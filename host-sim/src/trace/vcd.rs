@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn going_back_in_time_is_refused_and_leaves_nothing() {
+    fn a_change_before_the_last_time_is_refused() {
         let mut steps = StepsVcd::new(Vec::new(), 1, 100, &Levels::default()).unwrap();
         assert!(matches!(
             steps.change(99, Signal::Sync, true),
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_the_file_has_not_is_refused() {
+    fn an_axis_not_in_the_file_is_refused() {
         let mut steps = StepsVcd::new(Vec::new(), 2, 0, &Levels::default()).unwrap();
         for signal in [Signal::Step(2), Signal::Dir(2), Signal::Index(9)] {
             assert!(matches!(

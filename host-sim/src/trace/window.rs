@@ -258,7 +258,7 @@ mod tests {
     /// If this fails, the window of a fault shows the machine's first steps, or leaves out the time just before the fault. Or a
     /// window that was requested is moved.
     #[test]
-    fn a_fault_is_what_is_shown() {
+    fn the_default_window_shows_the_first_fault() {
         let of = |more: &str| {
             let text = format!(
                 "name = \"window\"\n[machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 5\n\

@@ -53,7 +53,7 @@ fn number(name: &str, otherwise: u64) -> u64 {
 
 /// Known machines whose bounds were wrong once. Each output is judged like those of random machines.
 #[test]
-fn known_machines() {
+fn bounds_hold_for_machines_that_failed_before() {
     let known = [
         include_str!("known/amplitude-near-limit.toml"),
         include_str!("known/cranks-apart.toml"),

@@ -151,7 +151,7 @@ fn slope_and_curvature_are_derivatives_of_the_angle() {
 
 /// Item 7, and numbers out of range. Each is refused by the name of the parameter.
 #[test]
-fn what_has_no_linkage_is_refused_by_name() {
+fn requirements_without_a_linkage_are_refused_by_name() {
     let refused = |change: fn(&mut Requirement)| {
         let mut requirement = EXAMPLE;
         change(&mut requirement);
@@ -203,7 +203,7 @@ fn what_has_no_linkage_is_refused_by_name() {
 
 /// Every accepted linkage swings as far as requested, in the requested time, and its crank turns all round.
 #[test]
-fn every_linkage_that_is_accepted_does_what_was_requested() {
+fn every_accepted_linkage_meets_its_requirement() {
     let (mut accepted, mut refused) = (0, 0);
     for swing_deg in (5..180).step_by(12).map(f64::from) {
         for part in [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99] {

@@ -39,7 +39,7 @@ fn joints_at_the_beginning_of_the_path() {
 /// Item 3. The Jacobian is compared with differences of the hand's position, whose error is h²/6 of the third
 /// derivative.
 #[test]
-fn there_and_back_again() {
+fn inverse_kinematics_and_jacobian_match_the_hand_position() {
     let step = 1e-5;
     for (l1_m, l4_m) in [(0.25, 0.25), (0.3, 0.2), (0.1, 0.35)] {
         let arm = FiveBar { l1_m, l4_m };
@@ -73,7 +73,7 @@ fn there_and_back_again() {
 
 /// Unreachable points are refused by name. The edge of the reach has one assembly mode, which is singular.
 #[test]
-fn edges_of_the_reach() {
+fn unreachable_points_are_refused_and_the_edge_is_singular() {
     let at = |l1_m, l4_m, x_m, y_m| {
         design(&Requirement {
             l1_m,

@@ -59,7 +59,7 @@ fn irregularity_and_energy() {
 
 /// Values that contradict each other, or are out of range, are refused by name.
 #[test]
-fn what_does_not_go_together_is_refused_by_name() {
+fn contradictory_values_are_refused_by_name() {
     let refused = |change: fn(&mut Requirement)| {
         let mut requirement = SOURCE;
         change(&mut requirement);

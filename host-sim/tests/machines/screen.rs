@@ -38,7 +38,7 @@ fn speed_and_throw_index() {
 
 /// Items 2, 3 and 9. The source rounds ω to 88 rad/s and K to 1310 kgf/cm. Natural speeds must meet the tolerance given, 0.1 %.
 #[test]
-fn springs() {
+fn stiffness_natural_speed_and_deflection() {
     let rounded = screen(|it| it.speed_rpm = 88.0 * 60.0 / std::f64::consts::TAU);
     assert_near("stiffness", rounded.stiffness_kgf_per_cm(), 1310.4, 0.05);
     let found = screen(|_| {});
@@ -98,7 +98,7 @@ fn coil_springs() {
 
 /// Item 6. The print has 3579 mm: its last term divides by 8 A.
 #[test]
-fn belts() {
+fn belt_length_and_speed() {
     assert_near("length", belt_mm(1100.0, [314.0, 560.0]), 3586.6, 0.05);
     let printed_mm = belt_mm(1100.0, [314.0, 560.0]) - 246.0 * 246.0 / 8800.0;
     assert_near("length as printed", printed_mm, 3579.0, 1.0);

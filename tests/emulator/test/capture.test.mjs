@@ -46,13 +46,13 @@ function pulses(stimulus) {
   }
 }
 
-test('what is captured is the same whether every cycle is stepped or not', () => {
+test('captured words are the same whether every cycle is stepped or not', () => {
   const [plain, ahead] = [false, true].map((fastForward) => capture(fastForward, pulses));
   assert.ok(plain.words.length > 50, `only ${plain.words.length} words`);
   assert.deepEqual(ahead.words, plain.words);
 });
 
-test('a change is captured within one round of seven cycles, and counted by rounds before it', () => {
+test('a change is captured within one round of seven cycles, with the number of its round', () => {
   for (let offset = 0; offset < 14; offset += 1) {
     const at = 7000 + offset;
     const { start, words } = capture(true, (stimulus) => stimulus.at(at, FIRST_PIN + 2, 1));

@@ -78,7 +78,7 @@ const OPERATIONS = {
   'ASRS r0, r0, #32': [t.asrsImm(0, 0, 0), (x, _, c) => shift('asr')(x, 32, c)],
 };
 
-test('arithmetic, logic and shifts: results and flags over corner values, each in one cycle', () => {
+test('arithmetic, logic and shifts give correct results and flags for corner values in one cycle', () => {
   const { core } = t.boardWith([]);
   for (const [name, [instruction, reference]] of Object.entries(OPERATIONS)) {
     for (const x of CORNERS) {
@@ -94,7 +94,7 @@ test('arithmetic, logic and shifts: results and flags over corner values, each i
   }
 });
 
-test('bytes reversed and extended', () => {
+test('REV and extend instructions give correct results', () => {
   const { core } = t.boardWith([]);
   const cases = {
     REV: [0xba08, (x) => ((x << 24) | ((x & 0xff00) << 8) | ((x >>> 8) & 0xff00) | (x >>> 24)) >>> 0],
@@ -138,7 +138,7 @@ test('each condition branches on its flags and on no others', () => {
   }
 });
 
-test('BL reaches both ways and links to the instruction behind it', () => {
+test('BL branches forward and backward and links to the next instruction', () => {
   const { core } = t.boardWith([]);
   const at = 0x2000_1000;
   for (const offset of [4, 0x2000, -0x800, 0x3_0000 - 4, -0x0fe0]) {
@@ -227,7 +227,7 @@ test('cycles are those of the Cortex-M0+ manual, table 3-1, with a bus that neve
   assert.equal(cyclesOf(t.SEV), 1);
 });
 
-test('STM with its base as the first register stores it as it was, and writes back', () => {
+test('STM with its base as the first register stores the original base and writes back', () => {
   const { core } = t.boardWith([t.stm(0, 0, 1)]);
   core.registers[0] = RAM;
   core.registers[1] = 7;
@@ -235,7 +235,7 @@ test('STM with its base as the first register stores it as it was, and writes ba
   assert.deepEqual([core.readUint32(RAM), core.readUint32(RAM + 4), core.registers[0]], [RAM, 7, RAM + 8]);
 });
 
-test('a store takes effect at the end of its last cycle, a load sees the start of its', () => {
+test('a store takes effect at the end of its last cycle, and a load reads at the start of its last cycle', () => {
   // Each store toggles GPIO 9: the stamps are the last cycles of the two one-cycle stores.
   const board = t.boardWith([t.NOP, t.str(1, 0, 0x1c), t.NOP, t.str(1, 0, 0x1c)], { options: { pins: { out: 9 } } });
   board.poke(0x4001_4004 + 8 * 9, 5);
@@ -273,7 +273,7 @@ test('two stores that enable a machine in each block start them two cycles apart
   assert.deepEqual([board.edges.to('a', 1), board.edges.to('b', 1)], [[3], [5]]);
 });
 
-test('what faults on the chip faults here, with the address of the instruction on the stack', () => {
+test('instructions that fault on the chip fault here and stack their address', () => {
   const cases = {
     'unaligned load': [t.ldr(0, 2), RAM + 2],
     'unmapped load': [t.ldr(0, 2), 0x3000_0000],

@@ -18,7 +18,7 @@ function divide(dividend, divisor, signed) {
   return [board.peek(SIO + 0x70), remainder];
 }
 
-test('quotients and remainders, unsigned, signed and by zero', () => {
+test('quotients and remainders are correct, unsigned, signed and for division by zero', () => {
   assert.deepEqual(divide(0xffff_fffe, 7, false), [0x2492_4924, 2]);
   assert.deepEqual(divide(-100 >>> 0, 7, true), [-14 >>> 0, -2 >>> 0]);
   assert.deepEqual(divide(100, -7 >>> 0, true), [-14 >>> 0, 2]);
@@ -28,7 +28,7 @@ test('quotients and remainders, unsigned, signed and by zero', () => {
   assert.deepEqual(divide(5, 0, true), [0xffff_ffff, 5]);
 });
 
-test('a result read eight cycles after the operand is there, one cycle earlier it is a mistake', () => {
+test('a result is ready eight cycles after the operand, and an earlier read is an error', () => {
   for (const [wait, good] of [
     [8, true],
     [7, false],
@@ -43,7 +43,7 @@ test('a result read eight cycles after the operand is there, one cycle earlier i
   }
 });
 
-test('DIRTY lasts from an operand to the reading of the quotient, READY shows when it may be read', () => {
+test('DIRTY is set until the quotient is read, and READY shows when it may be read', () => {
   const board = new Board({ bare: true });
   assert.equal(board.peek(CSR), 1);
   board.poke(SIO + 0x60, 100);

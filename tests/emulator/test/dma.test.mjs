@@ -51,7 +51,7 @@ test('an unpaced copy moves one word a cycle, and raises its interrupt at the en
   assert.deepEqual(words(board, RAM + 0x1000, 16), words(board, RAM, 16));
 });
 
-test('two copies at once take turns on the bus: together no faster than one', () => {
+test('two concurrent copies take turns on the bus and together take twice as long', () => {
   const board = withData();
   const from = board.cycle;
   start(board, 0, RAM, RAM + 0x1000, 16);
@@ -62,7 +62,7 @@ test('two copies at once take turns on the bus: together no faster than one', ()
   assert.equal(board.peek(INTR), 3);
 });
 
-test('a channel paced by a TX FIFO keeps it full, never overfull, and ends with its count', () => {
+test('a channel paced by a TX FIFO keeps it full without overflow and ends at its count', () => {
   const board = withData();
   pio.load(board, 0, [pio.delay(pio.pull(), 20), pio.jmp('always', 0)]);
   pio.configure(board, 0, 0, { wrapTop: 1, joinTx: true });
@@ -99,7 +99,7 @@ test('a ring wraps its address, and a chain starts the next channel', () => {
   assert.deepEqual(words(board, RAM + 0x3000, 2), [1000, 1001]);
 });
 
-test('a channel triggered with nothing to do is not busy', () => {
+test('a channel triggered with a count of zero is not busy', () => {
   const board = withData();
   start(board, 0, RAM, RAM + 0x1000, 0);
   assert.equal(board.peek(channel(0, TRIGGER)) & BUSY, 0);
@@ -115,7 +115,7 @@ test('an abort stops one channel, and CHAN_ABORT reads zero', () => {
   assert.equal(board.peek(channel(1, TRIGGER)) & BUSY, BUSY);
 });
 
-test('a bus error of a channel, and what is not modelled, end the run with a word', () => {
+test('a bus error of a channel and an unmodelled register end the run with a message', () => {
   const board = withData();
   start(board, 0, 0x3000_0000, RAM, 1);
   assert.throws(() => board.run({ cycles: 10 }), /DMA channel 0/);

@@ -56,7 +56,7 @@ test('a hardware interrupt pended by software also runs only once', () => {
   assert.equal(count(board, 0), 1);
 });
 
-test('an interrupt whose line stays high runs again, and one that fell while masked still runs', () => {
+test('an interrupt runs again while its line is high, and stays pending if the line falls while masked', () => {
   const board = idle({ 17: counted(0) });
   board.poke(ISER, 1 << 1);
   board.chip.setInterrupt(1, true);
@@ -87,7 +87,7 @@ test('pending is cleared by ICPR', () => {
   assert.equal(count(board, 0), 0);
 });
 
-test('a handler of lower priority is preempted, and its own cycles leave out the one that preempted it', () => {
+test('a lower-priority handler is preempted, and its own cycles exclude the preempting handler', () => {
   const spin = Array(40).fill(t.NOP);
   const board = idle({ [E0]: counted(0, spin), [E1]: counted(1) }, { priorities: [2, 1] });
   pend(board, SWI0);
@@ -101,7 +101,7 @@ test('a handler of lower priority is preempted, and its own cycles leave out the
   assert.equal(low.end - low.entry, low.own + high.own);
 });
 
-test('one of the same priority waits, and follows without stacking again', () => {
+test('an interrupt of the same priority waits and follows without stacking again', () => {
   const spin = Array(40).fill(t.NOP);
   const board = idle({ [E0]: counted(0, spin), [E1]: counted(1) }, { priorities: [1, 1] });
   pend(board, SWI0);
@@ -115,7 +115,7 @@ test('one of the same priority waits, and follows without stacking again', () =>
   assert.equal(second.own, CHAIN_CYCLES + 7 + EXIT_CYCLES);
 });
 
-test('of two pending at once the lower priority number goes first, then the lower interrupt number', () => {
+test('of two pending interrupts the lower priority number runs first, then the lower interrupt number', () => {
   for (const [priorities, first] of [
     [[2, 1], E1],
     [[1, 1], E0],
@@ -157,7 +157,7 @@ test('SEV makes the next WFE pass, once', () => {
   assert.equal(board.core.waiting, true);
 });
 
-test('an interrupt ends WFE, and its handler is an event of its own', () => {
+test('an interrupt ends WFE, and the return from its handler is another event', () => {
   const board = idle({ [E0]: counted(0) }, { code: SLEEP_LOOP });
   board.run({ cycles: 500 });
   assert.equal(count(board, 2), 0);
@@ -167,7 +167,7 @@ test('an interrupt ends WFE, and its handler is an event of its own', () => {
   assert.equal(count(board, 2), 2, 'once past the WFE that slept, once past the next by the event of the return');
 });
 
-test('with PRIMASK set WFI ends without the handler, and WFE sleeps on', () => {
+test('with PRIMASK set an interrupt ends WFI without its handler and does not end WFE', () => {
   for (const [instruction, ends] of [
     [t.WFI, true],
     [t.WFE, false],
@@ -182,7 +182,7 @@ test('with PRIMASK set WFI ends without the handler, and WFE sleeps on', () => {
   }
 });
 
-test('sleeping and waking cycles are counted separately, and sum up', () => {
+test('cycles asleep and awake are counted separately and add up to all cycles', () => {
   const board = idle({ [E0]: counted(0) }, { code: SLEEP_LOOP });
   board.run({ cycles: 10_000 });
   pend(board, SWI0);
@@ -208,7 +208,7 @@ test('SysTick counts from its reload value down to zero and pends its exception 
   assert.equal(count(board, 0), 10);
 });
 
-test('the depth of the stack is the deepest, interrupts included', () => {
+test('the stack depth is its maximum, interrupts included', () => {
   const board = idle({ [E0]: [t.push(4, 5, 6, 14), t.pop(4, 5, 6, 15)] });
   pend(board, SWI0);
   board.run({ cycles: 200 });

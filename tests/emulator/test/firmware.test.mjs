@@ -48,7 +48,7 @@ function firmwareBytes(...halves) {
   return bytes;
 }
 
-test('segments and symbols of an ELF file; what is none is refused', () => {
+test('segments and symbols of an ELF file are read, and other files are refused', () => {
   const file = elfFile(0x1000_0100, firmwareBytes(t.b(0)), [
     ['late', 0x1000_0301, 4, 2],
     ['early', 0x1000_0201, 8, 2],
@@ -70,7 +70,7 @@ test('segments and symbols of an ELF file; what is none is refused', () => {
   assert.throws(() => readElf(new Uint8Array(100)), /not a 32-bit/);
 });
 
-test('a firmware is loaded over what the flash holds, and runs from its vector table', () => {
+test('a firmware overwrites only its part of the flash and runs from its vector table', () => {
   const flash = new Uint8Array(0x10_000).fill(0x77);
   const board = new Board({ elf: elfFile(0x1000_0100, firmwareBytes(t.movs(3, 9), t.b(0)), []), flash });
   board.run({ cycles: 10 });
@@ -78,7 +78,7 @@ test('a firmware is loaded over what the flash holds, and runs from its vector t
   assert.equal(flash[0x8000], 0x77);
 });
 
-test('one routine is called by its symbol: results, cycles, depth of stack', () => {
+test('a routine called by its symbol returns its results, cycles and stack depth', () => {
   const LDR_R1_SP = 0x9900;
   const code = [t.push(4, 14), 0x9902, t.adds(0, 0, 1), t.pop(4, 15), t.b(0)];
   const symbols = [
@@ -114,7 +114,7 @@ function talker(interval) {
   return { board, rtt, say };
 }
 
-test('the log is taken in the cycle in which it is written, also around the end of the buffer', () => {
+test('the log is read in the cycle in which it is written, also where the buffer wraps', () => {
   const { board, rtt, say } = talker(0);
   say(1, 2, 3, 4, 5, 6, 7, 8, 9, 10);
   board.run({ cycles: 100 });
@@ -130,7 +130,7 @@ test('the log is taken in the cycle in which it is written, also around the end 
   assert.equal(board.peek(BLOCK + 40), board.peek(BLOCK + 36), 'read offset follows');
 });
 
-test('a slow host takes the log when it looks', () => {
+test('a host with a poll interval reads the log at its next poll', () => {
   const { board, rtt, say } = talker(1000);
   say(1, 2, 3);
   board.run({ cycles: 900 });
@@ -139,7 +139,7 @@ test('a slow host takes the log when it looks', () => {
   assert.deepEqual([...rtt.bytes], [1, 2, 3]);
 });
 
-test('an interrupt of a pin comes for a level that was there before it was enabled, and for edges', () => {
+test('a pin interrupt is raised by edges and by a level that was present before it was enabled', () => {
   const LEVEL_LOW = 1;
   const EDGE_HIGH = 8;
   const board = new Board({ bare: true });

@@ -40,7 +40,7 @@ test('functions are found by their two letters, and unknown letters give null', 
   assert.equal(rom.lookup('zz'), 0);
 });
 
-test('memory is copied and set whatever its alignment and length, and nothing beside it', () => {
+test('memory copy and set write exactly the requested bytes for any alignment and length', () => {
   const { board, rom, data } = flashBoard();
   const SIZE = 64;
   const TO = RAM + 256;
@@ -76,7 +76,7 @@ test('floating point of the ROM is refused', () => {
   assert.equal(rom.lookup('SF'), 0, 'not among the functions');
 });
 
-test('bit functions', () => {
+test('bit functions of the ROM give correct results', () => {
   const { rom } = flashBoard();
   assert.equal(rom('P3', 0xf0f0).r0, 8);
   assert.equal(rom('R3', 1).r0, 0x8000_0000);
@@ -84,7 +84,7 @@ test('bit functions', () => {
   assert.equal(rom('T3', 0).r0, 32);
 });
 
-test('erasing sets bits, programming only clears them, and both take their time', () => {
+test('erasing sets bits, programming only clears them, and both take at least the specified time', () => {
   const { board, rom, data } = flashBoard();
   board.flash.fill(0x0f, SECTOR, 2 * SECTOR);
   rom('EX');
@@ -98,7 +98,7 @@ test('erasing sets bits, programming only clears them, and both take their time'
   assert.equal(board.flash[SECTOR + 256], 0xff);
 });
 
-test('what would corrupt the flash silently is refused', () => {
+test('flash operations that would corrupt it silently are refused', () => {
   const { rom } = flashBoard();
   assert.throws(() => rom('RE', SECTOR, SECTOR), /without flash_exit_xip/);
   rom('EX');
@@ -116,7 +116,7 @@ test('reading flash between flash_exit_xip and the return to XIP is a fault', ()
   assert.equal(board.core.readUint32(0x1000_0000), 0x1212_1212);
 });
 
-test('power that fails in an erase leaves it half done, and the next board finds that', () => {
+test('a power cut during an erase leaves it incomplete, and the next board has that flash', () => {
   const { board, rom } = flashBoard();
   board.flash.fill(0x00, 0, SECTOR);
   rom('EX');
@@ -133,7 +133,7 @@ test('power that fails in an erase leaves it half done, and the next board finds
   );
 });
 
-test('power that fails in a program leaves a prefix and one byte half written', () => {
+test('a power cut during programming leaves a prefix and one half-written byte', () => {
   const { board, rom, data } = flashBoard();
   data(Array(512).fill(0x00));
   rom('EX');

@@ -17,7 +17,7 @@ const read = (board, pin) => {
   return (board.peek(GPIO_IN) >>> pin) & 1;
 };
 
-test('a broken wire reads what its pull makes of it, and a driven one what drives it', () => {
+test('an open pin reads the level of its pull, and a driven pin the level of its driver', () => {
   const board = new Board({ bare: true });
   board.poke(pad(4), PULL_UP);
   assert.equal(read(board, 4), 1);
@@ -71,7 +71,7 @@ test('outputs are recorded, overrides included, and go to the VCD file', () => {
   assert.match(toVcd(board.edges), /\$var wire 1 ! enable \$end[^]*#792\n1!\n#1592\n0!\n$/);
 });
 
-test('a pin driven from both sides is noted', () => {
+test('a pin driven from both sides is reported', () => {
   const board = new Board({ bare: true });
   board.poke(control(9), SIO_FUNCTION);
   board.poke(GPIO_OE, 1 << 9);
@@ -80,7 +80,7 @@ test('a pin driven from both sides is noted', () => {
   assert.match(board.events.at(-1).text, /pins 9 are driven from both sides/);
 });
 
-test('bursts and pulses come in their cycles, and the past is refused', () => {
+test('bursts and pulses occur in their cycles, and a stimulus in the past is refused', () => {
   const board = new Board({ bare: true, pins: { in: 2 } });
   board.stimulus.burst(50, 2, { count: 3, period: 10 });
   board.run({ untilCycle: 100 });

@@ -59,7 +59,7 @@ test('JMP X-- tests X before it decrements it, and decrements it also when it do
   assert.equal(register(board, 'x'), 0);
 });
 
-test('JMP Y-- to itself takes Y + 1 cycles, and Y reads right in the middle of it', () => {
+test('JMP Y-- to itself takes Y + 1 cycles, and Y reads correctly during the loop', () => {
   const board = machine([pio.jmp('y--', 0), pio.set('pins', 1), pio.jmp('always', 2)]);
   load(board, 'y', 1000);
   const from = board.cycle;
@@ -72,7 +72,7 @@ test('JMP Y-- to itself takes Y + 1 cycles, and Y reads right in the middle of i
   assert.deepEqual(board.edges.to('out', 1), [from + 1001]);
 });
 
-test('a delay of a counted loop to itself is counted in every round', () => {
+test('the delay of JMP X-- to itself applies in every iteration', () => {
   const board = machine([pio.delay(pio.jmp('x--', 0), 2), pio.set('pins', 1), pio.jmp('always', 2)]);
   load(board, 'x', 10);
   const from = board.cycle;
@@ -200,7 +200,7 @@ test('joined FIFOs hold eight words one way and none the other', () => {
   assert.equal(board.peek(BASE + pio.FSTAT) & 0x101, 0x101, 'RX both full and empty');
 });
 
-test('side-set acts in the cycle of its instruction, also when that stalls, beside the delay', () => {
+test('side-set acts in the first cycle of its instruction, also with a stall or a delay', () => {
   const program = [pio.side(pio.delay(pio.jmp('always', 1), 3), 1), pio.side(pio.pull(), 0), pio.jmp('always', 2)];
   const board = machine(program, { sideOptional: true, sideCount: 2, sideBase: OUT_PIN + 1 });
   const from = board.cycle;
@@ -275,7 +275,7 @@ test('a disabled machine keeps the rest of its delay', () => {
   assert.deepEqual(board.edges.to('out', 1), [from + 21 + 100]);
 });
 
-test('what is not modelled is refused', () => {
+test('unmodelled PIO features are refused', () => {
   for (const [register, value, refusal] of [
     [0x00, 0x0001_8000, /fractional/],
     [0x08, 1 << 17, /autopull/],

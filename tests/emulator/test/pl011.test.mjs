@@ -90,7 +90,7 @@ test('a divider takes effect with the next write to LCR_H; parity and stop bits 
  * If this fails, a driver that leaves the interrupt on (embassy-rp's) is interrupted for ever: rp2040js raises it at every
  * look.
  */
-test('the transmit interrupt is that of the transition through its level, once', () => {
+test('the transmit interrupt is raised once when the FIFO falls to its level', () => {
   const { write, read, wait, pending } = rig();
   assert.equal(read(RIS) & TX, 0, 'an empty FIFO raises nothing');
   for (const byte of bytesOf(20)) write(DR, byte);
@@ -109,7 +109,7 @@ test('the transmit interrupt is that of the transition through its level, once',
 /**
  * If this fails, the end of a message shorter than the level never reaches the firmware: rp2040js has no such interrupt.
  */
-test('the receive timeout comes 32 bits after the last byte, and goes with the last byte read', () => {
+test('the receive timeout is raised 32 bits after the last byte and cleared when that byte is read', () => {
   const { board, line, read, wait, pending } = rig();
   line.send([1, 2, 3]);
   wait(3);
@@ -125,7 +125,7 @@ test('the receive timeout comes 32 bits after the last byte, and goes with the l
 });
 
 /** If this fails, the interrupt comes for each byte, or too late for the bytes that arrive until the firmware reads. */
-test('the receive interrupt comes with the sixteenth byte, and goes below it', () => {
+test('the receive interrupt is raised at sixteen bytes and cleared below sixteen', () => {
   const { line, read, wait, pending } = rig();
   line.send(bytesOf(16));
   wait(15.5);
@@ -138,7 +138,7 @@ test('the receive interrupt comes with the sixteenth byte, and goes below it', (
 });
 
 /** If this fails, firmware that is late loses bytes without an error, or has the error at the wrong byte. */
-test('an overrun loses what finds no room, and is marked on the first byte after it', () => {
+test('an overrun drops bytes that do not fit and is flagged on the next byte received', () => {
   const { line, read, wait, drain } = rig();
   line.send(bytesOf(35));
   wait(36);
@@ -151,7 +151,7 @@ test('an overrun loses what finds no room, and is marked on the first byte after
 });
 
 /** If this fails, the firmware is not tested with the errors of a bad cable. */
-test('frames with errors arrive with them; so does every byte of a sender at another rate', () => {
+test('line errors are flagged on their frames, and a wrong baud rate is a framing error', () => {
   const { line, read, wait, drain, write } = rig();
   for (const [error, flags, interrupts] of [['framing', 0x100, FRAMING], ['parity', 0x200, PARITY], ['break', 0x500, BREAK | FRAMING]]) {
     line.sendWithError(error);
@@ -170,7 +170,7 @@ test('frames with errors arrive with them; so does every byte of a sender at ano
 });
 
 /** If this fails, a break of the firmware does not reach the other end. */
-test('a break is passed on, and holds back what is to be sent', () => {
+test('a break reaches the other end and delays bytes to be sent', () => {
   const { line, write, wait, out } = rig();
   const breaks = [];
   line.onBreak = (on) => breaks.push(on);
@@ -201,7 +201,7 @@ test('without FIFOs there is room for one byte each way', () => {
 });
 
 /** If this fails, firmware that has given its UART no pin works here and nowhere else. */
-test('a UART without pins is on no wire', () => {
+test('a UART without pins neither sends nor receives', () => {
   const { board, line, write, read, wait, out } = rig({ route: false });
   write(DR, 1);
   line.send([2]);
@@ -212,7 +212,7 @@ test('a UART without pins is on no wire', () => {
 });
 
 /** If this fails, a driver by interrupts alone stops, or loses bytes: embassy-rp's handler does each of these steps. */
-test('a driver that acts on interrupts gets and sends everything', () => {
+test('an interrupt-driven driver receives and sends every byte', () => {
   const { board, line, write, read, out, pending } = rig();
   const handled = [];
   const queue = [];
@@ -256,7 +256,7 @@ test('DMA keeps the transmitter busy and empties the receiver, at the pace of th
 });
 
 /** If this fails, a reset stops the other end, or leaves the UART in its old state. */
-test('over a reset the other end goes on sending, and what comes meanwhile is lost', () => {
+test('during a reset the other end keeps sending, and its bytes are lost', () => {
   const { board, line, read } = rig();
   line.send(bytesOf(100));
   board.run({ cycles: 20 * BYTE });
@@ -272,7 +272,7 @@ test('over a reset the other end goes on sending, and what comes meanwhile is lo
 });
 
 /** If this fails, a snapshot in the middle of a byte loses it, or duplicates it. */
-test('both directions go on from a snapshot as they did', () => {
+test('a restored snapshot repeats the same bytes in both directions', () => {
   const { board, line, write, out, drain } = rig();
   line.send(bytesOf(30));
   for (const byte of bytesOf(10)) write(DR, byte);

@@ -62,7 +62,7 @@ test('every cycle is counted once', () => {
   assert.equal(found.keys[0].pc, ENTRY);
 });
 
-test('an address outside of every function has none', () => {
+test('an address outside every function belongs to no function', () => {
   assert.equal(placeOf(FUNCTIONS, t.CODE + 8), 1);
   assert.equal(placeOf(FUNCTIONS, t.CODE + 23), 3);
   assert.equal(placeOf(FUNCTIONS, t.CODE + 24), -1);

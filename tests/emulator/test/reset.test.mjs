@@ -42,7 +42,7 @@ test('the watchdog resets the chip when its time is up, and not before', () => {
   assert.ok(Math.abs(cycle - due) <= 2, `reset in cycle ${cycle}, due in ${due}`);
 });
 
-test('a watchdog that is fed does not bite', () => {
+test('a watchdog that is fed does not reset the chip', () => {
   const board = watched(100);
   for (let i = 0; i < 10; i += 1) {
     board.run({ cycles: 60 * CYCLES_PER_US });
@@ -68,13 +68,13 @@ test('the reset clears processor, PIO, pins and timer, and keeps RAM, reason and
   assert.equal(board.peek(CTRL) & ENABLE, 0);
 });
 
-test('a watchdog that has nothing to reset is a mistake', () => {
+test('a watchdog reset with an empty WDSEL is an error', () => {
   const board = watched(100);
   board.poke(PSM_WDSEL, 0);
   assert.throws(() => board.run({ cycles: 200 * CYCLES_PER_US }), /WDSEL/);
 });
 
-test('a forced reset differs from one by time', () => {
+test('a forced reset has another reason than a timeout', () => {
   const board = watched(1000);
   board.poke(CTRL, 0x8000_0000);
   board.run({ cycles: 10 });
@@ -101,7 +101,7 @@ test('levels between edges come from the recording', () => {
 });
 
 /** If this fails, a board without power drives its pins, or keeps its state over a power cut. */
-test('without power nothing runs and no pin is driven, until it is back', () => {
+test('while the power is off nothing runs and no pin is driven', () => {
   const board = watched(10_000);
   board.run({ cycles: 1000 });
   assert.equal(board.edges.levelAt('out', board.cycle), 1);
@@ -117,7 +117,7 @@ test('without power nothing runs and no pin is driven, until it is back', () => 
   assert.deepEqual(board.events.map(({ text }) => text), ['power', 'no power', 'power']);
 });
 
-test('power-up leaves nothing of use in RAM', () => {
+test('power-up fills RAM with arbitrary bytes', () => {
   const board = watched(1000);
   assert.notEqual(board.peek(RAM + 64), 0);
 });

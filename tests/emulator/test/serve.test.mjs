@@ -69,7 +69,7 @@ async function exchange(socket, bytes) {
 const bytesOf = (count) => Buffer.from(Array.from({ length: count }, (_, i) => (i * 37 + (i >> 8)) & 0xff));
 
 /** If this fails, bytes are lost where the board is slower than its client, or DTR does not follow the client. */
-test('bytes go there and back; DTR says whether there is a client', async () => {
+test('bytes are echoed unchanged, and DTR shows whether a client is connected', async () => {
   const { server, port, driver, reported } = await served();
   for (let i = 0; i < 2; i += 1) {
     const socket = await connect(port);
@@ -96,7 +96,7 @@ test('a second client is refused while the first is there', async () => {
 });
 
 /** If this fails, a client waits for ever for a board that is gone, or gets no board after it is back. */
-test('the client loses its port with the cable and with the power, and the next has it again', async () => {
+test('unplugging or a power cut disconnects the client, and the next client can connect again', async () => {
   const { server, port, operator, reported, board, driver } = await served();
   const losses = [
     ['unplug', 'plug', () => {}],
@@ -124,7 +124,7 @@ test('the client loses its port with the cable and with the power, and the next 
 });
 
 /** If this fails, a command has another effect, or fails without a message. */
-test('commands set inputs and drive the bus; what cannot be done is an error', async () => {
+test('commands set inputs and drive the bus, and impossible commands are errors', async () => {
   const rig = await served();
   const { server, operator, board, driver, port } = rig;
   operator.obey('enable  off');
@@ -155,7 +155,7 @@ test('commands set inputs and drive the bus; what cannot be done is an error', a
 });
 
 /** If this fails, a wrong argument is taken for another, or its message gives no remedy. */
-test('bad arguments of the bridge name the argument and what it can be', () => {
+test('errors in arguments of the bridge name the argument and its allowed values', () => {
   for (const [args, message] of [
     [['--transport', 'tin'], /--transport is tin: give one of usb, uart/],
     [['--port', '70000'], /--port is 70000: give a whole number from 0 to 65535/],

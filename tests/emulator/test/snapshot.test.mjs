@@ -20,7 +20,7 @@ function counting() {
 
 const stateOf = (board) => [board.cycle, ...board.core.registers, board.edges.of('ten').length, board.peek(0x2000_0100)];
 
-test('a board goes on from a snapshot as it did, resets, stimuli and memory included', () => {
+test('a restored snapshot repeats the same run, resets, stimuli and memory included', () => {
   const board = new Board({ flash: counting(), pins: { ten: 10 } });
   board.stimulus.burst(500, 10, { count: 1000, period: 100 });
   board.run({ cycles: 10_000 });

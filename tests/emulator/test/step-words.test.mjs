@@ -156,7 +156,7 @@ test('the longest period is 262,151 cycles', () => {
   check(board, lists, play(board, lists, 3 * 262_151 + 10));
 });
 
-test('a dry FIFO stops the pulses, is flagged, and a word that comes later is played from its own cycle', () => {
+test('a FIFO underrun stops the pulses and is flagged, and a later word plays from its arrival', () => {
   const board = setUp();
   const [axis] = AXES;
   feed(board, axis, run(2, 20));
@@ -177,7 +177,7 @@ test('a dry FIFO stops the pulses, is flagged, and a word that comes later is pl
   assert.deepEqual(board.edges.track('step0').cycles, steps);
 });
 
-test('machines enabled by one store begin in one cycle; two stores show as skew between the blocks', () => {
+test('machines enabled by one store begin in one cycle, and two stores cause skew between the blocks', () => {
   const board = setUp();
   for (const axis of AXES) feed(board, axis, run(4, 50));
   const start = board.cycle;

@@ -7,7 +7,7 @@ import { Board } from '../board/board.mjs';
 const TIMER = 0x4005_4000;
 const [ALARM0, ARMED, TIME, INTR, INTE] = [0x10, 0x20, 0x28, 0x34, 0x38].map((offset) => TIMER + offset);
 
-test('it counts every 125 cycles from reset', () => {
+test('the timer counts every 125 cycles from reset', () => {
   const board = new Board({ bare: true });
   for (const [cycle, micros] of [
     [0, 0],
@@ -20,7 +20,7 @@ test('it counts every 125 cycles from reset', () => {
   }
 });
 
-test('an alarm comes when the count becomes its value, however far into a microsecond it was set', () => {
+test('an alarm is raised when the count reaches its value, at whichever cycle it was set', () => {
   for (const into of [0, 1, 70, 124]) {
     const board = new Board({ bare: true });
     board.poke(INTE, 1);
@@ -35,7 +35,7 @@ test('an alarm comes when the count becomes its value, however far into a micros
   }
 });
 
-test('an alarm for the present microsecond comes at once, one for the past not', () => {
+test('an alarm for the present microsecond is raised at once, and one in the past is not', () => {
   const board = new Board({ bare: true });
   board.run({ untilCycle: 1300 });
   board.poke(ALARM0, 9);

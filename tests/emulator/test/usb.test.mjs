@@ -64,7 +64,7 @@ test('an OUT buffer stays with the controller until a packet of the host has fil
 /**
  * If this fails, packets take another time than at full speed: USB 2.0, table 5-9, has 19 of 64 bytes in a frame, and 71 of none.
  */
-test('as many packets fit a frame as the specification has', () => {
+test('a frame has as many packets as the specification allows', () => {
   const { board, driver, host } = rig();
   driver.echoing = false;
   driver.poll.cancel();
@@ -83,7 +83,7 @@ test('as many packets fit a frame as the specification has', () => {
 });
 
 /** If this fails, bytes are lost, duplicated or reordered, or a transfer that fills its last packet never ends. */
-test('bytes come back as they went, whole packets and empty ones included', () => {
+test('transfers of any length are echoed unchanged, full and empty packets included', () => {
   const all = rig();
   for (const count of [1, 63, 64, 65, 128, 1000, 64 * 40]) assert.deepEqual(echo(all, bytesOf(count)), bytesOf(count), `${count} bytes`);
   assert.equal(all.host.identity.name, 'echo');
@@ -91,7 +91,7 @@ test('bytes come back as they went, whole packets and empty ones included', () =
 });
 
 /** If this fails, a host that does not read loses bytes, or the device goes on without it. */
-test('a host that does not read holds the device back, and gets everything once it reads', () => {
+test('a host that does not read blocks the device and receives every byte once it reads', () => {
   const { board, host, data, wait, driver } = rig();
   host.setReading(false);
   host.send(bytesOf(1000));
@@ -106,7 +106,7 @@ test('a host that does not read holds the device back, and gets everything once 
 });
 
 /** If this fails, firmware that does not keep the order of DATA0 and DATA1 passes here, and loses packets with a real host. */
-test('a packet with the wrong DATA PID is dropped, and noted', () => {
+test('a packet with the wrong DATA PID is dropped and reported', () => {
   const { driver, host, wait, data, board } = rig();
   driver.echoing = false;
   driver.give(OUT, true, u.DATA1 | 64);
@@ -155,7 +155,7 @@ test('a stalled endpoint takes nothing until the host clears it', () => {
 });
 
 /** If this fails, a reset keeps an address or a packet from before it. */
-test('a bus reset in the middle of a transfer is reported, and a transfer after it is whole', () => {
+test('a bus reset during a transfer is reported, and the next transfer is complete', () => {
   const all = rig();
   const { host, driver, ready, wait } = all;
   host.send(bytesOf(5000));
@@ -171,7 +171,7 @@ test('a bus reset in the middle of a transfer is reported, and a transfer after 
 });
 
 /** If this fails, the device answers an address that is not its own, or a host that gets no answer waits for ever. */
-test('no answer is an error after three tries, by name', () => {
+test('an endpoint without an answer is an error after three tries and is named', () => {
   const { host, driver, wait } = rig();
   host.onError = () => {};
   driver.write(u.ADDR_ENDP, 7);
@@ -182,7 +182,7 @@ test('no answer is an error after three tries, by name', () => {
 });
 
 /** If this fails, noise duplicates a packet, or loses one. */
-test('packets that noise destroys are sent again, and none comes twice', () => {
+test('packets destroyed by noise are sent again and arrive only once', () => {
   const all = rig();
   const { board } = all;
   for (let after = 1; after < 20; after += 1) {
@@ -197,7 +197,7 @@ test('packets that noise destroys are sent again, and none comes twice', () => {
 });
 
 /** If this fails, suspend comes with a busy bus, too early or never, or loses data. */
-test('suspend is reported after 3 ms without frames, resume as the host drives it', () => {
+test('suspend is reported after 3 ms without frames, and resume when the host drives it', () => {
   const all = rig();
   const { host, driver, wait, data, board } = all;
   host.send(bytesOf(2000));
@@ -247,7 +247,7 @@ test('without the cable the bus is idle, which a driver that overrides VBUS take
 });
 
 /** If this fails, the loss of VBUS is not reported to a driver that checks it. */
-test('a driver that does not override VBUS loses it with the cable', () => {
+test('a driver that does not override VBUS detects that the cable is unplugged', () => {
   const all = rig({ options: { override: false }, plugged: false });
   const { host, driver, wait, ready } = all;
   wait(10);
@@ -264,7 +264,7 @@ test('a driver that does not override VBUS loses it with the cable', () => {
 });
 
 /** If this fails, a host goes on with a device that has been reset, or a board without power keeps its pull-up. */
-test('a watchdog reset and a power cut take the device off the bus; it comes back with its firmware', () => {
+test('a watchdog reset or a power cut disconnects the device until its firmware starts again', () => {
   const all = rig();
   const { board, host, driver, ready, wait } = all;
   board.poke(0x4001_0008, 0x1_fffc);
@@ -285,7 +285,7 @@ test('a watchdog reset and a power cut take the device off the bus; it comes bac
 });
 
 /** If this fails, a snapshot in the middle of a packet loses it, or duplicates it. */
-test('a transfer goes on from a snapshot as it did', () => {
+test('a restored snapshot repeats the same transfer', () => {
   const { board, host, data } = rig();
   host.send(bytesOf(900));
   board.run({ cycles: 30_000 });
@@ -301,7 +301,7 @@ test('a transfer goes on from a snapshot as it did', () => {
 });
 
 /** If this fails, firmware that needs a feature outside the model runs on a wrong model. */
-test('what is not modelled is refused by name', () => {
+test('unmodelled USB features are refused by name', () => {
   const { driver, board } = rig({ plugged: false });
   assert.throws(() => driver.write(u.MAIN_CTRL, 3), /host mode/);
   assert.throws(() => driver.write(u.INTE, 1 << 17), /start of frame/);

@@ -54,31 +54,31 @@ fn fuzz(count: usize) {
 }
 
 #[test]
-fn one() {
+fn invariants_hold_with_one_axis() {
     fuzz(1);
 }
 
 #[test]
-fn two() {
+fn invariants_hold_with_two_axes() {
     fuzz(2);
 }
 
 #[test]
-fn three() {
+fn invariants_hold_with_three_axes() {
     fuzz(3);
 }
 
 #[test]
-fn four() {
+fn invariants_hold_with_four_axes() {
     fuzz(4);
 }
 
 #[test]
-fn five() {
+fn invariants_hold_with_five_axes() {
     fuzz(5);
 }
 
 #[test]
-fn six() {
+fn invariants_hold_with_six_axes() {
     fuzz(6);
 }

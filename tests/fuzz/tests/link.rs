@@ -96,7 +96,7 @@ fn any_bytes_are_decoded_or_refused_by_the_host() {
 /// If this fails, a damaged frame is taken for an intact one. The CRC finds one to three changed bytes, because they lie
 /// within 32 bits or are few.
 #[test]
-fn changed_frames_are_found() {
+fn damaged_frames_are_detected() {
     bolero::check!()
         .with_iterations(frames())
         .with_max_len(64)

@@ -114,7 +114,7 @@ fn advance(case: &mut Case, turns: i64) -> i64 {
 
 /// If this fails, an axis departs from the master, a little in every turn.
 #[test]
-fn nothing_is_lost_over_many_turns_and_back() {
+fn no_travel_is_lost_over_many_turns_and_back() {
     for mut case in all() {
         let whole_turn = {
             let mut fresh = case.copy();

@@ -143,7 +143,7 @@ mod tests {
     proptest! {
         /// If this fails, an axis departs from its exact ratio after some number of ticks, by one unit or more.
         #[test]
-        fn nothing_is_lost(
+        fn travel_of_a_gear_matches_its_exact_ratio(
             numerator in 1_u32..=1000,
             denominator in 1_u32..=1000,
             master in prop::collection::vec(-ONE_TURN..ONE_TURN, 0..200),

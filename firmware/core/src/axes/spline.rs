@@ -282,7 +282,7 @@ mod tests {
 
     /// If this fails, axes follow another curve than the one whose bounds were checked.
     #[test]
-    fn a_wave_has_its_spline_in_closed_form() {
+    fn the_spline_of_a_wave_matches_its_closed_form() {
         for (count, frequency) in [(4, 1.0), (5, 1.0), (17, 3.0), (90, 2.0), (96, 47.0)] {
             let at = |i: usize| (TAU * frequency * i as f64 / count as f64).cos();
             let points: Vec<f64> = (0..count).map(at).collect();
@@ -339,7 +339,7 @@ mod tests {
 
     /// If this fails, a dip between two points is not detected, and an axis with an index can pass its flag backward.
     #[test]
-    fn a_dip_between_points_is_no_rise() {
+    fn a_dip_between_points_makes_the_least_slope_negative() {
         let mut spline = Spline::NONE;
         // Points rise, but the curve overshoots after the steep part.
         let points = [0.0, 0.01, 0.02, 0.03, 0.5, 0.97, 0.98, 0.99];

@@ -128,7 +128,7 @@ mod tests {
     /// If this fails because the smallest error does not count, a crank that was off as the hold began is not watched. If it fails for a
     /// crank that comes nearer, one that settles loses its drive.
     #[test]
-    fn a_crank_has_moved_away_from_where_it_was_nearest() {
+    fn moving_away_is_measured_from_the_smallest_error() {
         let mut watch = HoldWatch::new();
         for (error, moved) in [
             (-7, false),
@@ -147,7 +147,7 @@ mod tests {
     /// If this fails because pulses of all axes count, drives that recover from a common lag are disabled. If those pulses excuse one
     /// axis, it can run away.
     #[test]
-    fn pulses_count_beyond_those_that_all_axes_made() {
+    fn pulses_common_to_all_axes_are_not_counted() {
         let mut watch = HoldWatch::new();
         assert!(watch.is_too_many(0, 0..3, 0));
         assert!(HoldWatch::new().is_too_many(0, core::iter::empty(), 0));

@@ -120,7 +120,7 @@ fn a_level_in_a_band_is_held_at_its_nearer_edge_and_reported() {
 }
 
 #[test]
-fn a_seek_goes_on_from_there() {
+fn the_program_continues_from_the_seek_position() {
     let mut controller = running(100.0);
     controller.seek(5 * u64::from(HZ) - 10);
     assert_eq!(controller.program().1.remaining(controller.program().0), 10);
@@ -161,7 +161,7 @@ fn lost(settings: &Settings) -> Controller {
 /// If this fails, a crank that was turned by hand while its encoder was read is moved together with the others, and may bend the rods. The
 /// fault names the crank. After a reset, homing finds it again.
 #[test]
-fn a_start_is_refused_before_anything_moves_where_a_crank_is_known_to_be_far_off() {
+fn a_start_beyond_the_homing_range_is_refused() {
     let mut settings = settings();
     for axis in &mut settings.axes {
         axis.encoder = true;
@@ -203,7 +203,7 @@ fn a_start_is_refused_before_anything_moves_where_a_crank_is_known_to_be_far_off
 
 /// If this fails, pulses of cranks that no drive holds are compared with each other, and a machine that coasted is refused.
 #[test]
-fn where_cranks_by_index_are_is_not_known_once_they_turn_without_drives() {
+fn homing_discards_index_positions_if_cranks_turn_without_drives() {
     let mut controller = lost(&settings());
     play(&mut controller, None, 10, false);
     assert!(controller.homing.has_found());
@@ -214,7 +214,7 @@ fn where_cranks_by_index_are_is_not_known_once_they_turn_without_drives() {
 /// If this fails, trims of an interrupted homing run remain. Without a correction, the next homing must take back even those below the
 /// error of a reading.
 #[test]
-fn what_a_proof_that_was_cut_short_left_is_taken_back() {
+fn trims_of_an_interrupted_wiring_proof_are_reverted() {
     let mut settings = settings();
     for axis in &mut settings.axes {
         axis.index_turns = None;
@@ -244,7 +244,7 @@ fn what_a_proof_that_was_cut_short_left_is_taken_back() {
 /// If this fails, a geared and reversed servo gets a wrong setpoint. It makes half of the travel and of the acceleration, with the opposite
 /// sign.
 #[test]
-fn setpoints_are_in_the_motors_own_sense() {
+fn setpoints_have_the_motors_direction_and_gear_ratio() {
     let controller = running(200.0);
     let [plain, turned, ..] = controller.output.setpoints;
     let motion = controller.output.telemetry.motion;

@@ -104,7 +104,7 @@ fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
 
 /// If this were wrong, a machine would stop too late for its tilt, or too early.
 #[test]
-fn the_greatest_slope_is_that_of_a_fine_search() {
+fn the_greatest_slope_matches_a_fine_search() {
     for (name, mechanism) in all() {
         let slopes = (0..100_000).map(|i| at(&mechanism, f64::from(i) / 100_000.0).0.abs());
         let error = slopes.fold(0.0, f64::max) - mechanism.greatest_slope();

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn rest_is_rest() {
+    fn zero_amplitude_corresponds_to_zero_speed() {
         let law = SquareLaw::new(0.0325, 2000);
         assert_eq!(law.speed(Amax::ZERO), Turns::ZERO);
         assert_eq!(law.amax(Turns::ZERO), Amax::ZERO);

@@ -255,7 +255,7 @@ mod tests {
 
     /// The documented minimum is 64 segments; 128 entries fit, repeats included.
     #[test]
-    fn holds_what_it_promises_and_refuses_more() {
+    fn a_program_holds_its_capacity_and_refuses_more() {
         let mut program = Program::new();
         let mut builder = builder(&mut program);
         for i in 0..CAPACITY {

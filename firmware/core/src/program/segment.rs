@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn half_the_ramp_is_half_the_level() {
+    fn the_middle_of_a_ramp_has_the_mean_level() {
         for shape in [Shape::Linear, Shape::Smooth] {
             let segment = Segment::new(Amax::from_num(200), 1000, 0, shape);
             let actual: f64 = segment.level_at(500, Amax::from_num(100)).to_num();

@@ -13,7 +13,7 @@ fn refused(settings: &Settings) -> std::string::String {
 
 /// If this fails, firmware runs another program than the given one.
 #[test]
-fn the_program_is_the_given_one() {
+fn the_controller_runs_the_program_of_its_settings() {
     let controller = settings(3).controller().unwrap();
     assert_eq!(controller.program().0.duration(), 3 * 3 * 2000);
 }
@@ -28,7 +28,7 @@ fn a_number_of_axes_out_of_range_is_refused() {
 
 /// If this fails, bring-up turns another crank, or none.
 #[test]
-fn one_axis_is_kept_with_its_own_numbers() {
+fn keep_axis_keeps_the_settings_of_one_axis() {
     for number in 0..MAX_AXES {
         let mut kept = settings(MAX_AXES);
         kept.correction.prove_wiring = true;
@@ -126,7 +126,7 @@ fn on_a_cam(net_turns: i32, points_turns: &[f64]) -> Settings {
 
 /// If this fails, an axis follows no table, or one that no motor can follow.
 #[test]
-fn cam_tables_are_refused_by_name() {
+fn bad_cam_tables_are_refused_with_their_key() {
     let lift = [0.0, 1.0, 2.0, 1.0];
     on_a_cam(0, &lift).controller().unwrap();
 
@@ -160,7 +160,7 @@ fn cam_tables_are_refused_by_name() {
 
 /// If this fails, an index is accepted where the axis turns back over its flag, and its pulses stop a sound machine.
 #[test]
-fn an_index_is_for_tables_that_rise_by_one_turn() {
+fn an_index_requires_a_table_that_rises_one_turn() {
     for (net_turns, points, accepted) in [
         (1, [0.0, 0.3, 0.5, 0.7], true),
         (0, [0.0, 0.3, 0.5, 0.3], false),

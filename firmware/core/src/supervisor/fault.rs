@@ -237,7 +237,7 @@ mod tests {
 
     /// If this fails, a fault that is sent as its number is decoded as another kind.
     #[test]
-    fn every_kind_is_at_its_number_and_has_a_name_of_its_own() {
+    fn fault_kinds_are_listed_by_number_with_unique_names() {
         for (number, kind) in FaultKind::ALL.into_iter().enumerate() {
             assert_eq!(kind as usize, number);
             let namesakes = FaultKind::ALL.iter().filter(|k| k.name() == kind.name());
@@ -247,7 +247,7 @@ mod tests {
 
     /// If this fails, a field is cut or misplaced, and the log of a board differs from a report.
     #[test]
-    fn bytes_bring_a_fault_back() {
+    fn a_fault_round_trips_through_its_bytes() {
         for axis in [None, Some(0), Some(5)] {
             let fault = Fault {
                 kind: FaultKind::LostSteps,

@@ -123,7 +123,7 @@ mod tests {
 
     /// If this fails, a row is misplaced, and a fault gets the reaction to another.
     #[test]
-    fn every_kind_has_its_row_and_is_no_milder_outside_limits() {
+    fn reactions_are_in_fault_order_and_no_milder_outside_limits() {
         for (row, kind) in REACTIONS.iter().zip(FaultKind::ALL) {
             assert_eq!(row.kind, kind);
             assert!(row.unsafe_ >= row.safe, "{kind:?}");

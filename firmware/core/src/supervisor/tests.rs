@@ -60,7 +60,7 @@ const STATES: [State; 6] = State::ALL;
 
 /// If this fails, a state whose number is kept over a reset is decoded as another.
 #[test]
-fn every_state_is_at_its_number() {
+fn states_are_listed_by_number() {
     for (number, state) in State::ALL.into_iter().enumerate() {
         assert_eq!(state as usize, number);
     }
@@ -102,7 +102,7 @@ fn for_every_step(
 }
 
 #[test]
-fn nothing_starts_against_the_inputs() {
+fn no_motion_starts_without_enable_or_with_stop() {
     for_every_step(|state, inputs, _, _, after, _| {
         let started = !matches!(state, State::Homing | State::Run | State::Stop)
             && matches!(after.state(), State::Homing | State::Run);
@@ -123,7 +123,7 @@ fn losing_enable_switches_off_at_once() {
 }
 
 #[test]
-fn a_fault_stops_and_only_a_reset_leaves_it() {
+fn a_fault_stops_the_machine_until_a_reset() {
     for_every_step(|state, inputs, command, input, after, _| {
         if input.fault.is_some()
             && matches!(
@@ -148,7 +148,7 @@ fn a_fault_stops_and_only_a_reset_leaves_it() {
 }
 
 #[test]
-fn drives_that_are_off_are_not_driven() {
+fn no_motion_is_commanded_while_drives_are_off() {
     for_every_step(|_, _, _, _, after, action| {
         assert!(
             after.drives_enabled() || action == Action::Stand,
@@ -190,7 +190,7 @@ fn the_first_fault_is_kept() {
 
 /// If this fails, a report keeps the first diagnosis, or loses the time of the fault.
 #[test]
-fn a_better_name_replaces_what_latched_and_not_when() {
+fn a_superseding_fault_replaces_the_kind_but_not_the_tick() {
     let mut supervisor = in_state(State::Run);
     let input = |kind, supersedes, tick| SupervisorInput {
         fault: Some(Fault::new(kind)),
@@ -230,7 +230,7 @@ fn a_better_name_replaces_what_latched_and_not_when() {
 
 /// If this fails, the stop waits for an axis that runs away, which does not come to rest with the others.
 #[test]
-fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
+fn a_disabling_fault_switches_drives_off_even_during_a_stop() {
     let disables = SupervisorInput {
         fault: Some(Fault::new(FaultKind::Runaway)),
         reaction: Reaction::Disable,
@@ -303,7 +303,7 @@ fn the_hardest_reaction_of_a_stop_decides_whether_the_drives_hold() {
 
 /// If this fails, the drives of a machine that holds after a fault cannot be switched off, or stay on unnoticed.
 #[test]
-fn a_held_fault_ends_with_enable_a_harder_fault_or_a_reset() {
+fn enable_loss_a_harder_fault_or_a_reset_ends_holding() {
     let quiet = SupervisorInput::default();
     let fault = |reaction| SupervisorInput {
         fault: Some(Fault::new(FaultKind::DriveAlarm)),

@@ -116,7 +116,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn quotients_and_rests_are_exact(number in any_length(), divisor in any_length()) {
+        fn quotients_and_remainders_are_exact(number in any_length(), divisor in any_length()) {
             let divisor = (divisor as u32).max(1);
             let (quotient, rest) = Divisor::new(divisor).divide(number);
             prop_assert_eq!(quotient, number / u64::from(divisor));
@@ -138,7 +138,7 @@ mod tests {
 
         /// A multiple and its lower neighbour, where a quotient is most easily off by one.
         #[test]
-        fn multiples_are_met(quotient in any_length(), divisor in any_length()) {
+        fn division_is_exact_at_multiples_and_just_below(quotient in any_length(), divisor in any_length()) {
             let divisor = (divisor as u32).max(1);
             let Some(number) = quotient.checked_mul(u64::from(divisor)) else { return Ok(()) };
             let by = Divisor::new(divisor);

@@ -52,7 +52,7 @@ mod tests {
     ///
     /// Over t, t(1 − t) has the mean 1/6, its square 1/30, its fourth power 1/630.
     #[test]
-    fn error_is_as_derived() {
+    fn error_statistics_match_their_derivation() {
         let unit = (-30.0_f64).exp2();
         let entries = (-32.0_f64).exp2() / 12.0 * 2.0 / 3.0;
         let (mut sum, mut squares, mut worst) = (0.0, 0.0_f64, 0.0_f64);

@@ -72,7 +72,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn words_are_those_of_the_whole_shift(bits: u64, zeros in 0_u32..64, up in 0_u32..64) {
+        fn upper_words_match_a_64_bit_shift(bits: u64, zeros in 0_u32..64, up in 0_u32..64) {
             let x = bits >> zeros;
             let whole = ((x << up) >> 32) as u32;
             prop_assert_eq!([upper_word(x, up), upper_word_in_words(x, up)], [whole; 2]);

@@ -160,7 +160,7 @@ mod tests {
     /// Every upper half, with its extreme and middle remainders, and the lower words at which a bit moves from one part
     /// of the computation to another.
     #[test]
-    fn floor_for_every_upper_half() {
+    fn root_is_the_floor_for_every_upper_half() {
         for upper in 1_u64 << 15..1 << 16 {
             for rest in [0, 1, upper, 2 * upper - 1, 2 * upper] {
                 for low in [
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn floor_at_squares_and_their_neighbours() {
+    fn root_is_the_floor_at_squares_and_their_neighbours() {
         for root in 1..=0xffff_u64 {
             for factor in [
                 root,
@@ -198,7 +198,7 @@ mod tests {
 
     /// Upper words at a stride that is coprime to all powers of two, with the extremes of the lower word.
     #[test]
-    fn floor_over_upper_words() {
+    fn root_is_the_floor_over_upper_words() {
         for high in (0..u32::MAX).step_by(4_099) {
             for low in [0, 1, 0x1_ffff, 0x2_0000, u32::MAX - 1, u32::MAX] {
                 is_floor(u64::from(high) << 32 | u64::from(low));
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn floor_at_extremes() {
+    fn root_is_the_floor_at_extremes() {
         for bits in 0..64 {
             for x in [
                 (1_u64 << bits) - 1,
@@ -224,7 +224,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn floor_anywhere(x: u64, zeros in 0_u32..64) {
+        fn root_is_the_floor_for_random_numbers(x: u64, zeros in 0_u32..64) {
             is_floor(x >> zeros);
         }
     }

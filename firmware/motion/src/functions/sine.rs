@@ -97,7 +97,7 @@ mod tests {
     ///
     /// The sum's distribution lies between uniform (mean/rms = √3/2) and normal (√(2/π)).
     #[test]
-    fn error_is_as_derived() {
+    fn error_statistics_match_their_derivation() {
         let (mut sum, mut squares, mut worst) = (0.0, 0.0_f64, 0.0_f64);
         let samples = 1_000_003_u32; // prime, so samples fall everywhere between the entries
         for i in 0..samples {

@@ -142,7 +142,7 @@ mod tests {
 
     /// The layout, bit for bit. The program of the hardware relies on it.
     #[test]
-    fn the_word_is_as_the_hardware_reads_it() {
+    fn the_word_has_the_layout_of_the_hardware() {
         assert_eq!(Run::new(1, 8, false).bits(), 1);
         assert_eq!(Run::new(1, 9, false).bits(), 0x2001);
         assert_eq!(Run::pause(8, true).bits(), 0x8000_0000);
@@ -152,7 +152,7 @@ mod tests {
     proptest! {
         /// If this fails, fields overlap or are too narrow, and do not return the values that were put in.
         #[test]
-        fn what_is_put_in_comes_out(
+        fn run_fields_round_trip_through_the_word(
             edges in 1..=Run::MOST_EDGES,
             cycles in Run::LEAST_CYCLES..=Run::MOST_CYCLES,
             forward: bool,

@@ -158,7 +158,7 @@ mod tests {
 
     /// If this fails, a block is left out, and the hardware misses its runs.
     #[test]
-    fn blocks_hold_all_runs_and_no_more_blocks_than_that() {
+    fn all_runs_fit_in_the_fewest_blocks() {
         let mut runs = Runs::new();
         for n in 1..=MAX_RUNS {
             assert!(runs.push(Run::new(n as u32, Run::LEAST_CYCLES, true)));

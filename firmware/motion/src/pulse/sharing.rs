@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_axis_has_what_it_was_given() {
+    fn each_axis_returns_its_assigned_first_axis() {
         let mut sharing = Sharing::NONE;
         for axis in 0..MAX_AXES {
             assert_eq!(sharing.first(axis), axis);

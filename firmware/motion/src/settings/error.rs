@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_written_as_a_person_would() {
+    fn numbers_are_written_in_a_short_readable_form() {
         for (value, expected) in [
             (500.0 / 360.0 * 360.0, "500 mm is outside 0 to 1 mm"),
             (0.1 + 0.2, "0.3 mm is outside 0 to 1 mm"),

@@ -176,7 +176,7 @@ mod tests {
 
     /// The gap is a shortcut for the bands' effect on speeds. Both must agree at every edge.
     #[test]
-    fn in_a_gap_nothing_but_its_edges_bounds_a_speed() {
+    fn within_a_gap_only_its_edges_bound_the_speed() {
         let settings = LimitSettings {
             speed_hz: 20.0,
             acceleration_hz_per_s: 20.0,

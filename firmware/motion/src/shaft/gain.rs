@@ -167,7 +167,7 @@ mod tests {
     proptest! {
         /// The inverse is exact: the next larger acceleration would overshoot.
         #[test]
-        fn settling_is_the_largest_that_does_not_overshoot((gain, speed) in any_gain(), part in any::<u64>()) {
+        fn settling_is_the_largest_acceleration_without_overshoot((gain, speed) in any_gain(), part in any::<u64>()) {
             let desired = part % speed;
             let a = settling(desired, gain.jerk);
             prop_assert!(gain.of(a) <= desired);
@@ -176,7 +176,7 @@ mod tests {
 
         /// The inverse without a root gives the same for all bounds of the search.
         #[test]
-        fn the_inverse_is_the_root(
+        fn the_inverse_matches_the_root_for_any_bounds(
             (gain, speed) in any_gain(),
             part in any::<u64>(),
             below in 0_u64..3 << 40,
@@ -198,7 +198,7 @@ mod tests {
 
         /// The closed form of g equals its sum.
         #[test]
-        fn letting_go_gains_the_sum(acceleration in 0_u64..100_000, jerk in 64_u64..5_000) {
+        fn the_closed_form_of_the_gain_equals_its_sum(acceleration in 0_u64..100_000, jerk in 64_u64..5_000) {
             let mut sum = 0;
             let mut a = acceleration;
             while a > 0 {

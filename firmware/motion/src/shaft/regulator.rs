@@ -184,7 +184,7 @@ mod tests {
     /// to 1.3 A. Ramps from 0.3 A to 1.3 A and from there to 0, with h ticks between, close a gap of
     /// (0.3 + 1.3)/2 · A²/J + 1.3 A h + 1.3²/2 · A²/J.
     #[test]
-    fn an_aim_that_comes_to_meet_the_shaft_is_met_in_the_least_time() {
+    fn an_approaching_aim_is_reached_in_the_least_time() {
         let settings = crate::settings::LimitSettings {
             speed_hz: 100.0,
             acceleration_hz_per_s: 50.0,

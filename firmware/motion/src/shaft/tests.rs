@@ -232,7 +232,7 @@ fn targets(limits: &ShaftLimits, speeds: &[(f64, u32, u32)]) -> Vec<Target> {
 /// If this fails, a lag in a band counts as one elsewhere, or one far from any band as one within. From 4 rev/s a shaft reaches
 /// √(4² + 2 · 10) = 6 rev/s within a turn at 10 rev/s².
 #[test]
-fn a_speed_is_at_a_band_up_to_what_a_turn_gains() {
+fn a_band_extends_by_the_speed_gained_in_a_turn() {
     let settings = LimitSettings {
         speed_hz: 20.0,
         acceleration_hz_per_s: 10.0,
@@ -341,7 +341,7 @@ proptest! {
 
     /// The shaft reaches a constant requested speed exactly (or the nearer edge of its band).
     #[test]
-    fn steady_speeds_are_met_exactly(limits in any_limits(), part in 0.0..1.0_f64) {
+    fn steady_speeds_are_reached_exactly(limits in any_limits(), part in 0.0..1.0_f64) {
         let requested = (part * limits.speed as f64) as i64;
         let mut watch = Watch::new(limits.clone());
         for _ in 0..ticks_between(&limits, 0, limits.speed) * 2 {
@@ -375,7 +375,7 @@ fn a_ramp_is_followed_exactly_and_not_overshot() {
 
 /// A stop while stopping, and a stop at rest, change nothing. The shaft can follow again from there.
 #[test]
-fn stops_within_stops() {
+fn a_stop_during_a_stop_changes_nothing() {
     let limits = limits(2000, 60.0, 100.0, 2000.0, &[(20.0, 25.0)]);
     let mut watch = Watch::new(limits);
     let full = Demand::Follow(Target::steady(Turns::from_num(0.02)));

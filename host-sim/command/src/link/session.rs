@@ -176,7 +176,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_end_is_some_time_after_the_machine_rests() {
+    fn the_session_ends_some_ticks_after_the_machine_parks() {
         let mut watched = Watched::default();
         let mut over = Vec::new();
         let states = [

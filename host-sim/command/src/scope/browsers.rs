@@ -128,7 +128,7 @@ mod tests {
 
     /// Messages without room are counted, for the slow browser only.
     #[test]
-    fn samples_and_reports_that_find_no_room_are_counted() {
+    fn dropped_samples_and_reports_are_counted_per_browser() {
         let address = SocketAddr::from(([127, 0, 0, 1], 1));
         let (slow, _waits) = sync_channel(1);
         let (fast, waiting) = sync_channel(8);

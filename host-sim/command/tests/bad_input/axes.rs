@@ -4,7 +4,7 @@ use super::edit::{append, replace, set, with_line, without};
 use super::{assert_all_refused, case};
 
 #[test]
-fn how_many() {
+fn invalid_axis_counts_are_refused() {
     let count = |value, wrong, right| {
         case(
             "count",
@@ -40,7 +40,7 @@ fn how_many() {
 }
 
 #[test]
-fn what_all_have() {
+fn invalid_common_axis_keys_are_refused() {
     let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
     assert_all_refused(&[
         key(
@@ -152,7 +152,7 @@ fn what_all_have() {
 }
 
 #[test]
-fn pull_out_torque() {
+fn invalid_pull_out_curves_are_refused() {
     let pull_out = |name, points, key, wrong, right| {
         case(name, set("axes.pull_out", points), key, wrong, right)
     };
@@ -210,7 +210,7 @@ fn pull_out_torque() {
 }
 
 #[test]
-fn what_one_has_apart() {
+fn invalid_keys_of_one_axis_are_refused() {
     let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
     let own = |name, line: &str, key, wrong, right| {
         case(name, with_line("axis[1].reversed", line), key, wrong, right)
@@ -321,7 +321,7 @@ fn what_one_has_apart() {
 
 /// Keys of a stepper that have no effect are refused.
 #[test]
-fn torque_that_scales_or_slips_nothing() {
+fn torque_keys_without_effect_are_refused() {
     assert_all_refused(&[
         case(
             "microsteps that are no whole number",

@@ -23,7 +23,7 @@ const SPRINGS: &str = "stiffness_n_per_mm = [7680, 7500, 102000]";
 const DAMPERS: &str = "dampers_ns_per_m = [402, 175, 2030]";
 
 #[test]
-fn one_mechanism_and_no_other() {
+fn a_scene_needs_either_a_machine_or_a_cam() {
     let cam = "[cam]\nrise_mm = 84\nrise_deg = 120\ndwell_deg = 135\nreturn_deg = 105\n";
     let (name, rest) = BASE.split_once("[machine]").unwrap();
     let (_, rest) = rest.split_once("[control]").unwrap();
@@ -41,7 +41,7 @@ fn one_mechanism_and_no_other() {
 }
 
 #[test]
-fn angles_and_heights() {
+fn invalid_cam_angles_and_heights_are_refused() {
     let number = |name, from, to, key, wrong, right| case(name, edit(from, to), key, wrong, right);
     assert_all_refused(&[
         number(
@@ -104,7 +104,7 @@ fn angles_and_heights() {
 }
 
 #[test]
-fn what_gives_between_cam_and_pusher() {
+fn invalid_masses_springs_and_dampers_are_refused() {
     let number =
         |name, from, to: &str, key, wrong, right| case(name, edit(from, to), key, wrong, right);
     assert_all_refused(&[
@@ -191,7 +191,7 @@ fn what_gives_between_cam_and_pusher() {
 }
 
 #[test]
-fn model_levels_and_methods() {
+fn unsuitable_model_levels_and_methods_are_refused() {
     let model_level = |name: &'static str, key, wrong, right| {
         let text = format!(
             "fidelity = \"{name}\"\n{}",

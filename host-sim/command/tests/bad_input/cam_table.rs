@@ -20,7 +20,7 @@ fn edited(
 }
 
 #[test]
-fn tables() {
+fn invalid_cam_tables_are_refused() {
     assert_all_refused(&[
         edited(
             "no end",
@@ -74,7 +74,7 @@ fn tables() {
 }
 
 #[test]
-fn axes_that_follow() {
+fn invalid_cam_keys_of_axes_are_refused() {
     assert_all_refused(&[
         edited(
             "another name",
@@ -128,7 +128,7 @@ fn axes_that_follow() {
 }
 
 #[test]
-fn what_a_screw_needs() {
+fn unsuitable_screw_settings_are_refused() {
     assert_all_refused(&[
         edited(
             "no screw",

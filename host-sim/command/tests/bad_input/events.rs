@@ -4,7 +4,7 @@ use super::edit::{append, set, without};
 use super::{assert_all_refused, case};
 
 #[test]
-fn commands_inputs_lateness() {
+fn invalid_commands_inputs_and_delays_are_refused() {
     let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
     assert_all_refused(&[
         key(
@@ -67,7 +67,7 @@ fn commands_inputs_lateness() {
 }
 
 #[test]
-fn the_window() {
+fn invalid_scope_windows_are_refused() {
     assert_all_refused(&[
         case(
             "upside down",
@@ -101,7 +101,7 @@ fn the_window() {
 }
 
 #[test]
-fn fidelity() {
+fn an_unknown_model_level_is_refused() {
     assert_all_refused(&[case(
         "a model level that is not there",
         set("fidelity", "\"perfect\""),

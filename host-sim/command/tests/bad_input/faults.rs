@@ -17,7 +17,7 @@ fn with(
 }
 
 #[test]
-fn kinds_and_what_they_take() {
+fn unknown_kinds_and_missing_fault_keys_are_refused() {
     assert_all_refused(&[
         with(
             "no such kind",
@@ -80,7 +80,7 @@ fn kinds_and_what_they_take() {
 }
 
 #[test]
-fn their_numbers() {
+fn fault_values_out_of_range_are_refused() {
     let number = |name, lines: &str, key, wrong, right| with(name, lines, key, wrong, right);
     assert_all_refused(&[
         number(
@@ -147,7 +147,7 @@ fn their_numbers() {
 }
 
 #[test]
-fn axes_and_machines_that_cannot_show_them() {
+fn faults_that_the_machine_cannot_have_are_refused() {
     let model_level = |name, model_level: &str, lines: &str, key, wrong, right| {
         let text = replace(
             "fidelity = \"auto\"",
@@ -198,7 +198,7 @@ fn axes_and_machines_that_cannot_show_them() {
 }
 
 #[test]
-fn noise() {
+fn invalid_noise_values_are_refused() {
     let key = |key, line: &str, wrong, right| {
         case(
             key,

@@ -22,7 +22,7 @@ fn assert_no_scene(dir: &Path, file: &str, words: &[&str]) {
 }
 
 #[test]
-fn no_text() {
+fn files_that_are_not_utf_8_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     let utf16 = |bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
         let units = format!("\u{feff}{BASE}");
@@ -62,7 +62,7 @@ fn no_text() {
 }
 
 #[test]
-fn no_file() {
+fn missing_files_and_folders_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     fs::create_dir(dir.path().join("folder")).unwrap();
     assert_no_scene(
@@ -105,7 +105,7 @@ fn no_file() {
 /// A gigabyte is refused as quickly, and in as little memory, as a megabyte.
 #[cfg(target_os = "linux")]
 #[test]
-fn no_end() {
+fn files_without_an_end_are_refused_in_little_memory() {
     let dir = tempfile::tempdir().unwrap();
     let sparse = fs::File::create(dir.path().join("sparse")).unwrap();
     sparse.set_len(2 << 30).unwrap();
@@ -145,7 +145,7 @@ fn no_end() {
 }
 
 #[test]
-fn nowhere_to_write() {
+fn unusable_output_folders_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("scene.toml"), BASE).unwrap();
     fs::write(dir.path().join("taken"), "a file").unwrap();
@@ -177,7 +177,7 @@ fn nowhere_to_write() {
 /// The argument parser writes these messages, on lines of its own. The status is 2 here too, and standard output is
 /// empty.
 #[test]
-fn arguments() {
+fn invalid_command_line_values_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("scene.toml"), BASE).unwrap();
     let before = super::listing(dir.path());
@@ -213,7 +213,7 @@ fn arguments() {
 
 /// If this fails, a window after the end gives a file without edges, and the status reports success.
 #[test]
-fn a_window_outside_the_run() {
+fn a_window_outside_the_run_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("scene.toml"), BASE).unwrap();
     let window = ["run", "scene.toml", "--out", "out", "--window", "100..101"];
@@ -234,7 +234,7 @@ fn a_window_outside_the_run() {
 
 /// If this fails, the window shows the first motion instead of the time at which a fault stops the run.
 #[test]
-fn the_window_is_where_a_run_goes_wrong() {
+fn the_default_window_shows_the_fault() {
     let dir = tempfile::tempdir().unwrap();
     let (scene, _) = BASE.split_once("[scope]").unwrap();
     let scene = format!("{scene}[[input]]\nat_s = 2.2\nline = \"enable\"\nactive = false\n");

@@ -4,7 +4,7 @@ use super::edit::{append, before, replace, set, with_line, without};
 use super::{assert_all_refused, case};
 
 #[test]
-fn tables_and_keys_that_are_not_there() {
+fn unknown_and_missing_tables_and_keys_are_refused() {
     assert_all_refused(&[
         case(
             "misspelt table",
@@ -101,7 +101,7 @@ fn tables_and_keys_that_are_not_there() {
 }
 
 #[test]
-fn wrong_types() {
+fn values_of_the_wrong_type_are_refused() {
     let load = |value, wrong, right| {
         case(
             "type",
@@ -144,7 +144,7 @@ fn wrong_types() {
 }
 
 #[test]
-fn what_is_not_toml() {
+fn toml_syntax_errors_are_refused() {
     let line = |name, line, wrong| {
         case(
             name,
@@ -225,7 +225,7 @@ fn what_is_not_toml() {
 
 /// If this fails, a syntax mistake from another language gets the TOML parser's own message, which suggests no fix.
 #[test]
-fn habits_of_other_languages() {
+fn syntax_of_other_languages_is_refused_with_a_fix() {
     let line = |name, line, right| {
         let text = with_line("machine.load_kg", line);
         case(name, text, "machine.load_kg", "is not TOML, at `", right)
@@ -264,7 +264,7 @@ fn habits_of_other_languages() {
 
 /// A message that quotes text from a file stays one line that a terminal can show.
 #[test]
-fn what_a_terminal_would_not_bear() {
+fn messages_escape_and_shorten_quoted_text() {
     let long = "x".repeat(100_000);
     assert_all_refused(&[
         case(

@@ -4,7 +4,7 @@ use super::edit::{before, replace, set};
 use super::{assert_all_refused, case};
 
 #[test]
-fn forbidden_bands() {
+fn invalid_forbidden_bands_are_refused() {
     let band = |name, bands: &str, key, wrong, right| {
         case(
             name,
@@ -103,7 +103,7 @@ fn forbidden_bands() {
 }
 
 #[test]
-fn speed_acceleration_jerk() {
+fn invalid_speed_acceleration_and_jerk_limits_are_refused() {
     let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
     assert_all_refused(&[
         key(
@@ -166,7 +166,7 @@ fn speed_acceleration_jerk() {
 }
 
 #[test]
-fn ticks_and_pulses() {
+fn invalid_tick_and_pulse_settings_are_refused() {
     let tick = |value, wrong, right| {
         case(
             "tick rate",

@@ -98,7 +98,7 @@ fn wrong_units_name_the_key_with_the_right_one() {
 }
 
 #[test]
-fn masses_and_lengths_that_cannot_be() {
+fn impossible_masses_and_lengths_are_refused() {
     let load = |name, value, wrong| -> Case {
         case(
             name,
@@ -150,7 +150,7 @@ fn masses_and_lengths_that_cannot_be() {
 }
 
 #[test]
-fn mechanisms() {
+fn unsuitable_mechanism_keys_are_refused() {
     let yoke = set("machine.mechanism", "\"scotch-yoke\"");
     assert_all_refused(&[
         case(
@@ -178,7 +178,7 @@ fn mechanisms() {
 }
 
 #[test]
-fn crank_rockers() {
+fn invalid_crank_rockers_are_refused() {
     let rocker = library::find("crank-rocker").unwrap().text;
     let with = |from: &str, to: &str| {
         assert!(rocker.contains(from), "{from}");
@@ -224,7 +224,7 @@ fn crank_rockers() {
 }
 
 #[test]
-fn lambda_and_the_rod() {
+fn invalid_lambda_and_rod_lengths_are_refused() {
     let ratio = "0.1 to 0.6, the ratios of crank radius to rod length";
     let rod = |name, length, wrong, right| {
         let text = super::edit::with_line("machine.lambda", &format!("rod_length_mm = {length}"));

@@ -5,7 +5,7 @@ use host_sim::scene::library;
 use super::{assert_all_refused, case};
 
 #[test]
-fn crushers() {
+fn invalid_crushers_are_refused() {
     let crusher = library::find("jaw-crusher").unwrap().text;
     let with = |from: &str, to: &str| {
         assert!(crusher.contains(from), "{from}");
@@ -82,7 +82,7 @@ fn crushers() {
 }
 
 #[test]
-fn five_bar_arms() {
+fn invalid_five_bar_arms_are_refused() {
     let arm = library::find("five-bar").unwrap().text;
     let with = |from: &str, to: &str| {
         assert!(arm.contains(from), "{from}");
@@ -208,7 +208,7 @@ fn five_bar_arms() {
 
 /// If this fails, a screen runs up with motors that its resonance may capture, and the user gets only a warning.
 #[test]
-fn screens_whose_motors_lack_torque_at_the_resonance() {
+fn screens_without_torque_for_the_resonance_are_refused() {
     let text = library::find("screen").unwrap().text;
     let edit = |from: &str, to: &str| {
         assert!(text.contains(from), "the screen has no {from}");

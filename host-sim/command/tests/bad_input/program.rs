@@ -4,7 +4,7 @@ use super::edit::{append, program, rename, set, without};
 use super::{assert_all_refused, case};
 
 #[test]
-fn levels_out_of_reach() {
+fn unreachable_levels_are_refused() {
     let level = |name, value, wrong, right| {
         case(
             name,
@@ -54,7 +54,7 @@ fn levels_out_of_reach() {
 }
 
 #[test]
-fn times() {
+fn invalid_ramp_and_hold_times_are_refused() {
     let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
     assert_all_refused(&[
         key(
@@ -110,7 +110,7 @@ fn times() {
 }
 
 #[test]
-fn entries_that_are_neither_level_nor_block() {
+fn entries_neither_level_nor_block_are_refused() {
     let block = |name, text: &str, key, wrong, right| {
         case(
             name,
@@ -239,7 +239,7 @@ fn entries_that_are_neither_level_nor_block() {
 }
 
 #[test]
-fn programs_too_large() {
+fn programs_that_are_too_large_are_refused() {
     fn nested(depth: usize) -> String {
         (0..depth).fold("{ amax_g = 5, ramp_s = 1 }".to_owned(), |inner, _| {
             format!("{{ repeat = 2, segments = [{inner}] }}")

@@ -62,7 +62,7 @@ const NUMBERS: &[(&str, bool)] = &[
 ];
 
 #[test]
-fn numbers_that_no_machine_has() {
+fn non_finite_and_extreme_numbers_are_refused() {
     for &(key, zero) in NUMBERS {
         for value in ["nan", "inf", "-inf"] {
             let right = "finite number; give one from";

@@ -22,7 +22,7 @@ fn swing_by_triangles_deg(time_ratio: f64) -> f64 {
 
 /// If this fails, a linkage whose rocker swings less than requested is drawn as correct, or is not refused.
 #[test]
-fn dead_centres_on_two_branches() {
+fn linkages_with_dead_centres_on_two_branches_are_refused() {
     // These swings are calculated independently of this project, to half a unit of the last digit.
     for (time_ratio, swing_deg) in [(0.6, 47.59), (0.7, 58.28)] {
         let facts = branch::measure(time_ratio).unwrap();

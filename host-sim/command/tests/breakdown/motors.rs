@@ -8,7 +8,7 @@ use super::failed;
 
 /// If this fails, a motor that is too weak does not slip, or its slip is detected late or never.
 #[test]
-fn a_motor_that_pulls_out() {
+fn the_slip_of_a_weak_motor_is_detected() {
     let strong = pull_out::measure(1.0).unwrap().outcome;
     assert_eq!(strong.statistics.slipped_cycles, [0, 0, 0]);
     assert_eq!((strong.state, strong.fault), (State::Parked, None));
@@ -71,7 +71,7 @@ fn a_crank_that_bends_the_rods_is_stopped() {
 
 /// If this fails, motors that all slip together are not detected, because the platform does not tilt, or they do not slip.
 #[test]
-fn five_times_the_load() {
+fn five_times_the_load_causes_a_common_lag_fault() {
     let sized = overload::measure(overload::SIZED_KG).unwrap().outcome;
     assert_eq!(sized.statistics.slipped_cycles, [0, 0, 0]);
     assert_eq!((sized.state, sized.fault), (State::Parked, None));
@@ -96,7 +96,7 @@ fn five_times_the_load() {
 
 /// If this fails, a loop that takes five ticks for each tick runs on in phase but too slowly, or loses its phase.
 #[test]
-fn a_loop_five_times_too_slow() {
+fn a_loop_five_times_too_slow_causes_an_overrun() {
     let outcome = runs::run(&overload::slow_loop(), &mut |_| {}).unwrap();
     assert_eq!(
         outcome.fault.map(|fault| fault.kind),

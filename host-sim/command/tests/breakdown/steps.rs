@@ -9,7 +9,7 @@ use super::{failed, refused};
 
 /// If this fails, a step beyond a method's limit does not diverge, or a step below it does.
 #[test]
-fn a_stiff_chain_beyond_its_step() {
+fn a_stiff_chain_diverges_only_beyond_the_step_limit() {
     let facts = chain::measure(Size::Small).unwrap();
     // Published for steady turning: 0.125 mm. From rest, the first turn differs by at most the remaining transient of the slowest mode.
     assert!(
@@ -84,7 +84,7 @@ fn a_step_beyond_the_limit_is_refused() {
 
 /// If this fails, a run that diverges writes no files, or looks like a good run.
 #[test]
-fn a_run_that_diverges_says_so_and_is_written() {
+fn a_diverging_run_is_reported_and_written() {
     let report = failed(&diverging::scene());
     let warnings = report["warnings"].to_string();
     assert!(
@@ -97,7 +97,7 @@ fn a_run_that_diverges_says_so_and_is_written() {
 
 /// If this fails, rods do not load a crank that is out of phase, or a step that suits soft rods is accepted for stiff ones.
 #[test]
-fn stiffer_rods_under_four_cranks() {
+fn stiffer_rods_increase_torque_and_step_count() {
     let facts = rods::measure(Size::Small).unwrap();
     // One crank of four that is 1° off is 0.25° off the plane of all four. With rigid rods its motor has to give all of that: 20 N·m by
     // the sine of 50 electrical cycles.

@@ -19,7 +19,7 @@
 //! is loaded, and drives that are cut. The platform transmits the load to the other motors, and these lose their steps, too. Then the
 //! bound is the greatest tilt for any positions of the cranks ([`Geometry::any_tilt_mrad`]).
 //!
-//! On these levels the loads move the cranks apart, too. This module does not compute by how much, and uses the largest possible
+//! On these levels the loads move the cranks apart, too. This module does not compute the distance, and uses the largest possible
 //! value. A stepper's rotor is at most a quarter of an electrical cycle from its commanded position, or it loses the cycle. So e is
 //! larger by two of these quarters, one ahead and one behind.
 
@@ -148,7 +148,7 @@ mod tests {
     /// If this fails, the computed stop is too short, and a slip exceeds its bound. From 60 rev/s, at 60 rev/s² and 600 rev/s³, the present
     /// acceleration takes 0.1 s to end and adds 3 rev/s. Then the deceleration takes 63/60 s, and 0.1 s for its ends.
     #[test]
-    fn a_stop_takes_what_its_limits_make_of_it() {
+    fn the_stop_time_follows_from_acceleration_and_jerk_limits() {
         let scene = library::find("default").unwrap().scene();
         let stop_s = stop_s(&scene.limits, &place(60.0));
         assert!(

@@ -61,11 +61,11 @@ mod tests {
     use super::*;
     use host_sim::scene::library;
 
-    /// If the distance were too wide, pulses that the loop must report would be ignored. If it were too narrow, the loop would have to
+    /// If this fails, the distance is too wide, and pulses that the loop must report are ignored. Or it is too narrow, and the loop has to
     /// report pulses that do no harm. A limit that allows one crank 4° allows a pulse 2° in either direction, and the flag's length after
     /// it.
     #[test]
-    fn an_extra_pulse_is_harmless_within_half_a_limit_and_over_the_flag() {
+    fn an_extra_pulse_near_the_flag_is_harmless() {
         let is_harmless = |width_deg: f64, deg: f64| {
             let mut scene = library::find("default").unwrap().scene();
             scene.axes.index_width_deg = width_deg;

@@ -186,7 +186,7 @@ mod tests {
     /// If this fails, the bound is too low for a crank at its limit, or so high that it excludes nothing. Chords are shorter than tangents
     /// by less than e²/2 times the largest curvature 1 + λ, over the largest slope, which is above 1.
     #[test]
-    fn the_geometric_tilt_of_a_small_error_is_the_linear_one() {
+    fn geometric_and_linear_tilt_agree_for_small_errors() {
         for name in ["default", "patent-4"] {
             let scene = library::find(name).unwrap().scene();
             let geometry = Geometry::new(&scene).unwrap();

@@ -117,10 +117,10 @@ mod tests {
     use super::*;
     use host_sim::scene::library;
 
-    /// If growth were counted while the machine moves or the drives are off, every stop would fail. If it were counted from the smallest
-    /// tilt, or not at all, a crank that slips away after the stop would pass.
+    /// If this fails, growth counts while the machine moves or the drives are off, and every stop fails. Or it counts from the smallest
+    /// tilt, or not at all, and a crank that slips away after the stop passes.
     #[test]
-    fn tilt_grows_from_the_end_of_the_stop_while_drives_hold() {
+    fn tilt_growth_counts_from_rest_while_drives_hold() {
         let mut hold = Hold::default();
         // The machine stood still before the fault's stop, so no hold has begun.
         hold.take(true, true, 0.0, || 9.0);
@@ -159,10 +159,10 @@ mod tests {
         assert_eq!(turns(&stuck, 1.6), 0.0);
     }
 
-    /// If an encoder's runaway were allowed half a turn, a loop that ignores encoders during a hold would pass. If an index's were not
-    /// allowed a turn, no loop could pass. 10 ticks of 0.5 ms at 6 rev/s are 0.03 turn.
+    /// If this fails, a runaway with an encoder is allowed half a turn, and a loop that ignores encoders during a hold passes. Or a runaway
+    /// with an index alone is not allowed a turn, and no loop can pass. 10 ticks of 0.5 ms at 6 rev/s are 0.03 turn.
     #[test]
-    fn a_runaway_at_rest_may_go_on_until_its_sensor_shows_it() {
+    fn the_runaway_allowance_at_rest_depends_on_the_sensor() {
         let mut scene = library::find("default").unwrap().scene();
         scene.axes.count = 5;
         scene.control.tick_hz = 2000;

@@ -52,7 +52,7 @@ mod tests {
 
     /// If this fails, the bounds are wrong where all trials have the event, or none. They have a closed form there: p^n = 2.5 %.
     #[test]
-    fn all_or_none_have_bounds_that_can_be_written_down() {
+    fn bounds_have_closed_form_for_all_or_no_hits() {
         for of in [1_u64, 10, 1000, 100_000] {
             let edge = 0.025_f64.powf(1.0 / of as f64);
             let (low, high) = Rate { hits: of, of }.bounds();
@@ -66,7 +66,7 @@ mod tests {
 
     /// If this fails, the stated bounds do not hold with 95 %. At each bound the tail of the binomial is 2.5 %, summed here term by term.
     #[test]
-    fn at_the_bounds_the_tails_are_a_fortieth_each() {
+    fn each_bound_has_a_tail_of_a_fortieth() {
         for (hits, of) in [(1_u64, 8_u64), (37, 100), (990, 1000)] {
             let (low, high) = Rate { hits, of }.bounds();
             let above = 1.0 - at_most(hits - 1, of, low);

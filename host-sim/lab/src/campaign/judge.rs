@@ -61,7 +61,7 @@ pub struct Judgement {
     pub left_running: bool,
 }
 
-/// Judges a run by what was detected in it, and by whether its simulation diverged or a motor slipped by itself.
+/// Judges a run from its record. `diverged` is true if its simulation diverged, and `slipped` if a motor slipped by itself.
 pub fn judge(
     scene: &Scene,
     geometry: Option<&Geometry>,

@@ -26,7 +26,7 @@ pub struct Circumstances {
     pub in_homing: bool,
     /// True if the crank was beyond its limit.
     pub is_beyond_limit: bool,
-    /// True if the two axes of a swap are mounted in opposite directions: what drives one forward drives the other back.
+    /// True if the two axes of a swap are mounted in opposite directions: a command that drives one forward drives the other back.
     pub opposed: bool,
     /// True if their index flags stand at different places.
     pub flags_apart: bool,
@@ -59,7 +59,7 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::Runaway if at.has_encoder => match fault.for_s {
             _ if fault.speed_hz.is_none_or(|speed_hz| speed_hz > 0.0) => vec![Kind::Runaway],
             None => vec![Kind::Reversed],
-            // Fact 2: once it follows again, it is behind. It may have gone back by less than the error of a reading before.
+            // Fact 2: once it follows again, it is behind. Before that it may have gone back by less than the error of a reading.
             Some(_) if at.is_stepper => vec![Kind::Reversed, Kind::Stuck, Kind::LostSteps],
             Some(_) => vec![Kind::Reversed, Kind::Stuck],
         },

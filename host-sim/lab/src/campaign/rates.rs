@@ -135,7 +135,7 @@ mod tests {
 
     /// If this fails, the table multiplies a rate by a wrong share, or states a rate of a part as one of all faulty runs.
     #[test]
-    fn a_stratum_adds_its_share_of_its_rate() {
+    fn a_stratum_contributes_its_rate_times_its_share() {
         let group = Group {
             runs: 10_000,
             in_time: Rate {

@@ -259,7 +259,7 @@ impl<'a> Responses<'a> {
         }
     }
 
-    /// Takes in that the commanded speed has fallen to zero without a recovery since `start`.
+    /// Records that the commanded speed has fallen to zero without a recovery since `start`.
     fn rested(&mut self, start: Start) {
         // Drives that go off end any motion. It was a stop only if it had slowed down or was reported as one.
         if self.off.is_some() && !start.falls && start.reported.is_none() {
@@ -374,8 +374,8 @@ mod tests {
         responses.stopped().map(|stopped| stopped.place.moment)
     }
 
-    /// If a ramp or the program's own stop counted as a stop, an undetected fault would seem detected. If a stop counted from the tick in
-    /// which the speed falls, a stop of an accelerating machine would seem late.
+    /// If this fails, a ramp or the program's own stop counts as a stop, and an undetected fault appears detected. Or a stop counts from
+    /// the tick in which the speed falls, and a stop of an accelerating machine appears late.
     #[test]
     fn a_stop_begins_where_the_commanded_acceleration_falls_for_good() {
         let hold = [0, 2, 6, 10, 12, 12, 12, 12, 12, 12, 12, 9, 4, 1, 0, 0];
@@ -405,10 +405,10 @@ mod tests {
         );
     }
 
-    /// If a stop that coincides with the end of a ramp counted only from the first difference, it would seem late although no stop can be
-    /// faster. If the report counted without the outputs, a loop that only reports a stop would pass.
+    /// If this fails, a stop that coincides with the end of a ramp counts only from the first difference, and appears late although no stop
+    /// can be faster. Or the report counts without the outputs, and a loop that only reports a stop passes.
     #[test]
-    fn a_reported_stop_counts_where_the_outputs_prove_it() {
+    fn a_reported_stop_counts_only_if_outputs_confirm_it() {
         let ramp = [0, 2, 6, 10, 12, 13, 13, 13, 13, 13, 13, 13];
         let stops = [0, 2, 6, 10, 12, 13, 13, 13, 12, 9, 5, 2, 0];
         assert_eq!(stop_reported(&stops, 5, &ramp, 99), Some(8));
@@ -418,9 +418,9 @@ mod tests {
         assert_eq!(stop_reported(&ramp, 5, &ramp, 99), None);
     }
 
-    /// If the enable line of the twin did not count, the end of a scene would be a response.
+    /// If this fails, the enable line of the twin does not count, and the end of a scene is a response.
     #[test]
-    fn drives_go_off_where_the_twins_do_not() {
+    fn drives_off_counts_only_if_the_twin_stays_enabled() {
         let off = |twin_stays: bool| {
             let mut ticks = vec![outputs(5); 4];
             ticks[3].drives_enabled = twin_stays;
@@ -440,8 +440,8 @@ mod tests {
         assert_eq!(off(false), None);
     }
 
-    /// If a correction in any direction counted, one that moves cranks further apart would pass. If it counted only once it exceeds two
-    /// steps, a slow correction would seem late.
+    /// If this fails, a correction in any direction counts, and one that moves cranks further apart passes. Or a correction counts only
+    /// once it exceeds two steps, and a slow correction appears late.
     #[test]
     fn a_correction_moves_against_the_error_and_counts_from_its_first_tick() {
         let corrected = |offsets: [f64; 5], twin_turns: f64, error_turns: f64| {

@@ -229,7 +229,7 @@ mod tests {
 
     /// If this fails, shards of a selection overlap or leave gaps, or a kind without a sensor does not select both of its strata.
     #[test]
-    fn positions_count_the_cases_that_are_taken() {
+    fn positions_count_only_selected_cases() {
         let plan = plan(3);
         let selection = selection(&plan, &["slip", "runaway:index"], Some(40));
         assert_eq!(
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn fields_are_read_as_they_are_written() {
+    fn written_fields_parse_to_the_same_selection() {
         for others in [None, Some(25)] {
             let selection = selection(&plan(1), &["slip", "reversed:encoder"], others);
             let fields = selection.fields();
@@ -280,7 +280,7 @@ mod tests {
     /// If this fails, the estimate is biased, or its interval contains the rate too rarely. The event has a known rate. It occurs in the
     /// stratum that is oversampled, and in the others.
     #[test]
-    fn estimates_are_right_on_average_and_their_intervals_cover() {
+    fn estimates_are_unbiased_and_intervals_cover_the_rate() {
         const CAMPAIGNS: u64 = 200;
         const CASES: u64 = 200;
         let (mut total, mut squares, mut covered) = (0.0, 0.0, 0);

@@ -97,7 +97,7 @@ mod tests {
 
     /// If this fails, the upper end for a stratum without events is wrong. It has a closed form: exp(-n·p) = 2.5 %.
     #[test]
-    fn no_events_have_a_bound_that_can_be_written_down() {
+    fn the_upper_bound_without_events_has_a_closed_form() {
         for of in [1000_u64, 20_000, 1_000_000] {
             let Estimate { rate, low, high } = sum(&[part(0.02, 0, of)]).unwrap();
             assert_eq!((rate, low), (0.0, 0.0));
@@ -142,7 +142,7 @@ mod tests {
 
     /// If this fails, the interval depends on how equal strata are divided. Two strata of equal weights give the same interval as one.
     #[test]
-    fn equal_strata_are_taken_together() {
+    fn equal_strata_give_the_interval_of_their_union() {
         let two = sum(&[part(0.2, 3, 400), part(0.3, 5, 600)]).unwrap();
         let one = sum(&[part(0.5, 8, 1000)]).unwrap();
         for (two, one) in [(two.low, one.low), (two.high, one.high)] {
@@ -173,7 +173,7 @@ mod tests {
     /// strata, is at least 95 %. The rate lies above the interval in 2.5 % at most, and below it in 2.5 % at most. A small oversampled
     /// stratum is combined with a large one with rare events, as in a campaign.
     #[test]
-    fn the_interval_has_the_rate_in_it_as_often_as_stated() {
+    fn the_interval_covers_the_rate_as_often_as_stated() {
         let mut least = 1.0_f64;
         for (first, second) in [((0.09, 2000), (0.91, 4000)), ((0.02, 1000), (0.04, 1000))] {
             for expected in [(0.5, 0.0), (2.0, 0.3), (5.0, 2.0), (15.0, 0.5), (12.0, 8.0)] {

@@ -231,7 +231,7 @@ mod tests {
 
     /// If this fails, the list of what is not as claimed contradicts the exit status of the campaign.
     #[test]
-    fn wrong_names_within_the_claim_are_listed_apart() {
+    fn misnamed_faults_within_the_claim_are_listed_separately() {
         let of = |named: u64, what: &'static str| {
             let mut group = Group::default();
             for number in 0..100 {

@@ -184,7 +184,7 @@ mod tests {
 
     /// If this fails, a quantile is that of a neighbouring value, and the table may leave out the slowest detection.
     #[test]
-    fn quantiles_are_of_those_that_there_are() {
+    fn quantiles_are_values_of_the_sample() {
         let sorted: Vec<f64> = (1..=200).map(f64::from).collect();
         for (part, value) in [(0.5, 100.0), (0.95, 190.0), (0.99, 198.0), (1.0, 200.0)] {
             assert_eq!(Group::quantile(&sorted, part), Some(value));

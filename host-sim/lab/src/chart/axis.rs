@@ -126,7 +126,7 @@ mod tests {
 
     /// If this fails, labels are wrong by powers of ten.
     #[test]
-    fn ticks_are_labelled_as_people_write_them() {
+    fn tick_labels_are_powers_of_ten_or_plain_numbers() {
         for (value, is_plain, text) in [
             (1e-12, false, "10⁻¹²"),
             (2e5, false, "2·10⁵"),

@@ -55,7 +55,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 cam.cycle_s(),
             ],
             Relative(2e-6),
-            (FILE, "times_of_the_cycle"),
+            (FILE, "cycle_times_match_the_printed_digits"),
         ),
         Figure::new(
             2,
@@ -63,7 +63,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
             [1718.3, 5610.0, 34190.8],
             chain.undamped_rad_s(),
             Relative(1e-4),
-            (FILE, "modes"),
+            (FILE, "modes_match_published_frequencies_and_damping"),
         ),
         Figure::new(
             2,
@@ -71,7 +71,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
             [0.03470, 0.09842, 0.34371],
             std::array::from_fn(|i| modes[i].zeta),
             Relative(1e-4),
-            (FILE, "modes"),
+            (FILE, "modes_match_published_frequencies_and_damping"),
         ),
     ];
     let peaks = [
@@ -91,7 +91,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
             published,
             [rise, return_],
             Relative(1e-4),
-            (FILE, "design_peaks"),
+            (FILE, "design_peaks_match_the_published_ones"),
         ));
     }
     let printed = [
@@ -111,7 +111,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
             published,
             [first, third],
             Relative(1e-3),
-            (FILE, "accelerations_as_printed"),
+            (FILE, "peak_accelerations_match_the_printed_ones"),
         ));
     }
     let [first, third, off_mm, _] = periodic(Law::ModifiedSine, Shaft::DampedToCam)?;
@@ -122,7 +122,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         [323.45, 340.58],
         [first, third],
         Relative(1e-3),
-        (FILE, "with_the_damper_at_the_cam"),
+        (FILE, "figures_with_damper_at_the_cam_match_published_ones"),
     ));
     figures.push(Figure::new(
         5,
@@ -130,7 +130,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         [0.125, 0.246],
         [off_mm, off_ground_mm],
         Absolute(5e-4),
-        (FILE, "with_the_damper_at_the_cam"),
+        (FILE, "figures_with_damper_at_the_cam_match_published_ones"),
     ));
     let cam = Cam::wrapper(Law::ModifiedSine);
     let fastest_mps = (0..10_000)
@@ -145,7 +145,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
             power_kw,
         ],
         Relative(3.5e-3),
-        (FILE, "with_the_damper_at_the_cam"),
+        (FILE, "figures_with_damper_at_the_cam_match_published_ones"),
     ));
     Ok(Section {
         title: "Cam and elastic follower",

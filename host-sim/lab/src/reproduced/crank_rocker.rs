@@ -139,7 +139,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [47.59, 58.28],
                 [swing_of(0.6), swing_of(0.7)],
                 Absolute(5e-3),
-                (FILE, "what_has_no_linkage_is_refused_by_name"),
+                (FILE, "requirements_without_a_linkage_are_refused_by_name"),
             ),
         ],
     })

@@ -43,7 +43,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [19.62],
                 [2.0 * GRAVITY_MPS2],
                 Absolute(1e-9),
-                (FILE, "weight_step_and_side_pull"),
+                (FILE, "weight_sensor_step_and_side_pull_match_the_source"),
             ),
             Figure::new(
                 4,
@@ -67,7 +67,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [10.5],
                 [by_speed.duration_s()],
                 Absolute(1e-9),
-                (FILE, "lines_with_blends_take_their_time"),
+                (FILE, "line_durations_follow_from_speed_and_blends"),
             ),
             Figure::new(
                 5,
@@ -75,7 +75,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [0.0210526],
                 [by_time.speed_mps],
                 Absolute(5e-8),
-                (FILE, "lines_with_blends_take_their_time"),
+                (FILE, "line_durations_follow_from_speed_and_blends"),
             ),
             Figure::new(
                 8,
@@ -83,7 +83,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [9.58],
                 [1e3 * ForceSensor::SOURCE.step_n()],
                 Absolute(5e-3),
-                (FILE, "weight_step_and_side_pull"),
+                (FILE, "weight_sensor_step_and_side_pull_match_the_source"),
             ),
             Figure::new(
                 9,
@@ -91,7 +91,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [3.92],
                 [side_n],
                 Absolute(5e-3),
-                (FILE, "weight_step_and_side_pull"),
+                (FILE, "weight_sensor_step_and_side_pull_match_the_source"),
             ),
         ],
     })

@@ -111,7 +111,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [40.828, 40.940],
                 [least, most],
                 Absolute(5e-4),
-                (FILE, "equivalent_inertia_swings_as_published"),
+                (FILE, "equivalent_inertia_has_the_published_range"),
             )
             .noted("the jaw's mass and centre are calibrated to it"),
             Figure::new(
@@ -128,7 +128,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [28.043, 27.255],
                 pair(&linear),
                 Absolute(0.01),
-                (FILE, "periodic_regime_as_computed_independently"),
+                (FILE, "periodic_regime_matches_an_independent_computation"),
             )
             .noted(selected),
             Figure::new(
@@ -137,7 +137,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [28.167, 27.362],
                 pair(&half),
                 Absolute(0.01),
-                (FILE, "periodic_regime_as_computed_independently"),
+                (FILE, "periodic_regime_matches_an_independent_computation"),
             )
             .noted(selected),
             Figure::new(
@@ -146,7 +146,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [28.021, 27.177],
                 pair(&constant),
                 Absolute(0.01),
-                (FILE, "periodic_regime_as_computed_independently"),
+                (FILE, "periodic_regime_matches_an_independent_computation"),
             )
             .noted(selected),
             Figure::new(
@@ -155,7 +155,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [-0.073],
                 [by_18.slowest_rad_s() - linear.slowest_rad_s()],
                 Absolute(2e-3),
-                (FILE, "the_scheme_of_the_source_is_off_by_as_much"),
+                (FILE, "the_source_scheme_error_is_near_the_computed_one"),
             )
             .noted("load and nodes were selected for it"),
             Figure::new(
@@ -164,7 +164,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [0.031],
                 [by_18.fastest_rad_s() - linear.fastest_rad_s()],
                 NotReproduced,
-                (FILE, "the_scheme_of_the_source_is_off_by_as_much"),
+                (FILE, "the_source_scheme_error_is_near_the_computed_one"),
             )
             .noted("depends on load and nodes, which are not known: −0.017 to 0.056"),
             Figure::new(

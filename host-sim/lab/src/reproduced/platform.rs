@@ -169,7 +169,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 Absolute(5e-3),
                 (
                     "host-sim/tests/published.rs",
-                    "a_ramp_begins_steeper_than_it_turns",
+                    "tangential_acceleration_exceeds_centripetal_at_ramp_start",
                 ),
             ),
             Figure::new(
@@ -181,7 +181,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                     1e3 * printed.worst_height_mismatch(step).value,
                 ],
                 Relative(4e-3),
-                (DESIGN, "one_full_step_of_phase_error"),
+                (DESIGN, "a_full_step_gives_the_published_height_difference"),
             ),
         ],
     })

@@ -94,7 +94,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [1310.4],
                 [rounded.stiffness_kgf_per_cm()],
                 Absolute(0.05),
-                (FILE, "springs"),
+                (FILE, "stiffness_natural_speed_and_deflection"),
             ),
             Figure::new(
                 3,
@@ -106,7 +106,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                     five.speed_ratio(),
                 ],
                 Relative(1e-3),
-                (FILE, "springs"),
+                (FILE, "stiffness_natural_speed_and_deflection"),
             ),
             Figure::new(
                 4,
@@ -147,7 +147,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [3586.6, 24.66],
                 [belt_mm(1100.0, [314.0, 560.0]), belt_mps(314.0, 1500.0)],
                 Absolute(0.05),
-                (FILE, "belts"),
+                (FILE, "belt_length_and_speed"),
             )
             .noted("the print has 3579 mm: its last term divides by 8 A"),
             Figure::new(
@@ -190,7 +190,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [23.4],
                 [rounded.static_deflection_mm()],
                 Absolute(0.05),
-                (FILE, "springs"),
+                (FILE, "stiffness_natural_speed_and_deflection"),
             ),
             Figure::new(
                 10,

@@ -105,7 +105,7 @@ mod tests {
     /// *Solving ODEs I*, table II.2.1), or the sum of a row is not the time of its stage. The bound is that of rounding: 1e-13,
     /// for sums of terms up to 10.
     #[test]
-    fn fulfils_the_order_conditions() {
+    fn coefficients_fulfil_the_order_conditions() {
         let b = |i| a(STAGES - 1, i);
         let sum = |term: &dyn Fn(usize) -> f64| (0..STAGES).map(term).sum::<f64>();
         for (i, c) in C.into_iter().enumerate() {

@@ -71,7 +71,7 @@ fn of_the_command(text: &str) -> String {
 }
 
 #[test]
-fn mistakes_are_those_of_the_command() {
+fn preview_mistakes_match_those_of_the_command() {
     let texts = texts();
     let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
     let Some(previews) = support::preview(&texts) else {

@@ -19,7 +19,7 @@ fn whole(text: &str) -> (Answer, Envelope) {
 
 /// If this fails, a page computes a program of months and never shows it.
 #[test]
-fn a_long_program_is_reported_while_it_grows_and_cut_off() {
+fn a_long_program_reports_progress_and_is_cut_off() {
     const MOST_TICKS: u64 = 200_000;
     let mut reports = Vec::new();
     let text = default_with("hold_s = 6", "hold_s = 1e6");

@@ -97,7 +97,7 @@ fn drift(scheme: Scheme, steps_a_turn: f64, coasting: Coasting) -> f64 {
 /// If this fails, a coasting machine slows down or speeds up by itself. The effect of friction and motors could then not be
 /// distinguished from that.
 #[test]
-fn implicit_midpoint_keeps_it() {
+fn implicit_midpoint_conserves_energy() {
     for coasting in REGULAR {
         let drift = drift(Scheme::ImplicitMidpoint, STEPS_A_TURN, coasting);
         println!("implicit midpoint, {coasting:?}: {drift:.1e}");
@@ -107,7 +107,7 @@ fn implicit_midpoint_keeps_it() {
 
 /// If this fails, cheaper methods conserve energy at this step as well, and the choice of implicit midpoint is unjustified.
 #[test]
-fn rk4_and_explicit_euler_lose_it_at_that_step() {
+fn rk4_and_explicit_euler_do_not_conserve_energy() {
     for coasting in REGULAR {
         for scheme in [Scheme::Rk4, Scheme::ExplicitEuler] {
             let drift = drift(scheme, STEPS_A_TURN, coasting);

@@ -22,7 +22,7 @@ fn torque_nm(motor: Induction, slip_rad_s: f64) -> f64 {
 /// If this fails, the curve does not pass through the rated point. Or its largest torque is not the breakdown torque at the
 /// published breakdown slip, 104.720 − 92.995 rad/s.
 #[test]
-fn the_curve_passes_through_its_points() {
+fn the_torque_curve_passes_through_rated_and_breakdown_points() {
     let rated = 0.5 * std::f64::consts::TAU;
     assert!((torque_nm(motor(), rated) - 147.68).abs() < 1e-9);
     assert!((torque_nm(motor(), -rated) + 147.68).abs() < 1e-9);
@@ -37,7 +37,7 @@ fn the_curve_passes_through_its_points() {
 
 /// If this fails, the converter does not bring the shaft to its commanded phase, apart from the load's slip over the gain.
 #[test]
-fn a_load_leaves_slip_over_gain() {
+fn the_phase_error_under_load_is_slip_over_gain() {
     let rigid = Rigid::new(body(2, Platform::Below));
     let motor = Induction::new(2.0, 3.0, 2.0, 5.0);
     let mut driven = Driven::new(Freedom::Rigid(rigid), vec![Motor::Induction(motor); 2]);

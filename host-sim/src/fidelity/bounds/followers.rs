@@ -150,7 +150,7 @@ mod tests {
 
     /// If this fails, the harmonics do not add up to the law's peak within the allowance for the tail.
     #[test]
-    fn harmonics_hold_the_law() {
+    fn harmonics_sum_to_at_least_the_peak() {
         let cam = Cam {
             speed_rad_s: 1.0,
             ..Cam::wrapper(Law::ModifiedSine)

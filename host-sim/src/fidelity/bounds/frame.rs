@@ -93,7 +93,7 @@ mod tests {
     /// If this fails, the bound is below the true motion of a frame. Far above its resonance, a free frame of mass M moves by
     /// m/(M + m) of the platform's motion; at resonance, by m ω²/(c ω) = m/((M + m) 2 ζ).
     #[test]
-    fn a_frame_answers_as_its_closed_form() {
+    fn the_frame_response_matches_its_closed_form() {
         let frame = Layer::new([90.0, 1.0, 1.0], [10.0, 1.0, 1.0], 1e6, 0.2, 0.05);
         assert!((answer(&frame, None, 10.0, 1e5) - 0.1).abs() < 1e-3);
         let resonance = (1e6_f64 / 100.0).sqrt();

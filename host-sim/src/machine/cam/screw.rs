@@ -1,7 +1,7 @@
 //! Pushers on screws: the electronic cam.
 //!
 //! Each axis turns a screw whose nut carries the pusher, and follows a cam table. The machine compares the pusher with that of a mechanical
-//! cam shaft that turns with the master. Both have the same law, and the lobe is shifted by as much as the axis's table.
+//! cam shaft that turns with the master. Both have the same law, and the lobe is shifted by the same angle as the axis's table.
 //!
 //! The position of a pusher is that of its motor. Its acceleration is the second difference of the commanded position over two ticks,
 //! because that of whole steps has no meaning. It applies to the instant between the two ticks, and is compared with the acceleration of

@@ -94,7 +94,7 @@ fn exact_split_is_the_root_of_the_curvature() {
 
 /// If this fails, invalid lengths are accepted as a mechanism.
 #[test]
-fn refuses_what_is_no_mechanism() {
+fn invalid_lengths_are_refused() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(
             SliderCrank::new(bad, 1.0),

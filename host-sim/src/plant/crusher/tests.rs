@@ -20,7 +20,7 @@ fn crusher(peak_n: f64) -> Crusher {
 
 /// If this fails, the simulated crusher differs from the one that is verified against the published speeds.
 #[test]
-fn it_moves_as_the_published_crusher() {
+fn the_plant_moves_as_the_published_crusher() {
     let published = OnTheMains::SOURCE.with_rock(Shape::LinearRise, 1.3e6);
     let (ours, body) = (crusher(1.3e6), Body::of_shafts(vec![FLYWHEEL_KGM2]));
     for k in 0..360 {
@@ -43,7 +43,7 @@ fn it_moves_as_the_published_crusher() {
 
 /// If this fails, the changing inertia creates or absorbs energy. Without rock and motor the energy is constant.
 #[test]
-fn energy_stays() {
+fn energy_is_conserved() {
     let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
     let on = OnPlant::new(
         Body::of_shafts(vec![FLYWHEEL_KGM2]),
@@ -76,7 +76,7 @@ fn rock_brakes_and_does_not_push() {
 
 /// If this fails, the jaw's acceleration is not the second derivative of its position, or the amplitude is not the largest one.
 #[test]
-fn the_jaw_moves_as_its_place_does() {
+fn jaw_acceleration_is_the_second_derivative_of_position() {
     let ours = crusher(0.0);
     let omega = 27.0;
     let place = |phi: f64| ours.pose(&[phi / TAU], omega, 0.0).z_m;

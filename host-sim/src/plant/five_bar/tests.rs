@@ -27,7 +27,7 @@ fn arm(gravity_mps2: f64) -> Arm {
 
 /// If this fails, the simulated arm differs from the one that is verified against virtual work and published figures.
 #[test]
-fn it_moves_as_the_published_arm() {
+fn the_plant_moves_as_the_published_arm() {
     let ours = arm(9.81);
     let light = Body::of_shafts(vec![0.0; 2]);
     for k in 0..300_u32 {
@@ -79,7 +79,7 @@ fn it_moves_as_the_published_arm() {
 
 /// If this fails, arm and rotors create or lose energy.
 #[test]
-fn energy_stays() {
+fn energy_is_conserved() {
     let mut ours = arm(9.81);
     ours.arm.surface = None;
     let no_torque = Motor::Servo(Servo {
@@ -104,7 +104,7 @@ fn energy_stays() {
 
 /// If this fails, the acceleration on the kinematic level is not that of the path, or the path does not return to its start.
 #[test]
-fn the_path_returns_and_accelerates_as_its_place_does() {
+fn the_path_returns_and_its_velocity_matches_its_position() {
     let path = arm(0.0).path;
     assert!((path.duration_s() - 21.0).abs() < 1e-12);
     let end = path.at(1.0 - 1e-12).at_m;

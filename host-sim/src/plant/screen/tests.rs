@@ -63,7 +63,7 @@ fn one_shaft_moves_as_the_published_screen() {
 
 /// If this fails, shafts and box create or lose energy. Without damping, motors and friction the energy is constant.
 #[test]
-fn energy_stays() {
+fn energy_is_conserved() {
     for places in [&[0.3][..], &[-1.0, 1.2], &[-1.5, -0.5, 0.4, 1.6]] {
         let mut screen = screen(places);
         screen.zeta = 0.0;
@@ -125,7 +125,7 @@ fn steady_motion_solves_the_equations() {
 
 /// If this fails, the forbidden band permits speeds at which the box moves by more than twice its throw, or is far too wide.
 #[test]
-fn the_band_holds_what_is_amplified() {
+fn the_forbidden_band_covers_amplified_speeds() {
     let mut screen = screen(&[0.0]);
     screen.zeta = 0.01;
     let (from_hz, to_hz) = screen.band_hz();

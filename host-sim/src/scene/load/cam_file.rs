@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn one_or_two_columns_with_or_without_heading() {
+    fn tables_of_one_or_two_columns_are_read() {
         let expected = vec![0.0, 0.5, 1.0, 0.25];
         for text in [
             "0\n0.5\n1\n0.25\n",
@@ -196,7 +196,7 @@ mod tests {
 
     /// If this fails, an invalid table is accepted, and an axis follows another curve than the user's.
     #[test]
-    fn what_is_no_table_is_refused_by_line() {
+    fn an_invalid_table_is_refused_with_its_line() {
         for (text, said) in [
             ("0\n1\n", " has 2 points"),
             ("", " has 0 points"),

@@ -61,7 +61,7 @@ mod tests {
     ];
 
     #[test]
-    fn another_unit_means_the_same_quantity() {
+    fn a_key_with_another_unit_finds_the_known_key() {
         for (unknown, known, meant) in [
             ("load_g", MACHINE, "load_kg"),
             ("load", MACHINE, "load_kg"),

@@ -171,7 +171,7 @@ mod tests {
                         { from_hz = 2 },\n]\n[[axis]]\nnumber = 0\n[[axis]]\nnumber = 1\n";
 
     #[test]
-    fn keys_are_found_by_their_path_or_by_the_table_that_lacks_them() {
+    fn keys_are_located_and_missing_keys_at_their_table() {
         for (path, line) in [
             ("name", Some(1)),
             ("limits", Some(3)),

@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folded_ramp_is_a_ramp_again() {
+    fn a_ramp_in_buckets_is_drawn_as_a_ramp() {
         // Falling, so that the nearer extreme is the upper one.
         let buckets = (0..10).map(|i| {
             let t = f64::from(2 * i);

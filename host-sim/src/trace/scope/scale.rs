@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn times_are_read_in_a_unit_of_their_size() {
+    fn the_time_axis_selects_a_unit_by_its_length() {
         let unit = |length| TimeAxis::new(Some((0.0, length))).unit;
         assert_eq!(
             [0.2, 60.0, 3600.0, 86_400.0].map(unit),

@@ -20,7 +20,7 @@ fn elf() -> (TempDir, String) {
 
 /// If this fails, a profile books cycles to other functions than those that spent them.
 #[test]
-fn each_address_has_a_line_in_its_order() {
+fn each_address_gives_one_line_in_input_order() {
     let (_dir, elf) = elf();
     let (status, out, err) = said(&inspect(&["frames", &elf, "-"], b"a\n0x2\n18\n"));
     assert_eq!(status, 0, "{err}");
@@ -32,7 +32,7 @@ fn each_address_has_a_line_in_its_order() {
 }
 
 #[test]
-fn what_is_no_address_is_refused() {
+fn text_that_is_not_an_address_is_refused() {
     let (_dir, elf) = elf();
     let (status, _, err) = said(&inspect(&["frames", &elf, "-"], b"2\nsix\n"));
     assert_eq!(status, 2);

@@ -58,7 +58,7 @@ fn log(elf: &Path, more: &[&str], bytes: &[u8]) -> (i32, String, String) {
 }
 
 #[test]
-fn statements_come_out_in_both_encodings() {
+fn statements_are_decoded_in_both_encodings() {
     let frames = [frame(HELLO, 7, &[]), frame(SPEED, 1234, &[9, 300])];
     for (encoding, bytes) in [
         ("raw", frames.concat()),
@@ -104,7 +104,7 @@ fn broken_frames_are_skipped_and_reported() {
 }
 
 #[test]
-fn a_stream_of_which_nothing_can_be_decoded_fails() {
+fn an_undecodable_stream_fails() {
     for encoding in ["raw", "rzcobs"] {
         let (_dir, elf) = firmware(encoding);
         let (status, out, err) = log(&elf, &[], &[0xaa; 30]);
@@ -119,7 +119,7 @@ fn a_stream_of_which_nothing_can_be_decoded_fails() {
 }
 
 #[test]
-fn json_has_a_line_an_object_with_the_cycle_of_its_last_byte() {
+fn json_lines_have_the_cycle_of_their_last_byte() {
     let (dir, elf) = firmware("rzcobs");
     let frames = [
         rzcobs(&frame(HELLO, 7, &[])),
@@ -144,7 +144,7 @@ fn json_has_a_line_an_object_with_the_cycle_of_its_last_byte() {
 }
 
 #[test]
-fn firmware_without_a_log_is_named_so() {
+fn firmware_without_a_log_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let elf = Elf::new().write(dir.path());
     let (status, out, err) = log(&elf, &[], &[1]);

@@ -60,7 +60,7 @@ fn a_chain_of_calls_is_shown_by_its_shortest_path() {
 }
 
 #[test]
-fn what_is_not_called_does_not_count() {
+fn uncalled_functions_are_ignored() {
     let functions = [
         calls("root", "a"),
         function("a", &[RETURN]),
@@ -83,14 +83,14 @@ fn a_jump_into_another_function_is_a_call() {
 }
 
 #[test]
-fn a_function_without_an_end_goes_on_into_the_next() {
+fn a_function_without_an_end_continues_in_the_next() {
     let functions = [function("root", &[NOP, NOP]), calls("a", PANIC), a_panic()];
     assert_reached(&functions, &[REACHED, "root", "a"]);
 }
 
 /// If this fails, constants are read as code, and there are calls that do not exist.
 #[test]
-fn data_that_resemble_a_call_are_none() {
+fn data_that_resemble_a_call_are_not_followed() {
     let bl_to_panic = |offset: u32| (0xf800 | offset >> 1) << 16 | 0xf000;
     // The data are at 0x104, the panic at 0x108.
     let data = [Word::Is(bl_to_panic(0x108 - 0x104 - 4))];
@@ -138,7 +138,7 @@ fn a_function_whose_address_is_held_may_be_called() {
 }
 
 #[test]
-fn a_call_to_nobody_knows_where_is_no_proof() {
+fn a_call_to_an_unknown_target_is_reported() {
     let unknown = "unknown: a call through a register, by";
     let functions = [function("root", &[PUSH_R4_LR, CALL_R3, POP_R4_PC])];
     assert_reached(&functions, &[unknown, "root"]);
@@ -156,7 +156,7 @@ fn a_call_to_nobody_knows_where_is_no_proof() {
 }
 
 #[test]
-fn an_undefined_instruction_is_a_trap_but_behind_a_call_that_does_not_return() {
+fn an_undefined_instruction_is_a_trap_unless_unreachable() {
     let functions = [function("root", &[NOP, Part::Is(0xde00)])];
     assert_reached(&functions, &["trap: an undefined instruction, by", "root"]);
     let functions = [
@@ -168,7 +168,7 @@ fn an_undefined_instruction_is_a_trap_but_behind_a_call_that_does_not_return() {
 
 /// adr r1, table; ldr r0, [r1, r0]; mov pc, r0: the code of a `match`.
 #[test]
-fn a_jump_through_a_table_stays_inside() {
+fn a_jump_through_a_table_stays_in_its_function() {
     let table = [Part::Is(0xa101), Part::Is(0x5808), Part::Is(0x4687), RETURN];
     assert_free(&[with_data("root", &table, &[Word::Is(0x107)])]);
     let without_table = [NOP, NOP, Part::Is(0x4687), RETURN];
@@ -178,7 +178,7 @@ fn a_jump_through_a_table_stays_inside() {
 
 /// Compilers use `bl` inside of a function where no other jump has the range.
 #[test]
-fn a_far_jump_inside_is_no_recursion() {
+fn a_far_jump_within_a_function_is_not_recursion() {
     let far = [
         PUSH_R4_LR,
         Part::Is(0xf000),
@@ -316,7 +316,7 @@ fn a_call_that_is_allowed_is_not_followed() {
 }
 
 #[test]
-fn an_allowed_call_through_a_register_goes_where_the_entry_says() {
+fn an_allowed_register_call_goes_to_the_listed_functions() {
     let functions = || {
         [
             function("root", &[PUSH_R4_LR, CALL_R3, POP_R4_PC]),
@@ -350,7 +350,7 @@ fn an_entry_needs_a_reason() {
 
 /// push {r0, r1}; ldr r0, [pc, #4]; str r0, [sp, #4]; pop {r0, pc}; then the address: the thunks of the linker.
 #[test]
-fn a_thunk_is_the_function_behind_it() {
+fn a_thunk_is_followed_to_its_function() {
     let code = [0xb403, 0x4801, 0x9001, 0xbd01].map(Part::Is);
     let thunk = with_data("__Thumbv6MABSLongThunk_a", &code, &[Word::Of("a")]);
     let functions = [

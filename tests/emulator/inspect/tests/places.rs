@@ -7,7 +7,7 @@ use support::{inspect, said};
 
 /// If this fails, code of the tick path could wait for the flash unnoticed.
 #[test]
-fn what_lies_in_the_flash_is_named_with_its_caller() {
+fn flash_functions_are_reported_with_their_callers() {
     let functions = [
         function("root", &[PUSH_R4_LR, Part::Call("a"), POP_R4_PC]),
         function("a", &[RETURN]),
@@ -26,7 +26,7 @@ fn what_lies_in_the_flash_is_named_with_its_caller() {
 }
 
 #[test]
-fn a_root_that_is_not_there_is_no_proof() {
+fn a_missing_root_is_an_error() {
     let (_dir, elf) = firmware(&[function("root", &[RETURN])]);
     let elf = elf.to_str().unwrap();
     let (status, _, err) = said(&inspect(&["places", elf, "--root", "other"], &[]));

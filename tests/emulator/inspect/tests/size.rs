@@ -110,7 +110,7 @@ fn a_change_beyond_its_margin_fails_until_it_is_blessed() {
 }
 
 #[test]
-fn a_figure_that_was_never_kept_is_noticed() {
+fn a_figure_missing_from_the_golden_file_is_reported() {
     let (dir, elf) = firmware(10_000);
     let golden = dir.path().join("golden.toml");
     std::fs::write(&golden, "text_bytes = 10000\n").unwrap();

@@ -60,7 +60,7 @@ proptest! {
 
     /// If this fails, the user's and the controller's part together exceed the limit of an axis, in some order or by rounding.
     #[test]
-    fn both_parts_have_one_limit(
+    fn user_and_controller_offsets_share_one_limit(
         user in -0.03_f64..0.03,
         controller in -0.03_f64..0.03,
         limit_turns in 0.0_f64..0.03,

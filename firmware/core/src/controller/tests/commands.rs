@@ -49,7 +49,7 @@ fn a_jog_turns_at_homing_speed_and_ends_unless_it_is_repeated() {
 
 /// If this fails, an immediate stop still waits for the parking phase and takes longer than needed.
 #[test]
-fn an_immediate_stop_is_no_longer_than_one_at_the_parking_phase() {
+fn an_immediate_stop_is_shorter_than_a_parking_stop() {
     let ticks_to_park = |command| {
         let mut controller = running(100.0);
         play(&mut controller, None, 3000, false);

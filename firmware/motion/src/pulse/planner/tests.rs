@@ -172,7 +172,7 @@ proptest! {
     /// Every rising edge of an axis that moves forward, up to 1 M steps/s, is within 0.25 µs of the time at which the
     /// phase crosses its step. No edge is missing, and pulses keep their width.
     #[test]
-    fn edges_are_where_the_phase_crosses(
+    fn edges_are_within_250_ns_of_their_phase_crossing(
         tick_hz in any_tick_hz(),
         steps_per_turn in 4_u32..65_536,
         rates in prop::collection::vec(prop_oneof![0.0..1.0_f64, 0.0..1e6_f64, 0.9e6..1e6_f64], 1..12),
@@ -197,7 +197,7 @@ proptest! {
     /// For every motion of the axis and all timing of its drive, ticks are filled, all times are kept, and no step is
     /// lost or added. Speeds stay around zero, where an axis reverses in practice.
     #[test]
-    fn changes_of_direction_lose_nothing(
+    fn changes_of_direction_lose_no_steps(
         tick_hz in any_tick_hz(),
         steps_per_turn in 4_u32..65_536,
         width_ns in 8.0..5000.0_f64,
@@ -221,7 +221,7 @@ proptest! {
 
     /// The greatest number of edges that settings allow fits the runs of a tick at any spacing.
     #[test]
-    fn the_fastest_axis_fits(tick_hz in any_tick_hz(), part in 0.9..1.0_f64, phase in 0..1_i64 << 40) {
+    fn edges_of_the_fastest_axis_fit_in_a_tick(tick_hz in any_tick_hz(), part in 0.9..1.0_f64, phase in 0..1_i64 << 40) {
         let steps_per_turn = 10_000;
         let most = timing(tick_hz).timing.most_step_hz(tick_hz);
         let turns = turns_per_tick(most * part, steps_per_turn, tick_hz);
@@ -233,7 +233,7 @@ proptest! {
 /// At a steady rate that divides the clock, a tick takes few runs. The last edge is due at the very end of the tick. It
 /// keeps the guard, and the last chunk is shortened for it.
 #[test]
-fn a_whole_period_needs_few_runs() {
+fn a_steady_rate_needs_few_runs_per_tick() {
     let mut planner = Planner::new(timing(2000).timing, 2000);
     let mut runs = Runs::new();
     let turns = Turns::from_num(0.125); // 250 steps in a tick of 62,500 cycles: 125 cycles an edge
@@ -260,7 +260,7 @@ fn a_change_of_direction_keeps_the_pulse_width_low() {
 }
 
 #[test]
-fn a_long_set_up_is_refused() {
+fn a_too_long_direction_setup_is_refused() {
     let settings = PulseSettings {
         width_ns: 5000.0,
         dir_setup_ns: 50_000.0,

@@ -108,7 +108,7 @@ fn stops_of_machines_are_no_later_than_two_ticks() {
 /// The same over all settings that are accepted, down to jerks of 64 units, of which planning subtracts four. There
 /// planning in whole units costs time.
 #[test]
-fn what_planning_in_whole_units_costs() {
+fn planning_in_whole_units_delays_stops_within_bounds() {
     let (all, _) = stops(any_limits(), 500);
     for (name, found) in CLASSES.into_iter().zip(all) {
         print(

@@ -70,7 +70,7 @@ proptest! {
     /// From any speed and acceleration, inside or outside a band, the stop takes at most the shortest time plus two
     /// ticks. Otherwise cranks that drift apart would turn longer than the motors' torque requires.
     #[test]
-    fn a_faults_stop_is_the_shortest(
+    fn a_fault_stop_is_the_shortest(
         limits in any_limits(),
         speeds in any_speeds(),
         cut in any::<prop::sample::Index>(),
@@ -89,7 +89,7 @@ proptest! {
     /// If this fails, a fault during a stop at a phase waits for that stop, or starts from a wrong acceleration. A
     /// caller that demands both at once then gets neither.
     #[test]
-    fn a_fault_during_another_stop_is_not_kept_waiting(
+    fn a_fault_stop_during_another_stop_is_the_shortest(
         limits in any_limits(),
         speeds in any_speeds(),
         cut in any::<prop::sample::Index>(),
@@ -118,7 +118,7 @@ proptest! {
 
     /// If this fails, a fault stop inside a band, on the way up or down, crosses the band first.
     #[test]
-    fn a_fault_while_crossing_a_band_stops_as_shortly(
+    fn a_fault_stop_while_crossing_a_band_is_the_shortest(
         limits in any_limits(),
         up in any::<bool>(),
         part in 0.0..1.0_f64,
@@ -146,7 +146,7 @@ proptest! {
 
 /// Fault stops during homing, while starting and at constant speed: speeds of 0.1 to 10 rev/s, at each tick.
 #[test]
-fn a_fault_during_homing_stops_as_shortly() {
+fn a_fault_stop_during_homing_is_the_shortest() {
     for (speed_hz, stop) in [(60.0, 1.0), (60.0, 8.0), (2.0, 3.0)] {
         let settings = LimitSettings {
             speed_hz,
@@ -175,7 +175,7 @@ fn a_fault_during_homing_stops_as_shortly() {
 
 /// A fault stop continues to its end, whatever is demanded then. With equal limits it is the same as any other stop.
 #[test]
-fn a_faults_stop_is_not_followed_out_of() {
+fn a_fault_stop_completes_before_following_resumes() {
     let mut limits = limits(2000, 60.0, 50.0, 500.0, &[]);
     limits.fault = self::limits(2000, 60.0, 500.0, 50_000.0, &[]).usual;
     let full = Demand::Follow(Target::steady(Turns::from_num(0.02)));

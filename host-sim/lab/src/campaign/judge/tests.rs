@@ -1,4 +1,4 @@
-//! Tests of what counts as the detection of a crank beyond its limit.
+//! Tests of the detection of a crank beyond its limit.
 
 use super::*;
 use crate::campaign::response::Response;
@@ -77,8 +77,8 @@ fn judged(scene: &Scene, observation: &Observation) -> (Verdict, Option<f64>, Op
     (verdict, rounded, in_time)
 }
 
-/// If a report alone were a detection, a loop would pass that names the fault while the crank goes on. If a stop without the right name
-/// were none, the judge would trust a name more than the outputs.
+/// If this fails, a report alone is a detection, and a loop passes that names the fault while the crank moves on. Or a stop without the
+/// right name is no detection, and a name counts more than the outputs.
 #[test]
 fn a_crank_is_detected_when_the_outputs_stop_it() {
     let (scene, reported) = slipped(&[]);
@@ -107,10 +107,10 @@ fn a_crank_is_detected_when_the_outputs_stop_it() {
     assert_eq!(judged(&scene, &late).0, Verdict::Misnamed);
 }
 
-/// If a sufficient correction did not count, a machine would have to stop for what it corrects. If an insufficient one counted, a machine
-/// could stay beyond its limit without end.
+/// If this fails, a sufficient correction does not count, and a machine has to stop for an error that it corrects. Or an insufficient
+/// correction counts, and a machine may stay beyond its limit without end.
 #[test]
-fn a_correction_counts_where_it_suffices() {
+fn a_correction_counts_only_if_sufficient() {
     let corrected = responded(Response::Correction, 9.5);
     let (scene, mut observation) = slipped(&[corrected]);
     assert_eq!(judged(&scene, &observation).0, Verdict::Missed);
@@ -120,7 +120,7 @@ fn a_correction_counts_where_it_suffices() {
         judged(&scene, &observation),
         (Verdict::Right, Some(-0.5), Some(true))
     );
-    // The crank goes on, and is stopped later. It counts as detected beyond its limit from the stop.
+    // The crank moves on, and is stopped later. It counts as detected beyond its limit from the stop.
     let stopped = responded(Response::Stop, 12.0);
     observation.stopped = Some(stopped);
     assert_eq!(judged(&scene, &observation).1, Some(2.0));
@@ -135,8 +135,8 @@ fn a_correction_counts_where_it_suffices() {
     assert_eq!(judged(&scene, &observation).1, Some(2.0));
 }
 
-/// If it counted as late, a loop would have to detect a crank that comes back before its index shows it. If it counted as in time, a crank
-/// that stays beyond its limit for turns would pass.
+/// If this fails, a short stay beyond the limit counts as late, and a loop has to detect a crank that comes back before its index shows
+/// it. Or a stay counts as in time whatever its length, and a crank that stays beyond its limit for turns passes.
 #[test]
 fn a_crank_that_does_not_stay_beyond_its_limit_need_not_be_detected() {
     let (scene, mut observation) = slipped(&[responded(Response::Correction, 9.5)]);
@@ -149,7 +149,7 @@ fn a_crank_that_does_not_stay_beyond_its_limit_need_not_be_detected() {
     assert_eq!(judged(&scene, &observation).0, Verdict::Missed);
 }
 
-/// If only reports counted, a controller that stops without one would cause no false trip.
+/// If this fails, only reports count, and a controller that stops without a report causes no false trip.
 #[test]
 fn a_stop_before_the_fault_is_a_false_trip() {
     let (scene, mut observation) = slipped(&[responded(Response::Stop, 10.6)]);

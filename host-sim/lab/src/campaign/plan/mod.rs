@@ -224,7 +224,7 @@ fn given(stream: &mut Stream, checked: &Checked) -> (String, Scene) {
         };
     }
     scene.noise.seed = stream.seed();
-    // A replay of the file must use the same model level. So the scene stores the level that was chosen, and no questions that choose one.
+    // A replay of the file must use the same model level. So the scene stores the chosen level, and not the questions that choose one.
     scene.fidelity = checked.fidelity;
     scene.questions = Default::default();
     (checked.scene.name.clone(), scene)

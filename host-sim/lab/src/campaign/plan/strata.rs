@@ -101,7 +101,7 @@ mod tests {
 
     /// If this fails, rates of strata are added with wrong weights.
     #[test]
-    fn cases_are_of_each_stratum_in_its_share() {
+    fn each_stratum_occurs_in_proportion_to_its_share() {
         const CASES: u64 = 100_000;
         for plan in plans() {
             let strata = plan.strata();
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn names_and_shares_are_read_as_they_are_written() {
+    fn written_names_and_shares_parse_to_the_same_values() {
         for (stratum, share) in plans()[0].strata() {
             assert_eq!(Stratum::parse(&stratum.to_string()), Some(stratum));
             assert_eq!(Share::parse(&share.to_string()), Some(share));

@@ -64,7 +64,7 @@ mod tests {
 
     /// If this fails, a case differs between ranges of cases, and a replay simulates another case.
     #[test]
-    fn a_stream_is_its_seeds_and_numbers_own() {
+    fn a_stream_depends_only_on_seed_and_number() {
         let draw = |seed, number| Stream::new(seed, number).between(0.0, 1.0);
         assert_eq!(draw(7, 1_000_000), draw(7, 1_000_000));
         assert_ne!(draw(7, 1), draw(7, 2));

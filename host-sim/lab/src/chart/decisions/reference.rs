@@ -182,7 +182,7 @@ fn assert_reference(decision: &dyn Decision, found: [f64; 2]) {
 
 /// If this fails, the chart gives errors against a wrong threshold. (Each threshold was found between far wider bounds.)
 #[test]
-fn thresholds_are_the_librarys() {
+fn thresholds_match_the_library_solvers() {
     let near = |at: f64| (at * (1.0 - 1e-5), at * (1.0 + 1e-5));
     let (low, high) = near(resonance::REFERENCE);
     let found = LIBRARY.map(|library| bisected(low, high, |drive| passes(drive, library)));
@@ -200,7 +200,7 @@ fn thresholds_are_the_librarys() {
 /// If this fails, shorter steps do not converge to the reference. The error of RK4 falls at least in proportion to the step, over the
 /// three finest steps each, down to the error of the reference.
 #[test]
-fn rk4_comes_to_the_reference() {
+fn rk4_converges_to_the_reference() {
     for decision in super::decisions() {
         let steps_s = decision.steps_s();
         let errors: Vec<f64> = steps_s[steps_s.len() - 3..]
@@ -221,7 +221,7 @@ fn rk4_comes_to_the_reference() {
 /// If this fails, the screen is not the published one. The published screen runs up to 5.00 mm at 837 turns per minute. At 1.05 of the
 /// rated torque, it is captured near 187 with 28 mm. At 1.1, it runs up. All numbers agree to 2 %.
 #[test]
-fn the_screen_does_what_is_published_of_it() {
+fn the_screen_reproduces_published_run_up_and_capture() {
     let end = |torque_over_rated: f64| {
         let screen = Screen { torque_over_rated };
         let mut method = Scheme::Rk4.prepare(&screen, 1e-3).unwrap();

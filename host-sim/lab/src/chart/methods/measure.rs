@@ -116,7 +116,7 @@ mod tests {
 
     /// If this fails, the text under the chart names another method than the picture shows.
     #[test]
-    fn costs_are_read_between_points() {
+    fn costs_are_interpolated_between_points() {
         let run = |evaluations, error| Run {
             steps: 1,
             evaluations,

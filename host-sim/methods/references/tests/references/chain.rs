@@ -20,7 +20,7 @@ fn assert_within(what: &str, is: f64, must: f64, relative: f64) {
 
 /// 1: times of the cycle, to the printed digits.
 #[test]
-fn times_of_the_cycle() {
+fn cycle_times_match_the_printed_digits() {
     let cam = Cam::wrapper(Law::Cycloid);
     assert_within("speed", cam.speed_rad_s, 47.1239, 1e-6);
     assert_within("rise", cam.rise_s(), 0.044_444_4, 2e-6);
@@ -31,7 +31,7 @@ fn times_of_the_cycle() {
 
 /// 2: modes; frequencies and damping ratios to 0.01 %.
 #[test]
-fn modes() {
+fn modes_match_published_frequencies_and_damping() {
     let chain = Chain::wrapper(Cam::wrapper(Law::Cycloid), Shaft::DampedToGround);
     let published = [
         (1718.3, 273.48, 0.034_70),
@@ -49,7 +49,7 @@ fn modes() {
 
 /// 3: design peaks of the four laws, to 1e-4. The laws themselves have these peaks.
 #[test]
-fn design_peaks() {
+fn design_peaks_match_the_published_ones() {
     let published = [
         (TAU, 267.19, 348.99), // published as 6.2832
         (5.8883, 250.40, 327.05),
@@ -132,7 +132,7 @@ fn periodic(law: Law, shaft: Shaft, scheme: Scheme) -> Periodic {
 
 /// 4: accelerations by the equations as printed, to 0.1 %, from two independent methods.
 #[test]
-fn accelerations_as_printed() {
+fn peak_accelerations_match_the_printed_ones() {
     let published = [
         (361.01, 371.61),
         (350.21, 369.92),
@@ -156,7 +156,7 @@ fn accelerations_as_printed() {
 /// 5: the damper's second end at the cam, and the loss with that end at the ground. Three digits are published. The results
 /// agree to half of the last digit.
 #[test]
-fn with_the_damper_at_the_cam() {
+fn figures_with_damper_at_the_cam_match_published_ones() {
     let law = Law::ModifiedSine;
     let (ground, at_cam) = (
         periodic(law, Shaft::DampedToGround, Scheme::Exact),
@@ -194,7 +194,7 @@ fn with_the_damper_at_the_cam() {
 /// 6: step limits, to 1 %. The published limit of semi-implicit Euler, 58.5 us, is 2/ω of the fastest mode without damping.
 /// With its damping, taken at the velocity before the step, the limit is 2 (√(1 + ζ²) − ζ)/ω: 41.7 us.
 #[test]
-fn longest_stable_steps() {
+fn longest_stable_steps_match_published_limits() {
     let cam = Cam::wrapper(Law::ModifiedSine);
     let chain = Chain::wrapper(cam, Shaft::DampedToGround);
     let undamped = Chain::new(cam, Shaft::DampedToGround, [0.0; 3]);
@@ -247,7 +247,7 @@ fn longest_stable_steps() {
 
 /// A 1 kHz loop with an explicit method diverges and returns an error. With a method without a limit, the loop continues.
 #[test]
-fn at_a_kilohertz() {
+fn methods_with_a_stability_limit_diverge_at_a_kilohertz() {
     let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToGround);
     for scheme in Scheme::ALL {
         let played = play(scheme, &chain, [0.0; 6], 1.0, 1000);
@@ -263,7 +263,7 @@ fn at_a_kilohertz() {
 /// that of the library solvers. The run covers the rise of the cycloid, where all is smooth, in steps of 16 us. hω is 0.55
 /// for the fastest mode, which hardly takes part, and 0.09 and 0.03 for the others. Bounds are 2 (hω)^p at 0.09, of 1 m/s.
 #[test]
-fn follows_the_library_solvers() {
+fn methods_follow_the_library_solvers() {
     let cam = Cam::wrapper(Law::Cycloid);
     let chain = Chain::wrapper(cam, Shaft::DampedToCam);
     let end_s = 0.04;

@@ -40,7 +40,7 @@ impl<M> Case<M> {
 const REFERENCE_SHARE: f64 = 10.0;
 
 #[test]
-fn on_a_damped_and_driven_pendulum() {
+fn methods_have_their_order_on_a_damped_driven_pendulum() {
     let short = |coarsest| Case {
         machine: Pendulum::DRIVEN,
         end_s: 10.0,
@@ -88,7 +88,7 @@ fn on_a_pendulum(order: u32, start: [f64; 2], case: &Case<Pendulum>) {
 }
 
 #[test]
-fn on_a_driven_oscillator() {
+fn methods_have_their_order_on_a_driven_oscillator() {
     let start = [1.0, 0.0];
     for scheme in Scheme::ALL {
         let (zeta, end_s, coarsest) = match scheme.facts().order {

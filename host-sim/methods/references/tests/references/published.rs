@@ -43,7 +43,7 @@ fn andrews_starts_closed_and_as_published() {
 /// The test also fails if a method is wrong on a nonlinear machine of many bodies: a third of the step then does not reduce its
 /// error by 3^p.
 #[test]
-fn andrews_arrives_where_published() {
+fn andrews_ends_at_the_published_angles() {
     let start = andrews_start();
     let end_s = Andrews::END_S;
     let truth = angles(&reference::dop853(&Andrews, start, end_s, 1e-14));
@@ -129,7 +129,7 @@ fn hires_ends_as_published() {
 /// 5000 ε are short enough. Over the jumps, which last some ε, only steps of that length can follow. SDIRK4 reports longer ones
 /// and does not make them.
 #[test]
-fn van_der_pol_as_published() {
+fn van_der_pol_ends_as_published() {
     let (machine, start) = (VanDerPol::STIFF, VanDerPol::START);
     let radau = reference::radau5(&machine, start, VanDerPol::END, 1e-11, 1e-11);
     let bdf = reference::bdf_of_diffsol(&machine, start, VanDerPol::END, 1e-11, 1e-11);
@@ -174,7 +174,7 @@ fn van_der_pol_as_published() {
 /// order 2 integrates a parabola exactly. The remaining error is the rounding of some hundred bounces, and 1e-12/(1 − e) that
 /// is not simulated.
 #[test]
-fn the_last_bounce() {
+fn the_last_bounce_comes_at_its_exact_time() {
     for restitution in [0.5, 0.8, 0.9] {
         let ball = BouncingBall {
             gravity_mps2: 9.81,

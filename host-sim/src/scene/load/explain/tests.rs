@@ -19,7 +19,7 @@ fn assert_says(from: &str, to: &str, key: &str, problem: &str) {
 }
 
 #[test]
-fn unknown_keys_name_the_likeliest_and_the_place() {
+fn unknown_keys_suggest_the_nearest_key_and_its_table() {
     let machine = "mechanism, crank_radius_mm, lambda, rod_length_mm, screw_lead_mm, crank_ratio, \
                    coupler_ratio, ground_ratio, load_kg, platform, gravity_mps2, mount_radius_mm, \
                    tilt_inertia_kgm2, rod_n_per_um, rods, rod_zeta";
@@ -44,7 +44,7 @@ fn unknown_keys_name_the_likeliest_and_the_place() {
 }
 
 #[test]
-fn unknown_values_name_those_there_are() {
+fn unknown_values_list_the_valid_values() {
     assert_says(
         "drive = \"stepper\"",
         "drive = \"steper\"",
@@ -70,7 +70,7 @@ fn missing_keys_come_with_an_example() {
 }
 
 #[test]
-fn wrong_types_say_what_stands_there_and_what_belongs_there() {
+fn wrong_types_name_the_actual_and_expected_type() {
     for (to, problem) in [
         (
             "\"8\"",

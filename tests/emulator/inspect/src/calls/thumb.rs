@@ -185,7 +185,7 @@ mod tests {
 
     /// Encodings of an assembler (clang --target=thumbv6m-none-eabi), at address 0x1000.
     #[test]
-    fn jumps_and_calls_lead_where_they_should() {
+    fn jumps_and_calls_decode_to_their_targets() {
         for (first, second, expected) in [
             (0xf000, 0xf800, Flow::Call(0x1004)),
             (0xf7ff, 0xfffe, Flow::Call(0x1000)),
