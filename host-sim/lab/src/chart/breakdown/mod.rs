@@ -1,7 +1,7 @@
 //! Breakdown: critical points of machines and methods, each with a small scene or design, a picture, and its guard.
 //!
 //! Each panel has a file with its scene, the measured facts, and their drawing. The tests use the same scenes and facts, and assert
-//! both the failure and the guard (`host-sim/command/tests/breakdown.rs`).
+//! both the failure and the guard (`host-sim/command/tests/breakdown/main.rs`).
 //!
 //! - [`root`]: an amplitude that rises from 0 requires an infinite acceleration;
 //! - [`band`]: a resonance that is crossed slowly, or dwelt in;

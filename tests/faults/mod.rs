@@ -4,21 +4,13 @@
 //! machine, whose cranks swing, is tested too where it gives another result. The loop is not tested here: other tests check its
 //! reports and its stops. The faults therefore come early in a long turn at a low speed, and limits are wide.
 
-#[path = "faults/backwards.rs"]
 mod backwards;
-#[path = "faults/coasting.rs"]
 mod coasting;
-#[path = "faults/drives.rs"]
 mod drives;
-#[path = "faults/noise.rs"]
 mod noise;
-#[path = "faults/samples.rs"]
 mod samples;
-#[path = "faults/sensors.rs"]
 mod sensors;
-#[path = "faults/servos.rs"]
 mod servos;
-#[path = "faults/watched.rs"]
 mod watched;
 
 use cophase_core::supervisor::FaultKind;

@@ -7,9 +7,7 @@
 //! `COPHASE_RANDOM_SEED` is the first seed. A scene follows from its seed alone. Scenes that fail are kept under
 //! `target/tmp/random-scenes`. Overflow checks are on, so the tests do not run in release mode.
 
-#[path = "run/files.rs"]
 mod files;
-#[path = "run/refusal.rs"]
 mod refusal;
 
 use std::any::Any;

@@ -1,20 +1,12 @@
 //! The failures that the `breakdown` chart shows, and the check that catches each one.
 
-#[path = "breakdown/branch.rs"]
 mod branch;
-#[path = "breakdown/cam.rs"]
 mod cam;
-#[path = "breakdown/capture.rs"]
 mod capture;
-#[path = "breakdown/motors.rs"]
 mod motors;
-#[path = "breakdown/self_synchronisation.rs"]
 mod self_synchronisation;
-#[path = "breakdown/singular.rs"]
 mod singular;
-#[path = "breakdown/stall.rs"]
 mod stall;
-#[path = "breakdown/steps.rs"]
 mod steps;
 
 use std::path::Path;

@@ -4,31 +4,18 @@
 //! Each case breaks one thing in a scene that runs. A test checks that the unbroken scene runs. Otherwise a case could be
 //! refused for another reason than its own.
 
-#[path = "bad_input/axes.rs"]
 mod axes;
-#[path = "bad_input/cam.rs"]
 mod cam;
-#[path = "bad_input/cam_table.rs"]
 mod cam_table;
-#[path = "bad_input/edit.rs"]
 mod edit;
-#[path = "bad_input/events.rs"]
 mod events;
-#[path = "bad_input/faults.rs"]
 mod faults;
-#[path = "bad_input/files.rs"]
 mod files;
-#[path = "bad_input/form.rs"]
 mod form;
-#[path = "bad_input/limits.rs"]
 mod limits;
-#[path = "bad_input/machine.rs"]
 mod machine;
-#[path = "bad_input/plants.rs"]
 mod plants;
-#[path = "bad_input/program.rs"]
 mod program;
-#[path = "bad_input/sweep.rs"]
 mod sweep;
 
 use std::path::Path;
