@@ -17,29 +17,20 @@ impl DriftMonitor {
             self.detected |= own;
             self.checked |= own;
         }
+        self.update(axis);
         // During homing the homing evaluates what the cranks do.
-        if let Some(by) = sorted.has_moved
-            && self.finding_out
-        {
-            self.take_in_motion(axis, by);
+        if let (Some(by), true) = (sorted.has_moved, self.finding_out) {
+            let watch = self.axes.get_mut(axis).filter(|watch| watch.is_by_index());
+            if let (Some(watch), true) = (watch, self.findings.has_requested_stop()) {
+                // The pulse that ends a time without pulses shows by how much the crank moved.
+                let kind = watch.jump(by);
+                self.report(axis, (kind, by, false), sensed);
+            } else {
+                self.moved = Some((axis, by));
+            }
         }
         if let Some(reported) = sorted.reported {
             self.report(axis, reported, sensed);
-        }
-        self.update(axis);
-    }
-
-    /// Takes in that the index of a crank showed it elsewhere than before, in homing.
-    fn take_in_motion(&mut self, axis: usize, by: Turns) {
-        let Some(watch) = self.axes.get_mut(axis) else {
-            return;
-        };
-        if self.findings.has_requested_stop() && watch.is_by_index() {
-            // The pulse that ends a time without pulses shows by how much the crank moved.
-            let kind = watch.jump(by);
-            self.find(axis, kind, by, false);
-        } else {
-            self.moved = Some((axis, by));
         }
     }
 
@@ -175,7 +166,7 @@ impl DriftMonitor {
         if is_ones_own && !self.finding_out {
             self.compare();
         }
-        self.report_moves(exceeded.is_none());
+        self.report_moves(exceeded.is_none(), sensed);
         if let Some(kind) = exceeded {
             let error = self.corrected_errors(sensed.correction);
             self.attribute(kind, &error, sensed);
@@ -183,12 +174,12 @@ impl DriftMonitor {
     }
 
     /// Reports what moved a crank, where that is new. During homing and levelling the homing itself evaluates what the cranks do.
-    fn report_moves(&mut self, within_limits: bool) {
+    fn report_moves(&mut self, within_limits: bool, sensed: &Sensed<'_>) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let watch = self.axes.get_mut(axis);
             let fresh = watch.and_then(|watch| watch.diagnosis().take_new());
             if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
-                self.find(axis, kind, by, within_limits);
+                self.report(axis, (kind, by, within_limits), sensed);
             }
         }
     }
@@ -221,14 +212,5 @@ impl DriftMonitor {
         let motion = self.common_motion();
         let mut axes = self.axes.iter();
         axes.any(|watch| watch.is_by_index() && watch.moves_from(motion))
-    }
-
-    /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike.
-    fn check_encoders(&mut self) {
-        for axis in 0..self.axes.len().min(MAX_AXES) {
-            if self.axes.get(axis).is_some_and(AxisWatch::is_off_track) {
-                self.report_off_track(axis);
-            }
-        }
     }
 }

@@ -1,13 +1,14 @@
 //! Attribution: which axis a fault belongs to, and by which name it is reported.
 
-use crate::drift::axis_watch::{AxisWatch, Report};
+use crate::drift::axis_watch::Report;
 use crate::drift::detection::angles::in_common;
 use crate::drift::{DriftMonitor, Sensed};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 
 impl DriftMonitor {
-    /// Reports a fault that the sensors of one axis show.
+    /// Reports a fault of one axis.
+    #[inline(never)]
     pub(in crate::drift) fn report(
         &mut self,
         axis: usize,
@@ -18,7 +19,7 @@ impl DriftMonitor {
         let may_be_all = kind == FaultKind::IndexTimeout && self.watched().count_ones() > 1;
         let all_lag = may_be_all && self.all_lag_by(self.lag(axis, sensed), sensed);
         let fault = Fault::new(kind).on_axis(axis).with_size(by);
-        self.findings.push_lag(fault, within_limits, all_lag);
+        self.findings.push(fault, within_limits, all_lag);
     }
 
     /// Reports that a limit is exceeded: by which axis, and with the name of the cause if it is known.
@@ -33,7 +34,7 @@ impl DriftMonitor {
             let size = self.limits.beyond_natural(&self.modes, sensed.speed);
             let all_lag = self.all_lag_by(size.wrapping_neg(), sensed);
             let fault = Fault::new(kind).with_size(size);
-            return self.findings.push_lag(fault, false, all_lag);
+            return self.findings.push(fault, false, all_lag);
         }
         let kind = if self.finding_out {
             FaultKind::HomingRangeExceeded
@@ -42,15 +43,12 @@ impl DriftMonitor {
         };
         // The cranks differ. A crank with a recorded event is the one that moved, even if another one is further from the rest.
         let worst = self.furthest(error);
-        let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
-        let count = self.axes.len();
-        let known = (worst..count)
+        let known = (worst..self.axes.len())
             .chain(0..worst)
-            .find(|&axis| named(axis).is_some());
-        match known {
-            Some(axis) => self.push_axis(axis, named(axis).unwrap_or(kind)),
-            None => self.push_axis(worst, kind),
-        }
+            .find_map(|axis| Some((axis, self.axes.get(axis)?.name()?)));
+        let (axis, kind) = known.unwrap_or((worst, kind));
+        let size = self.phase_error.get(axis).copied().unwrap_or_default();
+        self.report(axis, (kind, size, false), sensed);
     }
 
     /// Lag of an axis beyond the lag that belongs to the speed, turns: its phase error, and the delay of its next pulse.
@@ -61,11 +59,7 @@ impl DriftMonitor {
             Some(watch) if self.queue.pulsed & 1 << axis == 0 => watch.lateness(&sensed.over(axis)),
             _ => Turns::ZERO,
         };
-        let error = self
-            .axes
-            .get(axis)
-            .map_or(Turns::ZERO, AxisWatch::phase_error);
-        let ahead = nearest(error.wrapping_add(value(sensed.correction)))
+        let ahead = nearest(value(&self.phase_error).wrapping_add(value(sensed.correction)))
             .wrapping_add(self.limits.natural(sensed.speed));
         late.wrapping_sub(ahead)
     }
@@ -80,45 +74,28 @@ impl DriftMonitor {
         lag > 0 && axes.all(|axis| watched & 1 << axis == 0 || self.lag(axis, sensed) >= least)
     }
 
-    #[inline(never)]
-    pub(in crate::drift) fn push_axis(&mut self, axis: usize, kind: FaultKind) {
-        let size = self.phase_error.get(axis).copied().unwrap_or_default();
-        self.findings
-            .push(Fault::new(kind).on_axis(axis).with_size(size), false);
-    }
-
-    /// Reports an axis that does not turn as commanded. If its motor follows, and the others lag alike, the fault is a common lag.
-    #[inline(never)]
-    pub(in crate::drift) fn report_off_track(&mut self, axis: usize) {
+    /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike. If the
+    /// motor follows, and the others lag alike, the fault is a common lag.
+    pub(in crate::drift) fn check_encoders(&mut self) {
         const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
-        let Some(watch) = self.axes.get(axis) else {
-            return;
-        };
-        let mut error = NONE;
-        for (error, watch) in error.iter_mut().zip(&self.axes) {
-            *error = watch.tracking_error().unwrap_or_default();
+        for axis in 0..self.axes.len().min(MAX_AXES) {
+            let Some(watch) = self.axes.get(axis).filter(|watch| watch.is_off_track()) else {
+                continue;
+            };
+            let mut error = NONE;
+            for (error, watch) in error.iter_mut().zip(&self.axes) {
+                *error = watch.tracking_error().unwrap_or_default();
+            }
+            let by = error.get(axis).copied().unwrap_or_default();
+            let others = self.encoders() & !(1 << axis);
+            let from_others = by.wrapping_sub(in_common(&error, &NONE, others));
+            let is_alike = others != 0 && from_others.wrapping_abs() <= watch.alone();
+            let fault = match watch.tracking() {
+                Some(kind) => Fault::new(kind).on_axis(axis),
+                None if is_alike => Fault::new(FaultKind::CommonLag),
+                None => Fault::new(FaultKind::Tilt).on_axis(axis),
+            };
+            self.findings.push(fault.with_size(by), false, false);
         }
-        let by = error.get(axis).copied().unwrap_or_default();
-        let others = self.encoders() & !(1 << axis);
-        let from_others = by.wrapping_sub(in_common(&error, &NONE, others));
-        let is_alike = others != 0 && from_others.wrapping_abs() <= watch.alone();
-        let fault = match watch.tracking() {
-            Some(kind) => Fault::new(kind).on_axis(axis),
-            None if is_alike => Fault::new(FaultKind::CommonLag),
-            None => Fault::new(FaultKind::Tilt).on_axis(axis),
-        };
-        self.findings.push(fault.with_size(by), false);
-    }
-
-    #[inline(never)]
-    pub(in crate::drift) fn find(
-        &mut self,
-        axis: usize,
-        kind: FaultKind,
-        by: Turns,
-        within_limits: bool,
-    ) {
-        let fault = Fault::new(kind).on_axis(axis).with_size(by);
-        self.findings.push(fault, within_limits);
     }
 }

@@ -45,9 +45,8 @@ fn disables(kind: FaultKind) -> bool {
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct Findings {
     waiting: Deque<Finding, WAITING>,
-    /// Fault that a stop was requested for, its axis, and the master's turns since.
-    open: Option<(Option<usize>, FaultKind)>,
-    since_open: Turns,
+    /// Axis of the fault that a stop was requested for, its kind, and the master's turns since.
+    open: Option<(Option<usize>, FaultKind, Turns)>,
 }
 
 impl Findings {
@@ -55,14 +54,13 @@ impl Findings {
         Self {
             waiting: Deque::new(),
             open: None,
-            since_open: Turns::ZERO,
         }
     }
 
     /// Adds turns of the master.
     pub(in crate::drift) const fn pass(&mut self, turns: Turns) {
-        if self.open.is_some() {
-            self.since_open = self.since_open.saturating_add(turns);
+        if let Some((_, _, since)) = &mut self.open {
+            *since = since.saturating_add(turns);
         }
     }
 
@@ -85,30 +83,22 @@ impl Findings {
         self.open = None;
     }
 
-    /// Queues a finding; one that is outside the limits goes to the front. After the first of those, only better names for it are queued, and
-    /// faults that a stop does not reach.
-    pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool) {
-        self.push_lag(fault, within_limits, false);
-    }
-
-    /// Queues a finding that may be a lag of all axes.
+    /// Queues a finding, which may be a lag of all axes; one that is outside the limits goes to the front. After the first of those, only
+    /// better names for it are queued, and faults that a stop does not reach.
     #[inline(never)]
-    pub(in crate::drift) fn push_lag(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
+    pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
         let mut supersedes = false;
-        if let Some((axis, kind)) = self.open {
+        let mut turns = Turns::ZERO;
+        if let Some((axis, kind, since)) = self.open {
             let same = axis == fault.axis || axis.is_none();
-            let in_time = self.since_open < NAMED_WITHIN;
-            if same && in_time && is_better(fault.kind, kind) {
-                supersedes = true;
+            if same && since < NAMED_WITHIN && is_better(fault.kind, kind) {
+                (supersedes, turns) = (true, since);
             } else if !within_limits && (!disables(fault.kind) || disables(kind)) {
                 return; // it is being stopped, and that is enough
             }
         }
-        if !supersedes && !within_limits {
-            self.since_open = Turns::ZERO;
-        }
         if !within_limits || supersedes {
-            self.open = Some((fault.axis, fault.kind));
+            self.open = Some((fault.axis, fault.kind, turns));
         }
         let finding = Finding {
             fault,
