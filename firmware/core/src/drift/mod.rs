@@ -132,7 +132,7 @@ impl DriftMonitor {
     /// Name of a single jump of an axis, by its size alone.
     pub fn name_of(&self, axis: usize, by: Turns) -> FaultKind {
         let watch = self.axes.get(axis);
-        watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
+        watch.map_or(FaultKind::Slip, |watch| watch.diagnosis.of_one(by))
     }
 
     /// True if every index has been detected since [`Self::reset`]. That has been evaluated if the monitor is not busy.
@@ -217,8 +217,12 @@ impl DriftMonitor {
     pub fn start_check(&mut self) {
         self.checked = 0;
         self.averaged = Turns::ZERO;
-        for watch in &mut self.axes {
-            watch.restart_average();
+        for encoder in self
+            .axes
+            .iter_mut()
+            .filter_map(|axis| axis.encoder.as_mut())
+        {
+            encoder.mean = Turns::ZERO;
         }
     }
 
@@ -247,23 +251,18 @@ impl DriftMonitor {
 
     /// Largest error of a reading of an axis, turns.
     pub fn tolerance(&self, axis: usize) -> Turns {
-        self.axes
-            .get(axis)
-            .map_or(Turns::ZERO, |watch| watch.tolerance())
+        let watch = self.axes.get(axis);
+        watch.map_or(Turns::ZERO, |watch| watch.diagnosis.tolerance)
     }
 
     /// Largest difference of two readings of a crank whose rotor only swings, turns.
     pub fn swing(&self, axis: usize) -> Turns {
-        self.axes
-            .get(axis)
-            .map_or(Turns::MAX, |watch| watch.swing())
+        self.axes.get(axis).map_or(Turns::MAX, AxisWatch::swing)
     }
 
     /// Turns by which one crank alone takes the platform beyond a limit.
     pub fn alone(&self, axis: usize) -> Turns {
-        self.axes
-            .get(axis)
-            .map_or(Turns::MAX, |watch| watch.alone())
+        self.axes.get(axis).map_or(Turns::MAX, |watch| watch.alone)
     }
 
     /// Phase error of an axis's motor by its encoder, if it has one.
@@ -273,9 +272,8 @@ impl DriftMonitor {
 
     /// True if the sensor of an axis that is commanded to this phase may be at an end of its flag, so that a swinging rotor makes pulses.
     pub fn is_at_flag(&self, axis: usize, phase: Phase) -> bool {
-        self.axes
-            .get(axis)
-            .is_some_and(|watch| watch.is_at_flag(phase))
+        let watch = self.axes.get(axis);
+        watch.is_some_and(|watch| watch.is_at_flag(phase))
     }
 
     /// The watched axis that is furthest from what all have in common.

@@ -15,7 +15,7 @@ impl DriftMonitor {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
         self.findings.pass(sensed.speed);
         if self.encoders() != 0 {
-            self.observe_encoders(sensed, before_is_known);
+            self.observe_encoders(sensed);
         }
         let begun = self.queue.updated;
         let arrived = self.queue_pulses(sensed, before_is_known);
@@ -127,7 +127,7 @@ impl DriftMonitor {
             let commanded = if self.queue.pulsed & 1 << axis == 0 {
                 sensed.over(axis)
             } else {
-                queued.commanded.before() // a pulse that waits may have been late when it came
+                TickPhase::ending_at(queued.commanded.start, queued.commanded.turns) // a pulse that waits may have been late when it came
             };
             watch.is_late(&commanded)
         });
@@ -145,16 +145,15 @@ impl DriftMonitor {
         let Some(watch) = self.axes.get_mut(axis) else {
             return;
         };
-        let detection = watch.check_timeout(commanded);
+        let detection = watch.check_timeout(commanded, self.finding_out);
         if !matches!(detection, Detection::Nothing | Detection::Undetected) {
-            let sorted = watch.sort(detection, Read::Nothing, patience);
-            self.take_in(axis, sorted, sensed);
+            self.take_in(axis, detection, Read::Nothing, patience, sensed);
         }
     }
 
     /// Processes a tick of the axes with encoders.
     #[inline(never)]
-    fn observe_encoders(&mut self, sensed: &Sensed<'_>, before_is_known: bool) {
+    fn observe_encoders(&mut self, sensed: &Sensed<'_>) {
         let share = sensed.speed.min(Turns::ONE.wrapping_sub(self.averaged));
         self.averaged = self.averaged.wrapping_add(share);
         for axis in 0..self.axes.len().min(MAX_AXES) {
@@ -168,13 +167,14 @@ impl DriftMonitor {
             let count = sensed.encoder.get(axis).copied().unwrap_or_default();
             let commanded = sensed.over(axis);
             let (detection, read) =
-                watch.observe(pulse, count, &commanded, before_is_known, self.clock);
-            if share != 0 {
-                watch.average(share);
+                watch.observe(pulse, count, &commanded, self.finding_out, self.clock);
+            if share != 0
+                && let Some(encoder) = &mut watch.encoder
+            {
+                encoder.average(share);
             }
             if detection != Detection::Nothing || read != Read::Nothing {
-                let sorted = watch.sort(detection, read, None);
-                self.take_in(axis, sorted, sensed);
+                self.take_in(axis, detection, read, None, sensed);
             } else {
                 self.update(axis);
             }
@@ -224,8 +224,7 @@ impl DriftMonitor {
         let detection = watch.detect(queued, self.clock);
         self.margin = self.margin.min(watch.margin(&sensed.over(axis)));
         if detection != Detection::Nothing {
-            let sorted = watch.sort(detection, Read::Nothing, None);
-            self.take_in(axis, sorted, sensed);
+            self.take_in(axis, detection, Read::Nothing, None, sensed);
         }
     }
 }

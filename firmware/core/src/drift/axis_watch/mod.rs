@@ -6,7 +6,7 @@ mod tracking;
 
 pub use gate::place_gate;
 use gate::{cycle, gate, slow, tolerance};
-pub(super) use sorting::{Report, Sorted};
+pub(super) use sorting::Report;
 
 use super::detection::angles::{angle, of_angle};
 use super::diagnosis::events::Diagnosis;
@@ -48,20 +48,19 @@ pub(super) struct Motion {
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
     index: Option<IndexWatch>,
-    encoder: Option<EncoderWatch>,
-    /// Turns that an encoder measured in the tick before the one that is over.
-    before: Turns,
+    pub(super) encoder: Option<EncoderWatch>,
+    /// Turns that an encoder measured in the tick before the one that is over; none if they are not known.
+    before: Option<Turns>,
     /// Phase error of the motor as the index was detected last.
     at_flag: Turns,
-    tolerance: Turns,
     /// A crank that is further than this angle from its last place has moved.
     gate: u32,
     /// Phase error with which this crank alone exceeds a limit.
-    alone: Turns,
+    pub(super) alone: Turns,
     /// Offset in the last round, and the offset from which drift is counted: angles.
     last: i32,
     home: i32,
-    diagnosis: Diagnosis,
+    pub(super) diagnosis: Diagnosis,
 }
 
 impl AxisWatch {
@@ -75,11 +74,6 @@ impl AxisWatch {
         let tolerance = tolerance(axis, reading);
         let cycle = cycle(axis);
         let gate = gate(tolerance, cycle);
-        let whole = if cycle > 0 {
-            tolerance.min(Turns::from_bits(cycle.to_bits() / 4))
-        } else {
-            tolerance
-        };
         // A pulse that is late by a gate may show a lost cycle. If one cycle exceeds a limit, it may have done so for a turn.
         let is_cycle_too_far = cycle > 0 && alone < cycle.saturating_sub(tolerance);
         let overdue = alone.max(gate);
@@ -102,7 +96,9 @@ impl AxisWatch {
             overdue_settled,
             filter_shift: if axis.encoder { FILTER_SHIFT } else { 0 },
         };
-        let index = axis.index_turns.map(|index| IndexWatch::new(place(index)));
+        let index = axis
+            .index_turns
+            .map(|index| IndexWatch::new(place(index), Phase::ZERO));
         let jump = Turns::from_bits(tolerance.to_bits() * 4);
         let encoder = axis
             .encoder
@@ -110,14 +106,13 @@ impl AxisWatch {
         Self {
             index,
             encoder,
-            before: Turns::ZERO,
+            before: None,
             at_flag: Turns::ZERO,
-            tolerance,
             gate: angle(gate).unsigned_abs(),
             alone,
             last: 0,
             home: 0,
-            diagnosis: Diagnosis::new(cycle, whole),
+            diagnosis: Diagnosis::new(cycle, tolerance),
         }
     }
 
@@ -144,9 +139,9 @@ impl AxisWatch {
 
     /// Processes a tick without a pulse of an axis by index.
     #[inline(never)]
-    pub(super) fn check_timeout(&mut self, commanded: &TickPhase) -> Detection {
+    pub(super) fn check_timeout(&mut self, commanded: &TickPhase, finding_out: bool) -> Detection {
         self.index.as_mut().map_or(Detection::Nothing, |index| {
-            index.check_timeout(commanded, commanded.turns)
+            index.check_timeout(commanded, commanded.turns, finding_out)
         })
     }
 
@@ -157,16 +152,16 @@ impl AxisWatch {
         pulse: Option<&IndexPulse>,
         count: i32,
         commanded: &TickPhase,
-        before_is_known: bool,
+        finding_out: bool,
         clock: TickClock,
     ) -> (Detection, Read) {
         let Some(encoder) = &mut self.encoder else {
             return (Detection::Nothing, Read::Nothing);
         };
         // The phase of the motor, not of its command.
-        let start = commanded.start.advanced(encoder.phase_error());
+        let start = commanded.start.advanced(encoder.phase_error);
         let (read, turns) = encoder.observe(count, commanded);
-        let before = core::mem::replace(&mut self.before, turns);
+        let before = self.before.replace(turns);
         let Some(index) = &mut self.index else {
             return (Detection::Nothing, read);
         };
@@ -174,14 +169,12 @@ impl AxisWatch {
         // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
         let commanded_turns = commanded.turns;
         let detection = match pulse {
-            Some(&pulse) => {
-                let before = before_is_known.then_some(before);
-                index.detect(pulse, &measured, commanded_turns, before, clock)
-            }
-            None => index.check_timeout(&measured, commanded_turns),
+            Some(&pulse) => index.detect(pulse, &measured, commanded_turns, before, clock),
+            None => index.check_timeout(&measured, commanded_turns, finding_out),
         };
         if let Read::Jump { .. } = read {
             // A jump is reported a tick later.
+            let before = before.unwrap_or_default();
             index.decide_within_a_turn_of(start.advanced(before.wrapping_neg()));
         }
         (detection, read)
@@ -191,7 +184,8 @@ impl AxisWatch {
         let mut start = start;
         if let Some(encoder) = &mut self.encoder {
             encoder.skip(count);
-            start = start.advanced(encoder.phase_error());
+            start = start.advanced(encoder.phase_error);
+            self.before = None;
         }
         if pulse && let Some(index) = &mut self.index {
             index.disregard(start);
@@ -235,17 +229,15 @@ impl AxisWatch {
             || own.walk.wrapping_sub(common.walk).unsigned_abs() > self.gate
     }
 
-    pub(super) const fn diagnosis(&mut self) -> &mut Diagnosis {
-        &mut self.diagnosis
-    }
-
     /// True if its index has been detected, or if it has none.
     pub(super) fn is_known(&self) -> bool {
         self.index.as_ref().is_none_or(IndexWatch::is_known)
     }
 
     fn offset(&self) -> Turns {
-        self.index.as_ref().map_or(Turns::ZERO, IndexWatch::offset)
+        self.index
+            .as_ref()
+            .map_or(Turns::ZERO, |index| index.offset)
     }
 
     /// Measured minus commanded, turns, −½ to ½.
@@ -255,10 +247,10 @@ impl AxisWatch {
             return self.offset();
         };
         let own = match measured {
-            Measured::Now => encoder.phase_error(),
+            Measured::Now => encoder.phase_error,
             Measured::AtFlag if self.index.is_some() => self.at_flag,
-            Measured::Lately | Measured::AtFlag => encoder.filtered_error(),
-            Measured::OverTurn => encoder.mean_error(),
+            Measured::Lately | Measured::AtFlag => encoder.filtered,
+            Measured::OverTurn => encoder.mean,
         };
         nearest(self.offset().wrapping_add(own))
     }
@@ -268,15 +260,6 @@ impl AxisWatch {
         self.error(Measured::Now)
     }
 
-    /// Phase error with which this crank alone exceeds a limit.
-    pub(super) const fn alone(&self) -> Turns {
-        self.alone
-    }
-
-    pub(super) const fn tolerance(&self) -> Turns {
-        self.tolerance
-    }
-
     /// True if the axis has an index sensor and no encoder.
     pub(super) const fn is_by_index(&self) -> bool {
         self.index.is_some() && self.encoder.is_none()
@@ -284,7 +267,8 @@ impl AxisWatch {
 
     /// Largest phase error of a crank that only swings. A rotor that is half an electrical cycle from its field does not come back.
     pub(super) fn swing(&self) -> Turns {
-        of_angle(self.gate as i32).max(self.diagnosis.half_cycle())
+        let half_cycle = Turns::from_bits(self.diagnosis.cycle.to_bits() / 2);
+        of_angle(self.gate as i32).max(half_cycle)
     }
 
     /// True if the crank, commanded to `phase`, may swing over an end of its flag.
@@ -292,25 +276,6 @@ impl AxisWatch {
         self.index
             .as_ref()
             .is_some_and(|index| index.is_at_flag(phase, self.swing()))
-    }
-
-    /// Adds the encoder's error over a share of a turn to its mean.
-    pub(super) fn average(&mut self, share: Turns) {
-        if let Some(encoder) = &mut self.encoder {
-            encoder.average(share);
-        }
-    }
-
-    /// Begins a new mean of the encoder's error.
-    pub(super) const fn restart_average(&mut self) {
-        if let Some(encoder) = &mut self.encoder {
-            encoder.restart_average();
-        }
-    }
-
-    /// Name of a single jump, by its size alone.
-    pub(super) fn name_of(&self, by: Turns) -> FaultKind {
-        self.diagnosis.of_one(by)
     }
 
     /// Turns at the end of a tick by which the pulse of an axis by index is late, beyond its phase error.
@@ -343,9 +308,6 @@ impl AxisWatch {
     }
 
     pub(super) fn settle(&mut self) {
-        if let Some(index) = &mut self.index {
-            index.settle();
-        }
         self.last = angle(self.offset());
         self.home = self.last;
         self.diagnosis.clear();

@@ -27,35 +27,6 @@ pub(in crate::drift) struct Sorted {
     pub reported: Option<Report>,
 }
 
-impl Sorted {
-    /// The index was detected, and with it perhaps a fault.
-    const fn detected(reported: Option<Report>) -> Self {
-        Self {
-            is_detected: true,
-            has_moved: None,
-            reported,
-        }
-    }
-
-    /// The index was detected, and shows that the crank moved by so much.
-    const fn moved(by: Turns) -> Self {
-        Self {
-            is_detected: true,
-            has_moved: Some(by),
-            reported: None,
-        }
-    }
-
-    /// The place of the crank was not detected, but there may be a fault to report.
-    const fn undetected(reported: Option<Report>) -> Self {
-        Self {
-            is_detected: false,
-            has_moved: None,
-            reported,
-        }
-    }
-}
-
 impl AxisWatch {
     /// Evaluates what index and encoder detected in a tick. If all axes are late together, a pulse may be late by `patience`.
     pub(in crate::drift) fn sort(
@@ -63,10 +34,12 @@ impl AxisWatch {
         detection: Detection,
         read: Read,
         patience: Option<Turns>,
+        finding_out: bool,
     ) -> Sorted {
-        let mut sorted = match detection {
-            Detection::Nothing => Sorted::default(),
-            Detection::First => Sorted::detected(self.first()),
+        let mut has_moved = None;
+        let reported = match detection {
+            Detection::Nothing => None,
+            Detection::First => self.first(),
             Detection::InPlace {
                 was_overdue,
                 extra,
@@ -74,32 +47,31 @@ impl AxisWatch {
             } => {
                 // An encoder shows whether the crank runs fast. At three times its speed, two pulses come between.
                 let is_sure = !may_be_fast && !self.diagnosis.had_extra() || self.encoder.is_some();
-                Sorted::detected(self.in_place(was_overdue, extra, is_sure))
+                self.in_place(was_overdue, extra, is_sure)
             }
-            Detection::Running { by } if self.encoder.is_none() => {
-                Sorted::undetected(Some(self.runs_away(by)))
-            }
-            Detection::Running { .. } => Sorted::default(),
-            Detection::Extra { by } => Sorted::undetected(Some(self.out_of_place(by))),
+            Detection::Running { by } => self.encoder.is_none().then(|| self.runs_away(by)),
+            Detection::Extra { by } => Some(self.out_of_place(by)),
             Detection::Moved { by } => {
                 // Two pulses in a turn, none in its place: the crank runs, or it moved and an extra pulse came before.
                 let may_run = self.diagnosis.had_extra() && self.encoder.is_none();
-                let reported = may_run.then_some((FaultKind::IndexExtra, by, false));
-                Sorted {
-                    reported,
-                    ..Sorted::moved(self.elsewhere(by))
-                }
+                has_moved = Some(self.elsewhere(by));
+                may_run.then_some((FaultKind::IndexExtra, by, false))
             }
-            Detection::Undetected => self.nowhere(),
+            Detection::Undetected => self.nowhere(&mut has_moved),
             Detection::Overdue { waited } => {
-                Sorted::undetected(self.overdue(patience.filter(|_| !waited)))
+                self.overdue(patience.filter(|_| !waited), finding_out)
             }
         };
-        if let (true, Some(encoder)) = (sorted.is_detected, &self.encoder) {
-            self.at_flag = encoder.filtered_error();
+        let is_place = matches!(detection, Detection::First | Detection::InPlace { .. });
+        let is_detected = is_place || has_moved.is_some();
+        if is_detected && let Some(encoder) = &self.encoder {
+            self.at_flag = encoder.filtered;
         }
-        sorted.reported = sorted.reported.or_else(|| self.sort_encoder(read));
-        sorted
+        Sorted {
+            is_detected,
+            has_moved,
+            reported: reported.or_else(|| self.sort_encoder(read)),
+        }
     }
 
     /// Takes the unconfirmed jump of the encoder, if there is one.
@@ -168,43 +140,46 @@ impl AxisWatch {
             angle(unconfirmed_jump).unsigned_abs(),
         );
         let same_sense = unconfirmed_jump != 0 && (by < 0) == (unconfirmed_jump < 0);
-        let by = if same_sense && shown <= jumped.saturating_add(self.gate) {
-            self.believe_moved(unconfirmed_jump.wrapping_sub(by));
-            self.jump(unconfirmed_jump);
-            unconfirmed_jump
-        } else {
-            self.diagnosis.drift(by);
-            by
-        };
+        if same_sense && shown <= jumped.saturating_add(self.gate) {
+            self.confirm(unconfirmed_jump, by);
+            return unconfirmed_jump;
+        }
+        self.diagnosis.drift(by);
         self.home = self.home.wrapping_add(angle(by));
         by
     }
 
     /// Takes in that no pulse came where it would be if the encoder had lost counts. If the encoder jumped, so did the crank.
-    fn nowhere(&mut self) -> Sorted {
-        let Some(unconfirmed_jump) = self.take_unconfirmed_jump() else {
-            return Sorted::default();
-        };
+    fn nowhere(&mut self, has_moved: &mut Option<Turns>) -> Option<Report> {
+        let unconfirmed_jump = self.take_unconfirmed_jump()?;
         if angle(unconfirmed_jump).unsigned_abs() <= self.gate {
             // The reading came back, so the crank did not move by it.
-            return Sorted::undetected(Some((FaultKind::EncoderGlitch, unconfirmed_jump, true)));
+            return Some((FaultKind::EncoderGlitch, unconfirmed_jump, true));
         }
-        self.believe_moved(unconfirmed_jump);
-        self.home = self.home.wrapping_add(angle(unconfirmed_jump));
-        self.jump(unconfirmed_jump);
-        Sorted::moved(unconfirmed_jump)
+        self.confirm(unconfirmed_jump, Turns::ZERO);
+        *has_moved = Some(unconfirmed_jump);
+        None
+    }
+
+    /// Takes in that the crank jumped as its encoder did. The index has shown a part of that.
+    fn confirm(&mut self, jump: Turns, shown: Turns) {
+        if let Some(index) = &mut self.index {
+            index.believe_moved(jump.wrapping_sub(shown));
+        }
+        self.home = self.home.wrapping_add(angle(jump));
+        self.jump(jump);
     }
 
     /// Takes in that a pulse is overdue, so that the crank may be beyond its limit.
-    fn overdue(&mut self, patience: Option<Turns>) -> Option<Report> {
+    fn overdue(&mut self, patience: Option<Turns>, finding_out: bool) -> Option<Report> {
         let index = self.index.as_mut()?;
         if self.encoder.is_some() && index.is_known() {
             index.pass_over();
-            if self.diagnosis.is_slipping() && index.is_settled() {
+            if self.diagnosis.is_slipping() && !finding_out {
                 // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
                 return Some((FaultKind::Slip, self.alone.wrapping_neg(), false));
             }
-            let within_limits = index.missed() <= MOST_MISSED;
+            let within_limits = index.missed <= MOST_MISSED;
             return Some((FaultKind::IndexMissing, Turns::ZERO, within_limits));
         }
         if let Some(patience) = patience.filter(|&most| most > self.alone) {
@@ -212,12 +187,6 @@ impl AxisWatch {
             return None;
         }
         Some((FaultKind::IndexTimeout, self.alone.wrapping_neg(), false))
-    }
-
-    fn believe_moved(&mut self, by: Turns) {
-        if let Some(index) = &mut self.index {
-            index.believe_moved(by);
-        }
     }
 
     /// Evaluates a reading of the encoder.

@@ -2,28 +2,23 @@
 
 use super::AxisWatch;
 use crate::drift::detection::angles::angle;
-use crate::drift::sensing::encoder_watch::{EncoderWatch, Tracking};
+use crate::drift::sensing::encoder_watch::Tracking;
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
 impl AxisWatch {
-    /// Name of the fault that moved this axis, if it is known.
+    /// Name of the fault that moved this axis in the last turns, or moves it now, if it is known.
     pub(in crate::drift) fn name(&self) -> Option<FaultKind> {
         self.tracking().or(self.diagnosis.name())
-    }
-
-    /// True if the crank moved in the last turns, or moves now.
-    pub(in crate::drift) fn has_moved(&self) -> bool {
-        self.name().is_some()
     }
 
     /// Name of the motor's motion, if that is the cause of its phase error.
     pub(in crate::drift) fn tracking(&self) -> Option<FaultKind> {
         let encoder = self.encoder.as_ref()?;
-        if angle(encoder.phase_error()).unsigned_abs() <= self.gate {
+        if angle(encoder.phase_error).unsigned_abs() <= self.gate {
             return None;
         }
-        match encoder.tracking() {
+        match encoder.tracking {
             Tracking::Ok => None,
             // A motor that is let go may spring back, and swing once to either side.
             Tracking::Stalled
@@ -38,7 +33,7 @@ impl AxisWatch {
 
     /// Phase error of the motor by its encoder.
     pub(in crate::drift) fn tracking_error(&self) -> Option<Turns> {
-        self.encoder.as_ref().map(EncoderWatch::phase_error)
+        self.encoder.as_ref().map(|encoder| encoder.phase_error)
     }
 
     /// True if its encoder alone shows that the axis does not turn as commanded.

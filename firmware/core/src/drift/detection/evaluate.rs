@@ -2,26 +2,39 @@
 
 use super::angles::{Angles, in_common, of_angle};
 use super::modes::AxisSet;
-use crate::drift::axis_watch::{AxisWatch, Motion, Sorted};
+use crate::drift::axis_watch::Motion;
+use crate::drift::sensing::encoder_watch::Read;
+use crate::drift::sensing::index_watch::Detection;
 use crate::drift::{DriftMonitor, Sensed};
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 
 impl DriftMonitor {
-    /// Takes in what the sensors of one axis showed.
+    /// Takes in what the sensors of one axis detected in a tick. If all axes are late together, a pulse may be late by `patience`.
     #[inline(never)]
-    pub(in crate::drift) fn take_in(&mut self, axis: usize, sorted: Sorted, sensed: &Sensed<'_>) {
+    pub(in crate::drift) fn take_in(
+        &mut self,
+        axis: usize,
+        detection: Detection,
+        read: Read,
+        patience: Option<Turns>,
+        sensed: &Sensed<'_>,
+    ) {
+        let Some(watch) = self.axes.get_mut(axis) else {
+            return;
+        };
+        let sorted = watch.sort(detection, read, patience, self.finding_out);
         let own = 1 << axis;
         if sorted.is_detected {
             self.queue.updated |= own;
             self.detected |= own;
             self.checked |= own;
         }
-        self.update(axis);
         // During homing the homing evaluates what the cranks do.
-        if let (Some(by), true) = (sorted.has_moved, self.finding_out) {
-            let watch = self.axes.get_mut(axis).filter(|watch| watch.is_by_index());
-            if let (Some(watch), true) = (watch, self.findings.has_requested_stop()) {
+        if let Some(by) = sorted.has_moved
+            && self.finding_out
+        {
+            if self.findings.has_requested_stop() && watch.is_by_index() {
                 // The pulse that ends a time without pulses shows by how much the crank moved.
                 let kind = watch.jump(by);
                 self.report(axis, (kind, by, false), sensed);
@@ -29,6 +42,7 @@ impl DriftMonitor {
                 self.moved = Some((axis, by));
             }
         }
+        self.update(axis);
         if let Some(reported) = sorted.reported {
             self.report(axis, reported, sensed);
         }
@@ -177,7 +191,7 @@ impl DriftMonitor {
     fn report_moves(&mut self, within_limits: bool, sensed: &Sensed<'_>) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let watch = self.axes.get_mut(axis);
-            let fresh = watch.and_then(|watch| watch.diagnosis().take_new());
+            let fresh = watch.and_then(|watch| watch.diagnosis.take_new());
             if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
                 self.report(axis, (kind, by, within_limits), sensed);
             }
@@ -204,7 +218,7 @@ impl DriftMonitor {
 
     /// True if a crank moved away from the others by more than a gate, now or in the last turns.
     fn has_any_moved(&self) -> bool {
-        self.axes.iter().any(AxisWatch::has_moved) || self.moves_apart()
+        self.axes.iter().any(|watch| watch.name().is_some()) || self.moves_apart()
     }
 
     /// True if a crank by index moved away from the others by more than a gate since the axes were compared.

@@ -61,9 +61,9 @@ impl Event {
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct Diagnosis {
     /// An electrical cycle, turns; zero if it has none.
-    cycle: Turns,
+    pub(in crate::drift) cycle: Turns,
     /// Difference of two readings of a crank that is where it was.
-    tolerance: Turns,
+    pub(in crate::drift) tolerance: Turns,
     /// Latest first.
     events: [Event; EVENTS],
     /// The latest move has not been reported yet.
@@ -80,14 +80,8 @@ impl Diagnosis {
         }
     }
 
-    /// Half of an electrical cycle, turns.
-    pub(in crate::drift) fn half_cycle(&self) -> Turns {
-        Turns::from_bits(self.cycle.to_bits() / 2)
-    }
-
     pub(in crate::drift) const fn clear(&mut self) {
-        self.events = [Event::NONE; EVENTS];
-        self.is_new = false;
+        *self = Self::new(self.cycle, self.tolerance);
     }
 
     /// The index showed the crank again.
@@ -234,7 +228,7 @@ impl Diagnosis {
         let units = |turns: i64| (turns >> 17) as u32;
         let cycles = units(by + cycle / 2).checked_div(units(cycle)).unwrap_or(0);
         let off = nearest(Turns::from_bits(by - i64::from(cycles) * cycle));
-        cycles > 0 && off.abs() <= self.tolerance
+        cycles > 0 && off.abs() <= self.tolerance.min(Turns::from_bits(cycle / 4))
     }
 }
 

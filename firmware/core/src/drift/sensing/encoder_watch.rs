@@ -37,7 +37,7 @@ pub(in crate::drift) enum Read {
 }
 
 /// Watches one encoder.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::drift) struct EncoderWatch {
     /// Turns per count, in the axis's own sense.
     per_count: i64,
@@ -48,27 +48,33 @@ pub(in crate::drift) struct EncoderWatch {
     jump: Turns,
     last: Option<i32>,
     /// Measured minus commanded turns since the reset, and its filtered value.
-    phase_error: Turns,
-    filtered: Turns,
+    pub(in crate::drift) phase_error: Turns,
+    pub(in crate::drift) filtered: Turns,
     /// Sum of phase error times share of a turn: the mean error, once the shares add up to a turn.
-    mean: Turns,
-    held: Option<Turns>,
-    /// True while the motor moves by more than a jump per tick.
-    moving: bool,
+    pub(in crate::drift) mean: Turns,
+    deviation: Deviation,
     /// Measured turns since the motor was last about where commanded, or moved about as commanded.
     made_since: Turns,
     /// Sum of the jumps that the index has to confirm; about zero if the reading came back.
     pub(in crate::drift) unconfirmed_jump: Option<Turns>,
-    window: Window,
+    /// Window for tracking, of some ticks and some travel: its ticks, the phase error at its beginning, and the turns commanded in it.
+    ticks: u8,
+    error_before: Turns,
+    commanded: Turns,
+    /// Result of the last window.
+    pub(in crate::drift) tracking: Tracking,
 }
 
-/// Window for tracking: some ticks, and some travel.
+/// Deviation of a motor from its command in the tick before.
 #[derive(Clone, Copy, Debug, Default)]
-struct Window {
-    ticks: u8,
-    phase_error: Turns,
-    commanded: Turns,
-    tracking: Tracking,
+enum Deviation {
+    /// It was less than a jump.
+    #[default]
+    Small,
+    /// The reading jumped by so much. The next one shows why.
+    Held(Turns),
+    /// The motor moves by more than a jump per tick.
+    Large,
 }
 
 const WINDOW_TICKS: u8 = 4;
@@ -81,39 +87,22 @@ impl EncoderWatch {
     pub(in crate::drift) fn new(counts: u32, reversed: bool, jump: Turns) -> Self {
         let counts = i64::from(counts.max(1));
         let sense = if reversed { -1 } else { 1 };
-        Self::unread(
-            sense * (crate::units::ONE_TURN / counts),
-            sense * (((crate::units::ONE_TURN % counts) << 16) / counts),
-            jump,
-        )
-    }
-
-    /// Encoder without readings.
-    fn unread(per_count: i64, rest_a_count: i64, jump: Turns) -> Self {
         Self {
-            per_count,
-            rest_a_count,
-            rest: 0,
+            per_count: sense * (crate::units::ONE_TURN / counts),
+            rest_a_count: sense * (((crate::units::ONE_TURN % counts) << 16) / counts),
             jump,
-            last: None,
-            phase_error: Turns::ZERO,
-            filtered: Turns::ZERO,
-            mean: Turns::ZERO,
-            held: None,
-            moving: false,
-            made_since: Turns::ZERO,
-            unconfirmed_jump: None,
-            window: Window::default(),
+            ..Self::default()
         }
     }
 
     /// Discards all readings. The phase error is zero from now on.
     pub(in crate::drift) fn reset(&mut self) {
-        *self = Self::unread(self.per_count, self.rest_a_count, self.jump);
-    }
-
-    pub(in crate::drift) const fn phase_error(&self) -> Turns {
-        self.phase_error
+        *self = Self {
+            per_count: self.per_count,
+            rest_a_count: self.rest_a_count,
+            jump: self.jump,
+            ..Self::default()
+        };
     }
 
     /// Adds the present phase error over a share of a turn, up to ½, to the mean. Its error is below a millionth of the errors.
@@ -121,25 +110,6 @@ impl EncoderWatch {
         let (error, share) = (self.phase_error.to_bits() >> 16, share.to_bits() >> 16);
         let part = Turns::from_bits(error.wrapping_mul(share) >> 16);
         self.mean = self.mean.wrapping_add(part);
-    }
-
-    /// Begins a new mean.
-    pub(in crate::drift) const fn restart_average(&mut self) {
-        self.mean = Turns::ZERO;
-    }
-
-    /// Mean of the phase error over the turn that was averaged.
-    pub(in crate::drift) const fn mean_error(&self) -> Turns {
-        self.mean
-    }
-
-    /// Phase error, filtered over about 16 ticks.
-    pub(in crate::drift) const fn filtered_error(&self) -> Turns {
-        self.filtered
-    }
-
-    pub(in crate::drift) const fn tracking(&self) -> Tracking {
-        self.window.tracking
     }
 
     /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by over `most`. A motor that stood for a
@@ -193,7 +163,8 @@ impl EncoderWatch {
 
     fn classify(&mut self, off: Turns) -> Read {
         let is_jump = |turns: Turns| turns.wrapping_abs() > self.jump || turns == Turns::MIN;
-        if let Some(held) = self.held.take() {
+        if let Deviation::Held(held) = self.deviation {
+            self.deviation = Deviation::Small;
             let both = held.wrapping_add(off);
             if !is_jump(both) {
                 self.phase_error = self.phase_error.wrapping_add(both);
@@ -205,14 +176,14 @@ impl EncoderWatch {
                 self.unconfirmed_jump = Some(before.wrapping_add(held));
                 return Read::Jump { by: held };
             }
-            self.moving = true;
+            self.deviation = Deviation::Large;
             self.phase_error = self.phase_error.wrapping_add(both);
             return Read::Nothing;
         }
         if !is_jump(off) {
-            self.moving = false;
-        } else if !self.moving {
-            self.held = Some(off);
+            self.deviation = Deviation::Small;
+        } else if let Deviation::Small = self.deviation {
+            self.deviation = Deviation::Held(off);
             return Read::Nothing;
         }
         self.phase_error = self.phase_error.wrapping_add(off);
@@ -220,36 +191,34 @@ impl EncoderWatch {
     }
 
     fn judge(&mut self, commanded: Turns) {
-        let window = &mut self.window;
-        window.ticks = window.ticks.saturating_add(1);
-        window.commanded = window.commanded.wrapping_add(commanded);
+        self.ticks = self.ticks.saturating_add(1);
+        self.commanded = self.commanded.wrapping_add(commanded);
         // The travel must be large against the noise.
-        if window.ticks < WINDOW_TICKS || window.commanded < self.jump {
+        if self.ticks < WINDOW_TICKS || self.commanded < self.jump {
             return;
         }
         // In units of the commanded turns: −1 is standing, less is backwards.
-        let made = self.phase_error.wrapping_sub(window.phase_error).to_bits() >> 8;
-        let commanded_turns = window.commanded.to_bits() >> 8;
-        let tracking = if 4 * made < -3 * commanded_turns {
+        let made = self.phase_error.wrapping_sub(self.error_before).to_bits() >> 8;
+        let commanded = self.commanded.to_bits() >> 8;
+        self.tracking = if 4 * made < -3 * commanded {
             Tracking::Stalled
-        } else if 4 * made > commanded_turns {
+        } else if 4 * made > commanded {
             Tracking::Overspeed
         } else {
             self.made_since = Turns::ZERO;
             Tracking::Ok
         };
-        *window = Window {
-            ticks: 0,
-            phase_error: self.phase_error,
-            commanded: Turns::ZERO,
-            tracking,
-        };
+        self.ticks = 0;
+        self.error_before = self.phase_error;
+        self.commanded = Turns::ZERO;
     }
 
     /// Takes in a reading after ticks whose phase is not known. It assumes that the motor followed.
     pub(in crate::drift) const fn skip(&mut self, count: i32) {
         self.last = Some(count);
-        self.held = None;
+        if let Deviation::Held(_) = self.deviation {
+            self.deviation = Deviation::Small;
+        }
     }
 
     /// Adds the unconfirmed jump to the phase error.

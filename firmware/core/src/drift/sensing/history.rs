@@ -53,12 +53,8 @@ impl Recent<'_> {
     /// The same as [`Self::over`], for axes that made the master's turns.
     #[inline(always)]
     pub fn over_by_master(&self, phase: Phase) -> (TickPhase, Turns) {
-        let turns = self.played.master;
-        let since = self.planned.master.wrapping_add(turns);
-        let over = TickPhase {
-            start: phase.advanced(since.wrapping_neg()),
-            turns,
-        };
+        let end = phase.advanced(self.planned.master.wrapping_neg());
+        let over = TickPhase::ending_at(end, self.played.master);
         (over, self.before.master)
     }
 
@@ -66,12 +62,8 @@ impl Recent<'_> {
     /// the tick that was planned last.
     #[inline(always)]
     pub fn over(&self, axis: usize, phase: Phase) -> (TickPhase, Turns) {
-        let turns = self.played.of(axis);
-        let since = self.planned.of(axis).wrapping_add(turns);
-        let over = TickPhase {
-            start: phase.advanced(since.wrapping_neg()),
-            turns,
-        };
+        let end = phase.advanced(self.planned.of(axis).wrapping_neg());
+        let over = TickPhase::ending_at(end, self.played.of(axis));
         (over, self.before.of(axis))
     }
 }

@@ -50,11 +50,11 @@ impl TickPhase {
         }
     }
 
-    /// The tick before, at the same speed.
-    pub(in crate::drift) const fn before(self) -> Self {
+    /// A tick of so many turns that ends at this phase.
+    pub(in crate::drift) const fn ending_at(end: Phase, turns: Turns) -> Self {
         Self {
-            start: self.start.advanced(self.turns.wrapping_neg()),
-            turns: self.turns,
+            start: end.advanced(turns.wrapping_neg()),
+            turns,
         }
     }
 

@@ -52,10 +52,8 @@ enum Due {
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct IndexWatch {
     place: Place,
-    /// True once homing is over.
-    is_settled: bool,
     /// Offset of the last pulse that counted.
-    offset: Turns,
+    pub(in crate::drift) offset: Turns,
     /// Number of pulses of which `offset` is the mean; 0 before the first.
     meant: u8,
     /// Phase at that pulse; before the first, where the search began.
@@ -64,68 +62,34 @@ pub(in crate::drift) struct IndexWatch {
     spacing: Option<Spacing>,
     due: Due,
     /// Missing pulses in a row that were tolerated.
-    missed: u8,
+    pub(in crate::drift) missed: u8,
     /// Turns since `detected_at` at which a missing pulse has a consequence.
     alert: Turns,
 }
 
 impl IndexWatch {
-    pub(in crate::drift) fn new(place: Place) -> Self {
+    /// Watch that has no pulse yet. The first is expected within a turn from `phase`, and is overdue later than that.
+    pub(in crate::drift) fn new(place: Place, phase: Phase) -> Self {
         Self {
             place,
-            is_settled: false,
             offset: Turns::ZERO,
             meant: 0,
-            detected_at: Phase::ZERO,
+            detected_at: phase,
             outlier: None,
             spacing: None,
             due: Due::Expected,
             missed: 0,
-            alert: Turns::ZERO,
+            alert: ONE.wrapping_add(place.overdue),
         }
     }
 
-    /// Discards all pulses. The first is expected within a turn from `phase`, and is overdue later than that.
+    /// Discards all pulses.
     pub(in crate::drift) fn reset(&mut self, phase: Phase) {
-        self.is_settled = false;
-        self.offset = Turns::ZERO;
-        self.meant = 0;
-        self.outlier = None;
-        self.spacing = None;
-        self.due = Due::Expected;
-        self.missed = 0;
-        self.detected_at = phase;
-        self.alert = ONE.wrapping_add(self.place.overdue);
-    }
-
-    /// Ends homing.
-    pub(in crate::drift) const fn settle(&mut self) {
-        self.is_settled = true;
-    }
-
-    pub(in crate::drift) const fn is_settled(&self) -> bool {
-        self.is_settled
-    }
-
-    const fn overdue(&self) -> Turns {
-        if self.is_settled {
-            self.place.overdue_settled
-        } else {
-            self.place.overdue
-        }
-    }
-
-    pub(in crate::drift) const fn offset(&self) -> Turns {
-        self.offset
+        *self = Self::new(self.place, phase);
     }
 
     pub(in crate::drift) const fn is_known(&self) -> bool {
         self.meant > 0
-    }
-
-    /// Missing pulses in a row that were tolerated.
-    pub(in crate::drift) const fn missed(&self) -> u8 {
-        self.missed
     }
 
     /// True if a crank at this phase, with the offset that the last pulse showed, is within `swing` of an end of its flag.
@@ -171,16 +135,17 @@ impl IndexWatch {
         &mut self,
         phase: &TickPhase,
         commanded: Turns,
+        finding_out: bool,
     ) -> Detection {
         if !self.has_timed_out(phase, commanded) {
             return Detection::Nothing;
         }
-        match self.time_out() {
+        match self.time_out(finding_out) {
             // The pulse may become late and overdue in the same tick. Without an encoder, the latter counts.
             Detection::Undetected
                 if self.place.filter_shift == 0 && self.has_timed_out(phase, commanded) =>
             {
-                self.time_out()
+                self.time_out(finding_out)
             }
             detection => detection,
         }
@@ -201,22 +166,15 @@ impl IndexWatch {
             // A crank that swings where it was left may meet its flag at either end.
             return Detection::Nothing;
         }
-        let back = pulse.cycle.min(0).unsigned_abs();
-        let tick = if back == 0 {
-            *phase
+        let cycle = pulse.cycle.unsigned_abs();
+        let (tick, cycle) = if pulse.cycle >= 0 {
+            (*phase, cycle)
         } else if let Some(before) = before {
-            TickPhase {
-                start: phase.start.advanced(before.wrapping_neg()),
-                turns: before,
-            }
+            let tick = TickPhase::ending_at(phase.start, before);
+            (tick, clock.cycles.saturating_sub(cycle))
         } else {
             self.detected_at = phase.start; // The sensor works, but the place of the pulse is not known.
             return Detection::Nothing;
-        };
-        let cycle = if back == 0 {
-            pulse.cycle.unsigned_abs()
-        } else {
-            clock.cycles.saturating_sub(back)
         };
         let late = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.delay));
         let at = tick
@@ -334,7 +292,7 @@ impl IndexWatch {
 
     /// Takes in that no pulse came up to `alert`.
     #[inline(never)]
-    fn time_out(&mut self) -> Detection {
+    fn time_out(&mut self, finding_out: bool) -> Detection {
         let waited = self.due == Due::Overdue;
         if self.is_known() && !self.is_late() {
             if let Some(outlier) = self.outlier.take() {
@@ -345,7 +303,11 @@ impl IndexWatch {
                 return Detection::Moved { by };
             }
             self.due = Due::Late;
-            self.alert = ONE.wrapping_add(self.overdue().max(self.place.gate));
+            self.alert = ONE.wrapping_add(if finding_out {
+                self.place.overdue
+            } else {
+                self.place.overdue_settled
+            });
             return Detection::Undetected;
         }
         self.due = Due::Overdue;
