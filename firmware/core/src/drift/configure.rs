@@ -23,7 +23,6 @@ impl DriftMonitor {
             limits: DriftLimits::NONE,
             mount: Mount::NONE,
             axes: heapless::Vec::new(),
-            sensed: 0,
             by_index: 0,
             by_encoder: 0,
             at_once: false,
@@ -34,7 +33,7 @@ impl DriftMonitor {
             phase_error: [Turns::ZERO; MAX_AXES],
             peak: [Turns::ZERO; MAX_AXES],
             detected: 0,
-            checked: 0,
+            unchecked: 0,
             rounds: 0,
             averaged: Turns::ZERO,
             common_jump: Turns::ZERO,
@@ -67,7 +66,6 @@ impl DriftMonitor {
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
         self.limits = limits;
-        self.sensed = sensed;
         self.by_index = sensed & !by_encoder;
         self.by_encoder = by_encoder;
         self.at_once = by_encoder != 0 || settings.detect_at_once;

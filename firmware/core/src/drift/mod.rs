@@ -81,8 +81,7 @@ pub struct DriftMonitor {
     is_busy: bool,
     /// True if phase errors, peaks or modes may have changed since the last call of [`Self::take_changed`].
     changed: bool,
-    /// Axes that have an index sensor; that have no encoder besides; that have an encoder.
-    sensed: AxisSet,
+    /// Axes that have an index sensor and no encoder; that have an encoder.
     by_index: AxisSet,
     by_encoder: AxisSet,
     /// True if all updates of a tick are processed in that tick.
@@ -91,8 +90,8 @@ pub struct DriftMonitor {
     finding_out: bool,
     /// Axes by index detected in this round.
     detected: AxisSet,
-    /// Axes whose index has been detected since [`Self::start_check`].
-    checked: AxisSet,
+    /// Axes whose index has not been detected since [`Self::start_check`].
+    unchecked: AxisSet,
     /// Motion that the axes without an encoder had in common in the last round.
     common_jump: Turns,
     queue: Queue,
@@ -215,20 +214,19 @@ impl DriftMonitor {
 
     /// Starts a check: every index must be detected again, and encoders are averaged over a new turn.
     pub fn start_check(&mut self) {
-        self.checked = 0;
+        self.unchecked = 0;
         self.averaged = Turns::ZERO;
-        for encoder in self
-            .axes
-            .iter_mut()
-            .filter_map(|axis| axis.encoder.as_mut())
-        {
-            encoder.mean = Turns::ZERO;
+        for (axis, watch) in self.axes.iter_mut().enumerate() {
+            self.unchecked |= AxisSet::from(watch.index.is_some()) << axis;
+            if let Some(encoder) = &mut watch.encoder {
+                encoder.mean = Turns::ZERO;
+            }
         }
     }
 
     /// True if every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
     pub fn is_check_done(&self) -> bool {
-        self.checked & self.sensed == self.sensed && self.is_turn_over()
+        self.unchecked == 0 && self.is_turn_over()
     }
 
     /// Ends homing: from now on, motion of a crank away from its command is a fault.
@@ -245,8 +243,7 @@ impl DriftMonitor {
             watch.shift(by.wrapping_neg());
         }
         self.phase_error = self.errors(Measured::Now);
-        self.peak = self.phase_error.map(Turns::wrapping_abs);
-        self.changed = true;
+        self.reset_peak();
     }
 
     /// Largest error of a reading of an axis, turns.
@@ -284,18 +281,13 @@ impl DriftMonitor {
     /// True if these phase errors keep the platform within its limits of tilt and warp.
     pub fn allows(&self, error: &PerAxis<Turns>) -> bool {
         let modes = self.mount.modes(error);
-        self.limits.of_platform(&modes, Turns::ZERO).is_none()
-    }
-
-    /// True if an axis without an encoder has a pulse.
-    pub fn has_pulse_by_index(&self, index: &PerAxis<Option<IndexPulse>>) -> bool {
-        let mut pulses = index.iter().enumerate();
-        pulses.any(|(axis, pulse)| pulse.is_some() && self.by_index & 1 << axis != 0)
+        let exceeded = self.limits.of_cranks.exceeded(&modes, Turns::ZERO);
+        exceeded.is_none()
     }
 
     /// Axes that some sensor detects.
     pub const fn watched(&self) -> AxisSet {
-        self.sensed | self.encoders()
+        self.by_index | self.encoders()
     }
 
     /// True if all updates of a tick are processed in that tick.

@@ -4,9 +4,9 @@ use super::axis_watch::AxisWatch;
 use super::detection::modes::AxisSet;
 use super::sensing::encoder_watch::Read;
 use super::sensing::index_watch::Detection;
-use super::sensing::tick_phase::TickPhase;
+use super::sensing::tick_phase::{IndexPulse, TickPhase};
 use super::{DriftMonitor, Finding, Sensed};
-use crate::units::{MAX_AXES, Turns};
+use crate::units::{MAX_AXES, PerAxis, Turns};
 
 impl DriftMonitor {
     /// Processes the feedback of a tick that is over. Returns the next finding to report, if there is one.
@@ -18,12 +18,15 @@ impl DriftMonitor {
             self.observe_encoders(sensed);
         }
         let begun = self.queue.updated;
-        let arrived = self.queue_pulses(sensed, before_is_known);
+        let arrived = self.arrived(sensed.index);
+        if arrived != 0 {
+            self.queue_arrived(arrived, sensed, before_is_known);
+        }
         self.margin = self.margin.wrapping_sub(sensed.history.most());
         if self.margin < 0 {
             self.check_timeouts(sensed);
         }
-        self.is_busy = !self.is_at_once() && self.has_work();
+        self.is_busy = !self.is_at_once() && (!self.queue.is_empty() || self.is_round_over());
         if self.is_at_once() {
             self.process_all(sensed);
         } else if self.is_busy && sensed.may_process {
@@ -32,23 +35,19 @@ impl DriftMonitor {
         self.findings.next()
     }
 
-    const fn has_work(&self) -> bool {
-        !self.queue.is_empty() || self.is_round_over()
-    }
-
-    /// Queues the pulses of a tick; returns their number.
+    /// Axes without an encoder that have a pulse.
     #[inline(always)]
-    fn queue_pulses(&mut self, sensed: &Sensed<'_>, before_is_known: bool) -> u32 {
+    fn arrived(&self, index: &PerAxis<Option<IndexPulse>>) -> AxisSet {
         let mut arrived: AxisSet = 0;
-        for (axis, pulse) in sensed.index.iter().enumerate() {
+        for (axis, pulse) in index.iter().enumerate() {
             arrived |= AxisSet::from(pulse.is_some()) << axis;
         }
-        arrived &= self.by_index;
-        if arrived == 0 {
-            return 0;
-        }
-        self.queue_arrived(arrived, sensed, before_is_known);
-        arrived.count_ones()
+        arrived & self.by_index
+    }
+
+    /// True if an axis without an encoder has a pulse.
+    pub fn has_pulse_by_index(&self, index: &PerAxis<Option<IndexPulse>>) -> bool {
+        self.arrived(index) != 0
     }
 
     #[inline(never)]
@@ -111,7 +110,13 @@ impl DriftMonitor {
             if own < 0 {
                 // All axes are asked before one of them is processed.
                 let patience = *patience.get_or_insert_with(|| self.patience(sensed));
-                self.time_out(axis, &commanded, patience, sensed);
+                let detection = match self.axes.get_mut(axis) {
+                    Some(watch) => watch.check_timeout(&commanded, self.finding_out),
+                    None => Detection::Nothing,
+                };
+                if !matches!(detection, Detection::Nothing | Detection::Undetected) {
+                    self.take_in(axis, detection, Read::Nothing, patience, sensed);
+                }
                 own = self.axes.get(axis).map_or(Turns::MAX, left);
             }
             margin = margin.min(own);
@@ -132,23 +137,6 @@ impl DriftMonitor {
             watch.is_late(&commanded)
         });
         all_late.then_some(self.limits.common)
-    }
-
-    /// Processes a tick in which a pulse is late.
-    fn time_out(
-        &mut self,
-        axis: usize,
-        commanded: &TickPhase,
-        patience: Option<Turns>,
-        sensed: &Sensed<'_>,
-    ) {
-        let Some(watch) = self.axes.get_mut(axis) else {
-            return;
-        };
-        let detection = watch.check_timeout(commanded, self.finding_out);
-        if !matches!(detection, Detection::Nothing | Detection::Undetected) {
-            self.take_in(axis, detection, Read::Nothing, patience, sensed);
-        }
     }
 
     /// Processes a tick of the axes with encoders.
@@ -183,12 +171,12 @@ impl DriftMonitor {
 
     /// Does one piece of the pending work, of which the axes in `begun` were updated before this tick.
     #[inline(never)]
-    fn process_one(&mut self, sensed: &Sensed<'_>, arrived: u32, begun: AxisSet) {
+    fn process_one(&mut self, sensed: &Sensed<'_>, arrived: AxisSet, begun: AxisSet) {
         if self.queue.updated == 0 && self.is_round_over() {
             self.conclude_round(sensed);
         } else if let Some(axis) = self.queue.next() {
             // To read more takes the time of processing one. Of one batch, only one tick has more than half of the pulses.
-            if 2 * arrived <= self.by_index.count_ones().max(2) {
+            if 2 * arrived.count_ones() <= self.by_index.count_ones().max(2) {
                 self.process_pulse(axis, sensed);
             }
         } else if begun != 0 {

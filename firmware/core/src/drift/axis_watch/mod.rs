@@ -47,7 +47,7 @@ pub(super) struct Motion {
 /// Monitor of one axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
-    index: Option<IndexWatch>,
+    pub(super) index: Option<IndexWatch>,
     pub(super) encoder: Option<EncoderWatch>,
     /// Turns that an encoder measured in the tick before the one that is over; none if they are not known.
     before: Option<Turns>,

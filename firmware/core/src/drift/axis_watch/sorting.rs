@@ -3,7 +3,7 @@
 //! A jump of the encoder is *unconfirmed* until the index decides. A pulse in its place shows that counts were lost. No pulse there shows
 //! that the crank moved. If the index is out of place and the encoder has measured nothing, the crank slipped on its shaft.
 
-use super::{AxisWatch, Motion};
+use super::AxisWatch;
 use crate::drift::detection::angles::{angle, of_angle};
 use crate::drift::sensing::encoder_watch::Read;
 use crate::drift::sensing::index_watch::Detection;
@@ -97,16 +97,19 @@ impl AxisWatch {
         extra: Option<Turns>,
         is_sure: bool,
     ) -> Option<Report> {
-        let extra = extra.map(|by| self.extra(by));
+        let extra = extra.map(|by| self.extra(by, is_sure));
         self.diagnosis.pass_turn();
-        if self.encoder.is_some() {
-            self.walk_by_encoder();
+        let walk = self.motion().walk;
+        if self.encoder.is_some() && walk.unsigned_abs() > self.gate {
+            // The crank moves away from its encoder, turn by turn.
+            self.home = angle(self.offset());
+            self.diagnosis.drift(of_angle(walk));
         }
         if was_overdue {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
         }
-        if let Some((kind, by, within_limits)) = extra {
-            return Some((kind, by, within_limits && is_sure));
+        if extra.is_some() {
+            return extra;
         }
         let unconfirmed_jump = self.take_unconfirmed_jump()?;
         Some((FaultKind::EncoderGlitch, unconfirmed_jump, true))
@@ -116,7 +119,7 @@ impl AxisWatch {
     fn out_of_place(&mut self, by: Turns) -> Report {
         let is_ahead = self.diagnosis.has_jumped_ahead() && self.phase_error() > 0;
         if !self.diagnosis.had_extra() && !is_ahead {
-            return self.extra(by);
+            return self.extra(by, true);
         }
         self.runs_away(by)
     }
@@ -135,10 +138,8 @@ impl AxisWatch {
         let unconfirmed_jump = self.take_unconfirmed_jump().unwrap_or_default();
         // If the encoder jumped as well, the motor moved; else the crank slipped on its shaft. A crank that passes its flag during the jump
         // shows part of it.
-        let (shown, jumped) = (
-            angle(by).unsigned_abs(),
-            angle(unconfirmed_jump).unsigned_abs(),
-        );
+        let shown = angle(by).unsigned_abs();
+        let jumped = angle(unconfirmed_jump).unsigned_abs();
         let same_sense = unconfirmed_jump != 0 && (by < 0) == (unconfirmed_jump < 0);
         if same_sense && shown <= jumped.saturating_add(self.gate) {
             self.confirm(unconfirmed_jump, by);
@@ -149,7 +150,8 @@ impl AxisWatch {
         by
     }
 
-    /// Takes in that no pulse came where it would be if the encoder had lost counts. If the encoder jumped, so did the crank.
+    /// Takes in that no pulse came where it would be if the encoder had lost counts. If the encoder jumped, so did the crank, and `has_moved`
+    /// says by how much.
     fn nowhere(&mut self, has_moved: &mut Option<Turns>) -> Option<Report> {
         let unconfirmed_jump = self.take_unconfirmed_jump()?;
         if angle(unconfirmed_jump).unsigned_abs() <= self.gate {
@@ -203,18 +205,9 @@ impl AxisWatch {
         }
     }
 
-    fn extra(&mut self, by: Turns) -> Report {
-        let within_limits = self.diagnosis.extra(by);
+    fn extra(&mut self, by: Turns, is_sure: bool) -> Report {
+        let within_limits = self.diagnosis.extra(by) && is_sure;
         (FaultKind::IndexExtra, by, within_limits)
-    }
-
-    /// Records that the crank moves away from its encoder, turn by turn.
-    fn walk_by_encoder(&mut self) {
-        let Motion { walk, .. } = self.motion();
-        if walk.unsigned_abs() > self.gate {
-            self.home = angle(self.offset());
-            self.diagnosis.drift(of_angle(walk));
-        }
     }
 }
 

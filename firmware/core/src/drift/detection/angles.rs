@@ -14,34 +14,7 @@ pub(in crate::drift) fn of_angle(angle: i32) -> Turns {
     Turns::from_bits(i64::from(angle) << ANGLE_CUT)
 }
 
-/// Up to `MAX_AXES` angles.
-#[derive(Default)]
-pub(in crate::drift) struct Angles {
-    angles: [i32; MAX_AXES],
-    count: usize,
-}
-
-impl Angles {
-    pub(in crate::drift) fn push(&mut self, angle: i32) {
-        if let Some(slot) = self.angles.get_mut(self.count) {
-            *slot = angle;
-            self.count += 1;
-        }
-    }
-
-    /// Common part of the angles; of one angle, the angle itself.
-    fn common_or_only(&mut self) -> i32 {
-        match self.angles {
-            [only, ..] if self.count == 1 => only,
-            _ => self.common(),
-        }
-    }
-
-    /// Common part of the angles; 0 if there are fewer than two.
-    pub(in crate::drift) fn common(&mut self) -> i32 {
-        middle(self.angles.get_mut(..self.count).unwrap_or_default())
-    }
-}
+pub(in crate::drift) type Angles = heapless::Vec<i32, MAX_AXES>;
 
 /// Axis of a set whose phase error is furthest from the common part.
 #[inline(never)]
@@ -50,11 +23,11 @@ pub(in crate::drift) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
         let all = errors.iter().map(|&error| angle(error)).enumerate();
         all.filter(|(axis, _)| set & 1 << axis != 0)
     };
-    let mut counted = Angles::default();
+    let mut counted = Angles::new();
     for (_, error) in axes() {
-        counted.push(error);
+        let _ = counted.push(error); // There is room for all axes.
     }
-    let common = counted.common();
+    let common = middle(&mut counted);
     axes()
         .max_by_key(|(_, error)| error.wrapping_sub(common).unsigned_abs())
         .map_or(0, |(axis, _)| axis)
@@ -63,19 +36,22 @@ pub(in crate::drift) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
 /// Common phase error of a set of axes, with their corrections; of one axis, its own.
 #[inline(never)]
 pub(in crate::drift) fn in_common(errors: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
-    let mut angles = Angles::default();
+    let mut angles = Angles::new();
     for (axis, (error, &correction)) in errors.iter().zip(corrections).enumerate() {
         if set & 1 << axis != 0 {
-            angles.push(angle(error.wrapping_add(correction)));
+            let _ = angles.push(angle(error.wrapping_add(correction))); // There is room for all axes.
         }
     }
-    of_angle(angles.common_or_only())
+    of_angle(match *angles.as_mut_slice() {
+        [only] => only,
+        ref mut several => middle(several),
+    })
 }
 
-/// Common part of `values`, wrapping angles: their median, as few axes fail at once. Of two middle values it is the smaller, so that of
+/// Common part of `values`, wrapping angles: their median, as few axes fail at once; 0 if there are fewer than two. Of two middle values it is the smaller, so that of
 /// two axes the one that moved more counts as moved. Sorts the values.
 #[inline(never)]
-fn middle(values: &mut [i32]) -> i32 {
+pub(in crate::drift) fn middle(values: &mut [i32]) -> i32 {
     // There are at most six values. The sort of the core library would take longer, and would run from the flash.
     for placed in 1..values.len() {
         let Some((last, before)) = values.get_mut(..=placed).and_then(<[i32]>::split_last_mut)

@@ -1,8 +1,8 @@
 //! Evaluation of updates: of one axis, of all axes of a round, and against the limits.
 
-use super::angles::{Angles, in_common, of_angle};
+use super::angles::{Angles, in_common, middle, of_angle};
 use super::modes::AxisSet;
-use crate::drift::axis_watch::Motion;
+use crate::drift::axis_watch::{AxisWatch, Motion};
 use crate::drift::sensing::encoder_watch::Read;
 use crate::drift::sensing::index_watch::Detection;
 use crate::drift::{DriftMonitor, Sensed};
@@ -28,7 +28,7 @@ impl DriftMonitor {
         if sorted.is_detected {
             self.queue.updated |= own;
             self.detected |= own;
-            self.checked |= own;
+            self.unchecked &= !own;
         }
         // During homing the homing evaluates what the cranks do.
         if let Some(by) = sorted.has_moved
@@ -59,7 +59,9 @@ impl DriftMonitor {
         if !self.is_homed() {
             return;
         }
-        self.modes = self.mount.modes(&self.corrected_errors(sensed.correction));
+        self.modes = self
+            .mount
+            .modes(&self.errors_to_first(sensed.correction, self.finding_out));
         self.changed = true;
         if self.finding_out || self.encoders() != 0 {
             self.check(Turns::ZERO, sensed);
@@ -91,12 +93,6 @@ impl DriftMonitor {
         }
     }
 
-    /// Common error of all axes except one, with their corrections. It is not the mean of all, which would contain the
-    /// error of that axis itself.
-    fn in_common_but(&self, axis: usize, correction: &PerAxis<Turns>) -> Turns {
-        in_common(&self.phase_error, correction, self.watched() & !(1 << axis))
-    }
-
     /// True if no axis is late except those in `updated`.
     fn others_are_detected(&self, updated: AxisSet) -> bool {
         let others = self.by_index & !updated;
@@ -118,15 +114,14 @@ impl DriftMonitor {
     /// Motion that the axes without an encoder have in common.
     #[inline(never)]
     fn common_motion(&self) -> Motion {
-        let (mut jumps, mut walks) = (Angles::default(), Angles::default());
+        let (mut jumps, mut walks) = (Angles::new(), Angles::new());
         for watch in self.axes.iter().filter(|watch| watch.is_by_index()) {
             let Motion { jump, walk } = watch.motion();
-            jumps.push(jump);
-            walks.push(walk);
+            let _ = (jumps.push(jump), walks.push(walk)); // There is room for all axes.
         }
         Motion {
-            jump: jumps.common(),
-            walk: walks.common(),
+            jump: middle(&mut jumps),
+            walk: middle(&mut walks),
         }
     }
 
@@ -141,13 +136,10 @@ impl DriftMonitor {
             .phase_error
             .get(axis)?
             .wrapping_add(*correction.get(axis)?);
-        let others = self.in_common_but(axis, correction);
+        // The others have it in common. The mean of all would contain the error of this axis itself.
+        let others = self.watched() & !(1 << axis);
+        let others = in_common(&self.phase_error, correction, others);
         Some((axis, nearest(own.wrapping_sub(others))))
-    }
-
-    /// Phase errors with their corrections.
-    fn corrected_errors(&self, correction: &PerAxis<Turns>) -> PerAxis<Turns> {
-        self.errors_to_first(correction, self.finding_out)
     }
 
     /// Phase errors with their corrections. In homing the common zero is not known, and phase errors may lie around half a turn. Then
@@ -182,7 +174,7 @@ impl DriftMonitor {
         }
         self.report_moves(exceeded.is_none(), sensed);
         if let Some(kind) = exceeded {
-            let error = self.corrected_errors(sensed.correction);
+            let error = self.errors_to_first(sensed.correction, self.finding_out);
             self.attribute(kind, &error, sensed);
         }
     }
@@ -202,23 +194,19 @@ impl DriftMonitor {
     fn exceeded(&self, margin: Turns, speed: Turns) -> Option<FaultKind> {
         // In homing a crank stays where it was left, or was moved to prove its wiring, so the true limit applies. A crank that has moved
         // goes on, and may be beyond the true limit while its reading is not.
-        let may_be = self.limits.of_readings(&self.modes, margin);
+        let has_moved = |watch: &AxisWatch| watch.name().is_some();
+        let may_be = self.limits.read.exceeded(&self.modes, margin);
         let exceeded = may_be.and_then(|kind| {
-            if !self.finding_out && self.has_any_moved() {
+            if !self.finding_out && (self.axes.iter().any(has_moved) || self.moves_apart()) {
                 Some(kind)
             } else {
-                self.limits.of_platform(&self.modes, margin)
+                self.limits.of_cranks.exceeded(&self.modes, margin)
             }
         });
         if exceeded.is_some() || self.finding_out {
             return exceeded;
         }
         self.limits.of_common(&self.modes, speed)
-    }
-
-    /// True if a crank moved away from the others by more than a gate, now or in the last turns.
-    fn has_any_moved(&self) -> bool {
-        self.axes.iter().any(|watch| watch.name().is_some()) || self.moves_apart()
     }
 
     /// True if a crank by index moved away from the others by more than a gate since the axes were compared.

@@ -9,14 +9,14 @@ use crate::units::Turns;
 
 /// Limits of the platform, turns of crank angle.
 #[derive(Clone, Copy, Debug)]
-struct Limits {
+pub(in crate::drift) struct Limits {
     tilt: Turns,
     warp: Turns,
 }
 
 impl Limits {
     /// Limit that the modes exceed by `margin`, if they do.
-    fn exceeded(&self, modes: &Modes, margin: Turns) -> Option<FaultKind> {
+    pub(in crate::drift) fn exceeded(&self, modes: &Modes, margin: Turns) -> Option<FaultKind> {
         let tilt = self.tilt.wrapping_add(margin);
         if square(modes.tilt_x) + square(modes.tilt_y) > square(tilt) {
             Some(FaultKind::Tilt)
@@ -40,9 +40,9 @@ impl Limits {
 #[derive(Clone, Copy, Debug)]
 pub struct DriftLimits {
     /// Limits on the cranks themselves.
-    true_limits: Limits,
+    pub(in crate::drift) of_cranks: Limits,
     /// Limits on readings of cranks that have moved: lower by a reading error.
-    read: Limits,
+    pub(in crate::drift) read: Limits,
     pub(in crate::drift) common: Turns,
     /// Delay with which all axes follow, `lag_us` in ticks, 16 fraction bits.
     lag: i64,
@@ -58,7 +58,7 @@ impl DriftLimits {
             warp: Turns::ZERO,
         };
         Self {
-            true_limits: NONE,
+            of_cranks: NONE,
             read: NONE,
             common: Turns::ZERO,
             lag: 0,
@@ -85,22 +85,12 @@ impl DriftLimits {
             }
         };
         Self {
-            true_limits: limits(Turns::ZERO),
+            of_cranks: limits(Turns::ZERO),
             read: limits(reading),
             common: turns(settings.common_limit_deg / 360.0),
             lag: libm::round(settings.lag_s * f64::from(tick_hz) * 65_536.0) as i64,
             reading,
         }
-    }
-
-    /// Limit of tilt or warp that the modes exceed by `margin`, if they do.
-    pub(in crate::drift) fn of_platform(&self, modes: &Modes, margin: Turns) -> Option<FaultKind> {
-        self.true_limits.exceeded(modes, margin)
-    }
-
-    /// Limit that a moved crank may exceed by `margin`, given the error of its reading.
-    pub(in crate::drift) fn of_readings(&self, modes: &Modes, margin: Turns) -> Option<FaultKind> {
-        self.read.exceeded(modes, margin)
     }
 
     /// The common lag as a fault, if it exceeds its limit at this speed of the master, turns per tick.
@@ -131,7 +121,7 @@ impl DriftLimits {
         };
         let least = most(self.read.tilt, tilt).min(most(self.read.warp, warp));
         // With one sensor, only the common lag is known.
-        let common = self.common.to_num::<f64>() * mount.count() as f64;
+        let common = self.common.to_num::<f64>() * mount.count as f64;
         turns(least.min(common).min(0.25))
     }
 }

@@ -60,7 +60,7 @@ pub struct Mount {
     cosine: PerAxis<i32>,
     sine: PerAxis<i32>,
     detected: AxisSet,
-    count: usize,
+    pub(in crate::drift) count: usize,
 }
 
 /// Fraction bits that are dropped of a phase error. ±½ turn then fits 30 bits, and so does a weighted sum of six.
@@ -151,11 +151,6 @@ impl Mount {
             detected,
             count,
         }
-    }
-
-    /// Number of axes.
-    pub(in crate::drift) const fn count(&self) -> usize {
-        self.count
     }
 
     /// Modes that these axes show.

@@ -211,15 +211,14 @@ impl IndexWatch {
             return Detection::First;
         }
         let by = nearest(offset.wrapping_sub(self.offset));
-        if self.is_in_place(offset) {
+        if by.abs() <= self.place.gate {
             if at.since(self.detected_at) < HALF {
                 return Detection::Nothing; // the same passage
             }
-            let was_overdue = self.due == Due::Overdue;
-            let before = self.detected_at;
+            let detection = self.in_place(offset, at);
             let filtered = self.filter(by);
             self.believe(nearest(self.offset.wrapping_add(filtered)), at);
-            return self.in_place(offset, at, before, was_overdue);
+            return detection;
         }
         let again = self.outlier.is_some_and(|outlier| {
             let apart = nearest(offset.wrapping_sub(outlier.offset));
@@ -227,13 +226,10 @@ impl IndexWatch {
         });
         // No pulse came in place, and one came elsewhere: the crank has moved there.
         if self.is_late() || self.missed > 0 || again {
-            self.outlier = None;
-            self.spacing = None;
-            self.meant = 1;
-            self.believe(offset, at);
-            return Detection::Moved { by };
+            return self.moved(Outlier { offset, at });
         }
-        self.decide_soon();
+        // The very place of the next pulse decides what this one was.
+        self.alert = self.alert.min(ONE.wrapping_add(self.place.sure));
         let goes_on = self.spacing.take().is_some_and(|spacing| {
             let late = at.since(self.detected_at).wrapping_sub(spacing.turns).abs();
             // Noise that comes once per turn comes at the same place.
@@ -249,14 +245,9 @@ impl IndexWatch {
         }
     }
 
-    /// A pulse in its place, which showed `offset`; the one before came at `before`.
-    fn in_place(
-        &mut self,
-        offset: Turns,
-        at: Phase,
-        before: Phase,
-        was_overdue: bool,
-    ) -> Detection {
+    /// A pulse in its place, which showed `offset`.
+    fn in_place(&mut self, offset: Turns, at: Phase) -> Detection {
+        let was_overdue = self.due == Due::Overdue;
         let Some(outlier) = self.outlier.take() else {
             self.spacing = None;
             return Detection::InPlace {
@@ -266,7 +257,7 @@ impl IndexWatch {
             };
         };
         let by = nearest(outlier.offset.wrapping_sub(offset));
-        let after = outlier.at.since(before);
+        let after = outlier.at.since(self.detected_at);
         self.spacing = (after >= BETWEEN.start).then_some(Spacing {
             turns: at.since(outlier.at),
             by,
@@ -276,6 +267,16 @@ impl IndexWatch {
             extra: Some(by),
             may_be_fast: BETWEEN.contains(&after),
         }
+    }
+
+    /// Takes in that the crank has moved to where a pulse showed it.
+    fn moved(&mut self, to: Outlier) -> Detection {
+        let by = nearest(to.offset.wrapping_sub(self.offset));
+        self.outlier = None;
+        self.spacing = None;
+        self.meant = 1;
+        self.believe(to.offset, to.at);
+        Detection::Moved { by }
     }
 
     /// Part of a deviation `by` that counts: so that the offset is the mean of the first pulses, and later a filtered value.
@@ -295,12 +296,8 @@ impl IndexWatch {
     fn time_out(&mut self, finding_out: bool) -> Detection {
         let waited = self.due == Due::Overdue;
         if self.is_known() && !self.is_late() {
-            if let Some(outlier) = self.outlier.take() {
-                let by = nearest(outlier.offset.wrapping_sub(self.offset));
-                self.spacing = None;
-                self.meant = 1;
-                self.believe(outlier.offset, outlier.at);
-                return Detection::Moved { by };
+            if let Some(outlier) = self.outlier {
+                return self.moved(outlier);
             }
             self.due = Due::Late;
             self.alert = ONE.wrapping_add(if finding_out {
@@ -321,13 +318,6 @@ impl IndexWatch {
         self.due = Due::Expected;
         self.missed = 0;
         self.alert = ONE.wrapping_add(self.place.gate);
-    }
-
-    /// Takes in a pulse out of place: the very place of the next pulse decides what it was.
-    fn decide_soon(&mut self) {
-        if !self.is_late() {
-            self.alert = self.alert.min(ONE.wrapping_add(self.place.sure));
-        }
     }
 
     /// Takes in that the crank may have moved at `phase`. The place of the next pulse decides, within a turn from there.
