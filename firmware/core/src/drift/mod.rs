@@ -38,7 +38,6 @@ pub use sensing::tick_phase::{IndexPulse, TickPhase};
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 use axis_watch::{AxisWatch, Measured};
-use detection::angles::furthest;
 use diagnosis::findings::Findings;
 use queue::Queue;
 use sensing::tick_phase::TickClock;
@@ -120,11 +119,9 @@ impl DriftMonitor {
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
         self.margin = NO_MARGIN;
-        for (axis, watch) in self.axes.iter_mut().enumerate() {
-            if let (Some(pulse), Some(&count)) = (sensed.index.get(axis), sensed.encoder.get(axis))
-            {
-                watch.disregard(pulse.is_some(), count, sensed.over(axis).start);
-            }
+        let sensors = sensed.index.iter().zip(sensed.encoder);
+        for (axis, (watch, (pulse, &count))) in self.axes.iter_mut().zip(sensors).enumerate() {
+            watch.disregard(pulse.is_some(), count, sensed.over(axis).start);
         }
     }
 
@@ -271,11 +268,6 @@ impl DriftMonitor {
     pub fn is_at_flag(&self, axis: usize, phase: Phase) -> bool {
         let watch = self.axes.get(axis);
         watch.is_some_and(|watch| watch.is_at_flag(phase))
-    }
-
-    /// The watched axis that is furthest from what all have in common.
-    pub fn furthest(&self, error: &PerAxis<Turns>) -> usize {
-        furthest(error, self.watched())
     }
 
     /// True if these phase errors keep the platform within its limits of tilt and warp.

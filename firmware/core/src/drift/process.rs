@@ -98,10 +98,10 @@ impl DriftMonitor {
     #[inline(never)]
     fn check_timeouts(&mut self, sensed: &Sensed<'_>) {
         let mut margin = Turns::MAX;
-        let unchecked = self.by_index & !self.queue.pulsed;
+        let without_pulse = self.by_index & !self.queue.pulsed;
         let mut patience = None;
         for axis in 0..self.axes.len().min(MAX_AXES) {
-            if unchecked & 1 << axis == 0 {
+            if without_pulse & 1 << axis == 0 {
                 continue;
             }
             let commanded = sensed.over(axis);
@@ -132,7 +132,8 @@ impl DriftMonitor {
             let commanded = if self.queue.pulsed & 1 << axis == 0 {
                 sensed.over(axis)
             } else {
-                TickPhase::ending_at(queued.commanded.start, queued.commanded.turns) // a pulse that waits may have been late when it came
+                // A pulse that waits may have been late when it came.
+                TickPhase::ending_at(queued.commanded.start, queued.commanded.turns)
             };
             watch.is_late(&commanded)
         });

@@ -118,9 +118,8 @@ impl AxisWatch {
 
     /// Turns from the end of a tick until the next pulse of an axis without an encoder is due; negative if it is overdue.
     pub(super) fn margin(&self, commanded: &TickPhase) -> Turns {
-        self.index
-            .as_ref()
-            .map_or(Turns::MAX, |index| index.margin(commanded))
+        let index = self.index.as_ref();
+        index.map_or(Turns::MAX, |index| index.margin(commanded))
     }
 
     /// Processes a pulse of an axis by index.
@@ -129,12 +128,8 @@ impl AxisWatch {
         let Some(index) = &mut self.index else {
             return Detection::Nothing;
         };
-        let QueuedPulse {
-            pulse,
-            commanded,
-            before,
-        } = queued;
-        index.detect(*pulse, commanded, commanded.turns, *before, clock)
+        let tick = &queued.commanded;
+        index.detect(queued.pulse, tick, tick.turns, queued.before, clock)
     }
 
     /// Processes a tick without a pulse of an axis by index.
@@ -235,9 +230,8 @@ impl AxisWatch {
     }
 
     fn offset(&self) -> Turns {
-        self.index
-            .as_ref()
-            .map_or(Turns::ZERO, |index| index.offset)
+        let index = self.index.as_ref();
+        index.map_or(Turns::ZERO, |index| index.offset)
     }
 
     /// Measured minus commanded, turns, −½ to ½.
@@ -273,9 +267,8 @@ impl AxisWatch {
 
     /// True if the crank, commanded to `phase`, may swing over an end of its flag.
     pub(super) fn is_at_flag(&self, phase: Phase) -> bool {
-        self.index
-            .as_ref()
-            .is_some_and(|index| index.is_at_flag(phase, self.swing()))
+        let index = self.index.as_ref();
+        index.is_some_and(|index| index.is_at_flag(phase, self.swing()))
     }
 
     /// Turns at the end of a tick by which the pulse of an axis by index is late, beyond its phase error.
@@ -289,11 +282,6 @@ impl AxisWatch {
         let is_late =
             |index: &IndexWatch| index.is_late() || index.has_timed_out(commanded, commanded.turns);
         self.encoder.is_none() && self.index.as_ref().is_none_or(is_late)
-    }
-
-    /// True if the next pulse of an axis by index is expected.
-    pub(super) fn is_expected(&self) -> bool {
-        !self.index.as_ref().is_some_and(IndexWatch::is_late)
     }
 
     #[inline(never)] // once a start, and long

@@ -14,24 +14,8 @@ pub(in crate::drift) fn of_angle(angle: i32) -> Turns {
     Turns::from_bits(i64::from(angle) << ANGLE_CUT)
 }
 
+/// Angles of up to all axes.
 pub(in crate::drift) type Angles = heapless::Vec<i32, MAX_AXES>;
-
-/// Axis of a set whose phase error is furthest from the common part.
-#[inline(never)]
-pub(in crate::drift) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
-    let axes = || {
-        let all = errors.iter().map(|&error| angle(error)).enumerate();
-        all.filter(|(axis, _)| set & 1 << axis != 0)
-    };
-    let mut counted = Angles::new();
-    for (_, error) in axes() {
-        let _ = counted.push(error); // There is room for all axes.
-    }
-    let common = middle(&mut counted);
-    axes()
-        .max_by_key(|(_, error)| error.wrapping_sub(common).unsigned_abs())
-        .map_or(0, |(axis, _)| axis)
-}
 
 /// Common phase error of a set of axes, with their corrections; of one axis, its own.
 #[inline(never)]
@@ -39,17 +23,17 @@ pub(in crate::drift) fn in_common(errors: &[Turns], corrections: &[Turns], set: 
     let mut angles = Angles::new();
     for (axis, (error, &correction)) in errors.iter().zip(corrections).enumerate() {
         if set & 1 << axis != 0 {
-            let _ = angles.push(angle(error.wrapping_add(correction))); // There is room for all axes.
+            let _ = angles.push(angle(error.wrapping_add(correction))); // There is room.
         }
     }
-    of_angle(match *angles.as_mut_slice() {
-        [only] => only,
-        ref mut several => middle(several),
+    of_angle(match angles.as_mut_slice() {
+        [only] => *only,
+        several => middle(several),
     })
 }
 
-/// Common part of `values`, wrapping angles: their median, as few axes fail at once; 0 if there are fewer than two. Of two middle values it is the smaller, so that of
-/// two axes the one that moved more counts as moved. Sorts the values.
+/// Common part of `values`, wrapping angles: their median, as few axes fail at once; 0 if there are fewer than two. Of two middle values it
+/// is the smaller, so that of two axes the one that moved more counts as moved. Sorts the values.
 #[inline(never)]
 pub(in crate::drift) fn middle(values: &mut [i32]) -> i32 {
     // There are at most six values. The sort of the core library would take longer, and would run from the flash.

@@ -1,10 +1,10 @@
 //! Evaluation of updates: of one axis, of all axes of a round, and against the limits.
 
-use super::angles::{Angles, in_common, middle, of_angle};
+use super::angles::{Angles, angle, in_common, middle, of_angle};
 use super::modes::AxisSet;
 use crate::drift::axis_watch::{AxisWatch, Motion};
 use crate::drift::sensing::encoder_watch::Read;
-use crate::drift::sensing::index_watch::Detection;
+use crate::drift::sensing::index_watch::{Detection, IndexWatch};
 use crate::drift::{DriftMonitor, Sensed};
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
@@ -59,9 +59,8 @@ impl DriftMonitor {
         if !self.is_homed() {
             return;
         }
-        self.modes = self
-            .mount
-            .modes(&self.errors_to_first(sensed.correction, self.finding_out));
+        let errors = self.errors_to_first(sensed.correction, self.finding_out);
+        self.modes = self.mount.modes(&errors);
         self.changed = true;
         if self.finding_out || self.encoders() != 0 {
             self.check(Turns::ZERO, sensed);
@@ -96,8 +95,9 @@ impl DriftMonitor {
     /// True if no axis is late except those in `updated`.
     fn others_are_detected(&self, updated: AxisSet) -> bool {
         let others = self.by_index & !updated;
+        let is_late = |watch: &AxisWatch| watch.index.as_ref().is_some_and(IndexWatch::is_late);
         let mut axes = self.axes.iter().enumerate();
-        axes.all(|(axis, watch)| others & 1 << axis == 0 || watch.is_expected())
+        axes.all(|(axis, watch)| others & 1 << axis == 0 || !is_late(watch))
     }
 
     /// Compares the axes without an encoder, and records those that moved otherwise than the others. Returns the common motion.
@@ -117,12 +117,30 @@ impl DriftMonitor {
         let (mut jumps, mut walks) = (Angles::new(), Angles::new());
         for watch in self.axes.iter().filter(|watch| watch.is_by_index()) {
             let Motion { jump, walk } = watch.motion();
-            let _ = (jumps.push(jump), walks.push(walk)); // There is room for all axes.
+            let _ = (jumps.push(jump), walks.push(walk)); // There is room.
         }
         Motion {
             jump: middle(&mut jumps),
             walk: middle(&mut walks),
         }
+    }
+
+    /// The watched axis that is furthest from what all have in common.
+    #[inline(never)]
+    pub fn furthest(&self, error: &PerAxis<Turns>) -> usize {
+        let watched = self.watched();
+        let axes = || {
+            let all = error.iter().map(|&error| angle(error)).enumerate();
+            all.filter(|(axis, _)| watched & 1 << axis != 0)
+        };
+        let mut angles = Angles::new();
+        for (_, error) in axes() {
+            let _ = angles.push(error); // There is room.
+        }
+        let common = middle(&mut angles);
+        axes()
+            .max_by_key(|(_, error)| error.wrapping_sub(common).unsigned_abs())
+            .map_or(0, |(axis, _)| axis)
     }
 
     /// Axis that is furthest from all others, and by how much, if the cranks exceed a limit of the platform as they stand.

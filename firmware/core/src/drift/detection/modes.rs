@@ -197,13 +197,9 @@ impl Mount {
         let tilt_y = project(&self.tilt_y);
         let (mut warp, mut warp_axis) = (0, 0);
         if self.knowledge() == Knowledge::All {
-            for (axis, ((e, &cosine), &sine)) in phase_error
-                .iter()
-                .zip(&self.cosine)
-                .zip(&self.sine)
-                .enumerate()
-                .take(self.count)
-            {
+            let places = self.cosine.iter().zip(&self.sine);
+            let axes = phase_error.iter().zip(places).enumerate();
+            for (axis, (e, (&cosine, &sine))) in axes.take(self.count) {
                 if self.detected & 1 << axis == 0 {
                     continue;
                 }

@@ -139,16 +139,14 @@ impl Diagnosis {
 
     /// True if the crank jumped forward when its index showed it last.
     pub(in crate::drift) fn has_jumped_ahead(&self) -> bool {
-        let mut jumps = self.jumps();
-        jumps
-            .next()
-            .is_some_and(|event| event.age == 0 && event.by > 0)
+        let jump = self.jumps().next();
+        jump.is_some_and(|event| event.age == 0 && event.by > 0)
     }
 
     /// True if the crank slipped when its index showed it last.
     pub(in crate::drift) fn is_slipping(&self) -> bool {
-        self.latest()
-            .is_some_and(|event| event.age == 0 && event.name == FaultKind::Slip)
+        let latest = self.latest();
+        latest.is_some_and(|event| event.age == 0 && event.name == FaultKind::Slip)
     }
 
     /// Name of what moved the crank, if that was in the last turns.
