@@ -214,7 +214,7 @@ impl DriftMonitor {
         self.unchecked = 0;
         self.averaged = Turns::ZERO;
         for (axis, watch) in self.axes.iter_mut().enumerate() {
-            self.unchecked |= AxisSet::from(watch.index.is_some()) << axis;
+            self.unchecked |= AxisSet::from(watch.has_index) << axis;
             if let Some(encoder) = &mut watch.encoder {
                 encoder.mean = Turns::ZERO;
             }
@@ -256,7 +256,8 @@ impl DriftMonitor {
 
     /// Turns by which one crank alone takes the platform beyond a limit.
     pub fn alone(&self, axis: usize) -> Turns {
-        self.axes.get(axis).map_or(Turns::MAX, |watch| watch.alone)
+        let watch = self.axes.get(axis);
+        watch.map_or(Turns::MAX, |watch| watch.index.place.alone)
     }
 
     /// Phase error of an axis's motor by its encoder, if it has one.

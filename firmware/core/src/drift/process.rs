@@ -105,13 +105,15 @@ impl DriftMonitor {
                 continue;
             }
             let commanded = sensed.over(axis);
-            let left = |watch: &AxisWatch| watch.margin(&commanded);
+            let left = |watch: &AxisWatch| watch.index.margin(&commanded);
             let mut own = self.axes.get(axis).map_or(Turns::MAX, left);
             if own < 0 {
                 // All axes are asked before one of them is processed.
                 let patience = *patience.get_or_insert_with(|| self.patience(sensed));
                 let detection = match self.axes.get_mut(axis) {
-                    Some(watch) => watch.check_timeout(&commanded, self.finding_out),
+                    Some(AxisWatch { index, .. }) => {
+                        index.check_timeout(&commanded, commanded.turns, self.finding_out)
+                    }
                     None => Detection::Nothing,
                 };
                 if !matches!(detection, Detection::Nothing | Detection::Undetected) {
@@ -210,8 +212,9 @@ impl DriftMonitor {
             return;
         };
         self.queue.pulsed &= !(1 << axis);
-        let detection = watch.detect(queued, self.clock);
-        self.margin = self.margin.min(watch.margin(&sensed.over(axis)));
+        let (tick, index) = (&queued.commanded, &mut watch.index);
+        let detection = index.detect(queued.pulse, tick, tick.turns, queued.before, self.clock);
+        self.margin = self.margin.min(index.margin(&sensed.over(axis)));
         if detection != Detection::Nothing {
             self.take_in(axis, detection, Read::Nothing, None, sensed);
         }

@@ -10,7 +10,6 @@ pub(super) use sorting::Report;
 
 use super::detection::angles::{angle, of_angle};
 use super::diagnosis::events::Diagnosis;
-use super::queue::QueuedPulse;
 use super::sensing::encoder_watch::{EncoderWatch, Read};
 use super::sensing::index_filter::BRIDGE_WIDTHS;
 use super::sensing::index_watch::{Detection, IndexWatch, Place};
@@ -47,7 +46,9 @@ pub(super) struct Motion {
 /// Monitor of one axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
-    pub(super) index: Option<IndexWatch>,
+    pub(super) has_index: bool,
+    /// Watch of the index sensor. Without one it stays as it is.
+    pub(super) index: IndexWatch,
     pub(super) encoder: Option<EncoderWatch>,
     /// Turns that an encoder measured in the tick before the one that is over; none if they are not known.
     before: Option<Turns>,
@@ -55,8 +56,6 @@ pub(super) struct AxisWatch {
     at_flag: Turns,
     /// A crank that is further than this angle from its last place has moved.
     gate: u32,
-    /// Phase error with which this crank alone exceeds a limit.
-    pub(super) alone: Turns,
     /// Offset in the last round, and the offset from which drift is counted: angles.
     last: i32,
     home: i32,
@@ -74,16 +73,12 @@ impl AxisWatch {
         let tolerance = tolerance(axis, reading);
         let cycle = cycle(axis);
         let gate = gate(tolerance, cycle);
-        // A pulse that is late by a gate may show a lost cycle. If one cycle exceeds a limit, it may have done so for a turn.
-        let is_cycle_too_far = cycle > 0 && alone < cycle.saturating_sub(tolerance);
-        let overdue = alone.max(gate);
-        let overdue_settled = if is_cycle_too_far { gate } else { overdue };
         let tick_hz = settings.tick_hz;
         let ticks = |time_s: f64| time_s * f64::from(tick_hz) * 65_536.0;
         // From a pulse's edge until the filter reports it: what it bridges, and its width.
         let filter_s = settings.index.width_us * 1e-6 * f64::from(BRIDGE_WIDTHS + 1);
-        let place = |index: f64| Place {
-            index: turns(index),
+        let place = Place {
+            index: turns(axis.index_turns.unwrap_or_default()),
             flag: turns(axis.index_width_turns),
             delay: libm::round(ticks(axis.index_delay_s)) as u32,
             covered: libm::floor(65_536.0 - ticks(axis.index_delay_s + filter_s)) as i32,
@@ -92,52 +87,25 @@ impl AxisWatch {
             tolerance,
             // With an encoder, the noise of two of its readings is added.
             sure: Turns::from_bits(tolerance.to_bits() << u32::from(axis.encoder)),
-            overdue,
-            overdue_settled,
+            alone,
+            is_cycle_too_far: cycle > 0 && alone < cycle.saturating_sub(tolerance),
             filter_shift: if axis.encoder { FILTER_SHIFT } else { 0 },
         };
-        let index = axis
-            .index_turns
-            .map(|index| IndexWatch::new(place(index), Phase::ZERO));
         let jump = Turns::from_bits(tolerance.to_bits() * 4);
         let encoder = axis
             .encoder
             .then(|| EncoderWatch::new(axis.steps_per_turn, axis.reversed, jump));
         Self {
-            index,
+            has_index: axis.index_turns.is_some(),
+            index: IndexWatch::new(place, Phase::ZERO),
             encoder,
             before: None,
             at_flag: Turns::ZERO,
             gate: angle(gate).unsigned_abs(),
-            alone,
             last: 0,
             home: 0,
             diagnosis: Diagnosis::new(cycle, tolerance),
         }
-    }
-
-    /// Turns from the end of a tick until the next pulse of an axis without an encoder is due; negative if it is overdue.
-    pub(super) fn margin(&self, commanded: &TickPhase) -> Turns {
-        let index = self.index.as_ref();
-        index.map_or(Turns::MAX, |index| index.margin(commanded))
-    }
-
-    /// Processes a pulse of an axis by index.
-    #[inline(never)]
-    pub(super) fn detect(&mut self, queued: &QueuedPulse, clock: TickClock) -> Detection {
-        let Some(index) = &mut self.index else {
-            return Detection::Nothing;
-        };
-        let tick = &queued.commanded;
-        index.detect(queued.pulse, tick, tick.turns, queued.before, clock)
-    }
-
-    /// Processes a tick without a pulse of an axis by index.
-    #[inline(never)]
-    pub(super) fn check_timeout(&mut self, commanded: &TickPhase, finding_out: bool) -> Detection {
-        self.index.as_mut().map_or(Detection::Nothing, |index| {
-            index.check_timeout(commanded, commanded.turns, finding_out)
-        })
     }
 
     /// Processes a tick of an axis with an encoder.
@@ -157,9 +125,10 @@ impl AxisWatch {
         let start = commanded.start.advanced(encoder.phase_error);
         let (read, turns) = encoder.observe(count, commanded);
         let before = self.before.replace(turns);
-        let Some(index) = &mut self.index else {
+        if !self.has_index {
             return (Detection::Nothing, read);
-        };
+        }
+        let index = &mut self.index;
         let measured = TickPhase { start, turns };
         // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
         let commanded_turns = commanded.turns;
@@ -182,8 +151,8 @@ impl AxisWatch {
             start = start.advanced(encoder.phase_error);
             self.before = None;
         }
-        if pulse && let Some(index) = &mut self.index {
-            index.disregard(start);
+        if pulse {
+            self.index.disregard(start);
         }
     }
 
@@ -192,7 +161,7 @@ impl AxisWatch {
         let own = self.motion();
         let own_jump = own.jump.wrapping_sub(common.jump);
         let own_walk = own.walk.wrapping_sub(common.walk);
-        self.last = angle(self.offset());
+        self.last = angle(self.index.offset);
         if own_jump.unsigned_abs() > self.gate {
             self.home = self.home.wrapping_add(own_jump);
             self.jump(of_angle(own_jump));
@@ -210,7 +179,7 @@ impl AxisWatch {
 
     /// Motion of the crank.
     pub(super) fn motion(&self) -> Motion {
-        let now = angle(self.offset());
+        let now = angle(self.index.offset);
         Motion {
             jump: now.wrapping_sub(self.last),
             walk: now.wrapping_sub(self.home),
@@ -226,27 +195,22 @@ impl AxisWatch {
 
     /// True if its index has been detected, or if it has none.
     pub(super) fn is_known(&self) -> bool {
-        self.index.as_ref().is_none_or(IndexWatch::is_known)
-    }
-
-    fn offset(&self) -> Turns {
-        let index = self.index.as_ref();
-        index.map_or(Turns::ZERO, |index| index.offset)
+        !self.has_index || self.index.is_known()
     }
 
     /// Measured minus commanded, turns, −½ to ½.
     #[inline(never)]
     pub(super) fn error(&self, measured: Measured) -> Turns {
         let Some(encoder) = &self.encoder else {
-            return self.offset();
+            return self.index.offset;
         };
         let own = match measured {
             Measured::Now => encoder.phase_error,
-            Measured::AtFlag if self.index.is_some() => self.at_flag,
+            Measured::AtFlag if self.has_index => self.at_flag,
             Measured::Lately | Measured::AtFlag => encoder.filtered,
             Measured::OverTurn => encoder.mean,
         };
-        nearest(self.offset().wrapping_add(own))
+        nearest(self.index.offset.wrapping_add(own))
     }
 
     /// The same, now.
@@ -256,7 +220,7 @@ impl AxisWatch {
 
     /// True if the axis has an index sensor and no encoder.
     pub(super) const fn is_by_index(&self) -> bool {
-        self.index.is_some() && self.encoder.is_none()
+        self.has_index && self.encoder.is_none()
     }
 
     /// Largest phase error of a crank that only swings. A rotor that is half an electrical cycle from its field does not come back.
@@ -267,28 +231,28 @@ impl AxisWatch {
 
     /// True if the crank, commanded to `phase`, may swing over an end of its flag.
     pub(super) fn is_at_flag(&self, phase: Phase) -> bool {
-        let index = self.index.as_ref();
-        index.is_some_and(|index| index.is_at_flag(phase, self.swing()))
+        self.index.is_at_flag(phase, self.swing())
     }
 
     /// Turns at the end of a tick by which the pulse of an axis by index is late, beyond its phase error.
     pub(super) fn lateness(&self, commanded: &TickPhase) -> Turns {
-        let index = self.index.as_ref().filter(|_| self.is_by_index());
-        index.map_or(Turns::ZERO, |index| index.lateness(commanded))
+        if self.is_by_index() {
+            self.index.lateness(commanded)
+        } else {
+            Turns::ZERO
+        }
     }
 
     /// True if an axis without an encoder made no pulse in its place, up to the end of a tick; also if it has no index sensor.
     pub(super) fn is_late(&self, commanded: &TickPhase) -> bool {
         let is_late =
-            |index: &IndexWatch| index.is_late() || index.has_timed_out(commanded, commanded.turns);
-        self.encoder.is_none() && self.index.as_ref().is_none_or(is_late)
+            || self.index.is_late() || self.index.has_timed_out(commanded, commanded.turns);
+        self.encoder.is_none() && (!self.has_index || is_late())
     }
 
     #[inline(never)] // once a start, and long
     pub(super) fn reset(&mut self, phase: Phase) {
-        if let Some(index) = &mut self.index {
-            index.reset(phase);
-        }
+        self.index.reset(phase);
         if let Some(encoder) = &mut self.encoder {
             encoder.reset();
         }
@@ -296,14 +260,14 @@ impl AxisWatch {
     }
 
     pub(super) fn settle(&mut self) {
-        self.last = angle(self.offset());
+        self.last = angle(self.index.offset);
         self.home = self.last;
         self.diagnosis.clear();
     }
 
     pub(super) fn shift(&mut self, by: Turns) {
-        if let Some(index) = &mut self.index {
-            index.shift(by);
+        if self.has_index {
+            self.index.shift(by);
         }
         self.last = self.last.wrapping_add(angle(by));
         self.home = self.home.wrapping_add(angle(by));

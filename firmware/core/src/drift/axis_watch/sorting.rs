@@ -81,7 +81,7 @@ impl AxisWatch {
 
     /// Takes in the first pulse of all, which shows where the crank is. A jump of the encoder before it is reported.
     fn first(&mut self) -> Option<Report> {
-        self.home = angle(self.offset());
+        self.home = angle(self.index.offset);
         let by = self.take_unconfirmed_jump()?;
         let kind = match self.diagnosis.of_one(by) {
             FaultKind::LostSteps => FaultKind::LostSteps,
@@ -102,7 +102,7 @@ impl AxisWatch {
         let walk = self.motion().walk;
         if self.encoder.is_some() && walk.unsigned_abs() > self.gate {
             // The crank moves away from its encoder, turn by turn.
-            self.home = angle(self.offset());
+            self.home = angle(self.index.offset);
             self.diagnosis.drift(of_angle(walk));
         }
         if was_overdue {
@@ -165,30 +165,29 @@ impl AxisWatch {
 
     /// Takes in that the crank jumped as its encoder did. The index has shown a part of that.
     fn confirm(&mut self, jump: Turns, shown: Turns) {
-        if let Some(index) = &mut self.index {
-            index.believe_moved(jump.wrapping_sub(shown));
-        }
+        self.index.believe_moved(jump.wrapping_sub(shown));
         self.home = self.home.wrapping_add(angle(jump));
         self.jump(jump);
     }
 
     /// Takes in that a pulse is overdue, so that the crank may be beyond its limit.
     fn overdue(&mut self, patience: Option<Turns>, finding_out: bool) -> Option<Report> {
-        let index = self.index.as_mut()?;
+        let index = &mut self.index;
+        let alone = index.place.alone;
         if self.encoder.is_some() && index.is_known() {
             index.pass_over();
             if self.diagnosis.is_slipping() && !finding_out {
                 // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
-                return Some((FaultKind::Slip, self.alone.wrapping_neg(), false));
+                return Some((FaultKind::Slip, alone.wrapping_neg(), false));
             }
             let within_limits = index.missed <= MOST_MISSED;
             return Some((FaultKind::IndexMissing, Turns::ZERO, within_limits));
         }
-        if let Some(patience) = patience.filter(|&most| most > self.alone) {
+        if let Some(patience) = patience.filter(|&most| most > alone) {
             index.wait(patience);
             return None;
         }
-        Some((FaultKind::IndexTimeout, self.alone.wrapping_neg(), false))
+        Some((FaultKind::IndexTimeout, alone.wrapping_neg(), false))
     }
 
     /// Evaluates a reading of the encoder.
@@ -196,7 +195,7 @@ impl AxisWatch {
         match read {
             Read::Glitch { by } => Some((FaultKind::EncoderGlitch, by, true)),
             // There is no index that could decide, so the jump counts.
-            Read::Jump { by } if self.index.is_none() => {
+            Read::Jump { by } if !self.has_index => {
                 self.encoder.as_mut()?.believe();
                 self.jump(by);
                 None

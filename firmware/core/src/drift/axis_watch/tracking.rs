@@ -39,6 +39,6 @@ impl AxisWatch {
     /// True if its encoder alone shows that the axis does not turn as commanded.
     pub(in crate::drift) fn is_off_track(&self) -> bool {
         self.tracking_error()
-            .is_some_and(|error| error.wrapping_abs() > self.alone)
+            .is_some_and(|error| error.wrapping_abs() > self.index.place.alone)
     }
 }

@@ -4,7 +4,7 @@ use super::angles::{Angles, angle, in_common, middle, of_angle};
 use super::modes::AxisSet;
 use crate::drift::axis_watch::{AxisWatch, Motion};
 use crate::drift::sensing::encoder_watch::Read;
-use crate::drift::sensing::index_watch::{Detection, IndexWatch};
+use crate::drift::sensing::index_watch::Detection;
 use crate::drift::{DriftMonitor, Sensed};
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
@@ -95,9 +95,8 @@ impl DriftMonitor {
     /// True if no axis is late except those in `updated`.
     fn others_are_detected(&self, updated: AxisSet) -> bool {
         let others = self.by_index & !updated;
-        let is_late = |watch: &AxisWatch| watch.index.as_ref().is_some_and(IndexWatch::is_late);
         let mut axes = self.axes.iter().enumerate();
-        axes.all(|(axis, watch)| others & 1 << axis == 0 || !is_late(watch))
+        axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.index.is_late())
     }
 
     /// Compares the axes without an encoder, and records those that moved otherwise than the others. Returns the common motion.

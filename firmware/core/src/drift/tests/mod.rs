@@ -30,7 +30,7 @@ fn monitor(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Drif
 fn true_alone(count: usize, axis: usize) -> f64 {
     let mut settings = settings(count, 3.0, 5.0, 15.0);
     settings.drift.reading_error_deg = 0.0;
-    configured(&settings).axes[axis].alone.to_num()
+    configured(&settings).axes[axis].index.place.alone.to_num()
 }
 
 /// Commanded phases at the end of a tick, and the history that leads to them after a tick in which all axes made `before` turns.

@@ -22,11 +22,24 @@ pub(in crate::drift) struct Place {
     pub tolerance: Turns,
     /// A pulse that is later than this is not in place.
     pub sure: Turns,
-    /// A pulse that is later than this shows a crank beyond its limit: in homing, and after it.
-    pub overdue: Turns,
-    pub overdue_settled: Turns,
+    /// Phase error with which this crank alone exceeds a limit.
+    pub alone: Turns,
+    /// One electrical cycle exceeds a limit.
+    pub is_cycle_too_far: bool,
     /// A deviation in place counts by 1/2^`filter_shift`. With an encoder, the index need not add its own noise.
     pub filter_shift: u32,
+}
+
+impl Place {
+    /// A pulse that is later than this shows a crank beyond its limit.
+    pub fn overdue(&self, finding_out: bool) -> Turns {
+        // A pulse that is late by a gate may show a lost cycle. If that exceeds a limit, it may have done so for a turn.
+        if self.is_cycle_too_far && !finding_out {
+            self.gate
+        } else {
+            self.alone.max(self.gate)
+        }
+    }
 }
 
 /// Result of a tick.

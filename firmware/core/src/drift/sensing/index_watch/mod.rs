@@ -51,7 +51,7 @@ enum Due {
 /// Watches one sensor.
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct IndexWatch {
-    place: Place,
+    pub(in crate::drift) place: Place,
     /// Offset of the last pulse that counted.
     pub(in crate::drift) offset: Turns,
     /// Number of pulses of which `offset` is the mean; 0 before the first.
@@ -79,7 +79,7 @@ impl IndexWatch {
             spacing: None,
             due: Due::Expected,
             missed: 0,
-            alert: ONE.wrapping_add(place.overdue),
+            alert: ONE.wrapping_add(place.overdue(true)),
         }
     }
 
@@ -300,11 +300,7 @@ impl IndexWatch {
                 return self.moved(outlier);
             }
             self.due = Due::Late;
-            self.alert = ONE.wrapping_add(if finding_out {
-                self.place.overdue
-            } else {
-                self.place.overdue_settled
-            });
+            self.alert = ONE.wrapping_add(self.place.overdue(finding_out));
             return Detection::Undetected;
         }
         self.due = Due::Overdue;
