@@ -18,9 +18,6 @@ use crate::settings::{AxisSettings, Settings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::{Phase, Turns, nearest};
 
-/// The difference of crank and encoder is averaged over 2 to this power index pulses.
-const FILTER_SHIFT: u32 = 4;
-
 /// When a phase error is measured, where an encoder shows it all the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Measured {
@@ -85,11 +82,9 @@ impl AxisWatch {
             slow: slow(tolerance, tick_hz),
             gate,
             tolerance,
-            // With an encoder, the noise of two of its readings is added.
-            sure: Turns::from_bits(tolerance.to_bits() << u32::from(axis.encoder)),
             alone,
             is_cycle_too_far: cycle > 0 && alone < cycle.saturating_sub(tolerance),
-            filter_shift: if axis.encoder { FILTER_SHIFT } else { 0 },
+            has_encoder: axis.encoder,
         };
         let jump = Turns::from_bits(tolerance.to_bits() * 4);
         let encoder = axis

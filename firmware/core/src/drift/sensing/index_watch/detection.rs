@@ -20,14 +20,12 @@ pub(in crate::drift) struct Place {
     pub gate: Turns,
     /// Largest difference of two pulses of a crank that has not moved.
     pub tolerance: Turns,
-    /// A pulse that is later than this is not in place.
-    pub sure: Turns,
     /// Phase error with which this crank alone exceeds a limit.
     pub alone: Turns,
     /// One electrical cycle exceeds a limit.
     pub is_cycle_too_far: bool,
-    /// A deviation in place counts by 1/2^`filter_shift`. With an encoder, the index need not add its own noise.
-    pub filter_shift: u32,
+    /// The axis has an encoder as well, so that the offset is the difference of crank and encoder.
+    pub has_encoder: bool,
 }
 
 impl Place {

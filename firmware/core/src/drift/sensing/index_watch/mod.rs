@@ -23,6 +23,9 @@ const HALF: Turns = Turns::from_bits(ONE_TURN / 2);
 /// time. The range is wider by 0.02 and 0.04, for a master that accelerates.
 const BETWEEN: core::ops::Range<Turns> = Turns::lit("0.48")..Turns::lit("0.66");
 
+/// The difference of crank and encoder is averaged over 2 to this power index pulses.
+const FILTER_SHIFT: u32 = 4;
+
 /// A pulse out of place.
 #[derive(Clone, Copy, Debug)]
 struct Outlier {
@@ -54,7 +57,7 @@ pub(in crate::drift) struct IndexWatch {
     pub(in crate::drift) place: Place,
     /// Offset of the last pulse that counted.
     pub(in crate::drift) offset: Turns,
-    /// Number of pulses of which `offset` is the mean; 0 before the first.
+    /// Number of pulses of which `offset` is the mean, with an encoder; 0 before the first.
     meant: u8,
     /// Phase at that pulse; before the first, where the search began.
     detected_at: Phase,
@@ -143,7 +146,7 @@ impl IndexWatch {
         match self.time_out(finding_out) {
             // The pulse may become late and overdue in the same tick. Without an encoder, the latter counts.
             Detection::Undetected
-                if self.place.filter_shift == 0 && self.has_timed_out(phase, commanded) =>
+                if !self.place.has_encoder && self.has_timed_out(phase, commanded) =>
             {
                 self.time_out(finding_out)
             }
@@ -228,8 +231,9 @@ impl IndexWatch {
         if self.is_late() || self.missed > 0 || again {
             return self.moved(Outlier { offset, at });
         }
-        // The very place of the next pulse decides what this one was.
-        self.alert = self.alert.min(ONE.wrapping_add(self.place.sure));
+        // The very place of the next pulse decides what this one was. With an encoder, the noise of two of its readings is added.
+        let sure = self.place.tolerance.to_bits() << u32::from(self.place.has_encoder);
+        self.alert = self.alert.min(ONE.wrapping_add(Turns::from_bits(sure)));
         let goes_on = self.spacing.take().is_some_and(|spacing| {
             let late = at.since(self.detected_at).wrapping_sub(spacing.turns).abs();
             // Noise that comes once per turn comes at the same place.
@@ -281,14 +285,14 @@ impl IndexWatch {
 
     /// Part of a deviation `by` that counts: so that the offset is the mean of the first pulses, and later a filtered value.
     fn filter(&mut self, by: Turns) -> Turns {
-        // A deviation beyond noise counts in full, so that the offset follows a drift to within a tolerance.
-        if by.abs() > self.place.tolerance {
+        // A deviation beyond noise counts in full, so that the offset follows a drift to within a tolerance. Without an encoder, each does.
+        if !self.place.has_encoder || by.abs() > self.place.tolerance {
             self.meant = 1;
             return by;
         }
         let part = u32::from(self.meant).checked_ilog2().map_or(0, |n| n + 1);
         self.meant = self.meant.saturating_add(1);
-        Turns::from_bits(by.to_bits() >> part.min(self.place.filter_shift))
+        Turns::from_bits(by.to_bits() >> part.min(FILTER_SHIFT))
     }
 
     /// Takes in that no pulse came up to `alert`.
