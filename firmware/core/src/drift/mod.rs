@@ -133,7 +133,8 @@ impl DriftMonitor {
 
     /// True if every index has been detected since [`Self::reset`]. That has been evaluated if the monitor is not busy.
     pub fn is_homed(&self) -> bool {
-        self.axes.iter().all(AxisWatch::is_known)
+        let mut axes = self.axes.iter();
+        axes.all(|watch| !watch.has_index || watch.index.is_known())
     }
 
     /// True if the last tick had work pending, of axes without an encoder.
@@ -268,7 +269,7 @@ impl DriftMonitor {
     /// True if the sensor of an axis that is commanded to this phase may be at an end of its flag, so that a swinging rotor makes pulses.
     pub fn is_at_flag(&self, axis: usize, phase: Phase) -> bool {
         let watch = self.axes.get(axis);
-        watch.is_some_and(|watch| watch.is_at_flag(phase))
+        watch.is_some_and(|watch| watch.index.is_at_flag(phase, watch.swing()))
     }
 
     /// True if these phase errors keep the platform within its limits of tilt and warp.

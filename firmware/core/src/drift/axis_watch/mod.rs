@@ -139,8 +139,7 @@ impl AxisWatch {
         (detection, read)
     }
 
-    pub(super) fn disregard(&mut self, pulse: bool, count: i32, start: Phase) {
-        let mut start = start;
+    pub(super) fn disregard(&mut self, pulse: bool, count: i32, mut start: Phase) {
         if let Some(encoder) = &mut self.encoder {
             encoder.skip(count);
             start = start.advanced(encoder.phase_error);
@@ -188,11 +187,6 @@ impl AxisWatch {
             || own.walk.wrapping_sub(common.walk).unsigned_abs() > self.gate
     }
 
-    /// True if its index has been detected, or if it has none.
-    pub(super) fn is_known(&self) -> bool {
-        !self.has_index || self.index.is_known()
-    }
-
     /// Measured minus commanded, turns, −½ to ½.
     #[inline(never)]
     pub(super) fn error(&self, measured: Measured) -> Turns {
@@ -222,20 +216,6 @@ impl AxisWatch {
     pub(super) fn swing(&self) -> Turns {
         let half_cycle = Turns::from_bits(self.diagnosis.cycle.to_bits() / 2);
         of_angle(self.gate as i32).max(half_cycle)
-    }
-
-    /// True if the crank, commanded to `phase`, may swing over an end of its flag.
-    pub(super) fn is_at_flag(&self, phase: Phase) -> bool {
-        self.index.is_at_flag(phase, self.swing())
-    }
-
-    /// Turns at the end of a tick by which the pulse of an axis by index is late, beyond its phase error.
-    pub(super) fn lateness(&self, commanded: &TickPhase) -> Turns {
-        if self.is_by_index() {
-            self.index.lateness(commanded)
-        } else {
-            Turns::ZERO
-        }
     }
 
     /// True if an axis without an encoder made no pulse in its place, up to the end of a tick; also if it has no index sensor.

@@ -102,10 +102,8 @@ impl DriftMonitor {
     /// Compares the axes without an encoder, and records those that moved otherwise than the others. Returns the common motion.
     fn compare(&mut self) -> Turns {
         let motion = self.common_motion();
-        for watch in &mut self.axes {
-            if watch.is_by_index() {
-                watch.compare(motion);
-            }
+        for watch in self.axes.iter_mut().filter(|watch| watch.is_by_index()) {
+            watch.compare(motion);
         }
         of_angle(motion.jump)
     }

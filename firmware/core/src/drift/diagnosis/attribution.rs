@@ -56,7 +56,9 @@ impl DriftMonitor {
         let value = |of: &PerAxis<Turns>| of.get(axis).copied().unwrap_or_default();
         let late = match self.axes.get(axis) {
             // If a pulse waits in the queue, the delay is not known yet.
-            Some(watch) if self.queue.pulsed & 1 << axis == 0 => watch.lateness(&sensed.over(axis)),
+            Some(watch) if self.by_index & !self.queue.pulsed & 1 << axis != 0 => {
+                watch.index.lateness(&sensed.over(axis))
+            }
             _ => Turns::ZERO,
         };
         let ahead = nearest(value(&self.phase_error).wrapping_add(value(sensed.correction)))
