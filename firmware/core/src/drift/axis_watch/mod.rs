@@ -43,8 +43,9 @@ pub(super) struct Motion {
 /// Monitor of one axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
+    /// True if it has an index sensor.
     pub(super) has_index: bool,
-    /// Watch of the index sensor. Without one it stays as it is.
+    /// Watch of that sensor. Without one no pulse comes, and the offset stays zero.
     pub(super) index: IndexWatch,
     pub(super) encoder: Option<EncoderWatch>,
     /// Turns that an encoder measured in the tick before the one that is over; none if they are not known.
