@@ -111,9 +111,7 @@ impl DriftMonitor {
                 // All axes are asked before one of them is processed.
                 let patience = *patience.get_or_insert_with(|| self.patience(sensed));
                 let detection = match self.axes.get_mut(axis) {
-                    Some(AxisWatch { index, .. }) => {
-                        index.check_timeout(&commanded, commanded.turns, self.finding_out)
-                    }
+                    Some(watch) => watch.check_timeout(&commanded, self.finding_out),
                     None => Detection::Nothing,
                 };
                 if !matches!(detection, Detection::Nothing | Detection::Undetected) {

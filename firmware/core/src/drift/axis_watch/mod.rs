@@ -104,6 +104,13 @@ impl AxisWatch {
         }
     }
 
+    /// Processes a tick without a pulse of an axis by index.
+    #[inline(never)] // It is rare, and a loop over all axes needs the registers.
+    pub(super) fn check_timeout(&mut self, commanded: &TickPhase, finding_out: bool) -> Detection {
+        let turns = commanded.turns;
+        self.index.check_timeout(commanded, turns, finding_out)
+    }
+
     /// Processes a tick of an axis with an encoder.
     #[inline(never)]
     pub(super) fn observe(

@@ -52,6 +52,7 @@ impl DriftMonitor {
     }
 
     /// Lag of an axis beyond the lag that belongs to the speed, turns: its phase error, and the delay of its next pulse.
+    #[inline(never)]
     fn lag(&self, axis: usize, sensed: &Sensed<'_>) -> Turns {
         let value = |of: &PerAxis<Turns>| of.get(axis).copied().unwrap_or_default();
         let late = match self.axes.get(axis) {
@@ -78,6 +79,7 @@ impl DriftMonitor {
 
     /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike. If the
     /// motor follows, and the others lag alike, the fault is a common lag.
+    #[inline(never)]
     pub(in crate::drift) fn check_encoders(&mut self) {
         const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
         for axis in 0..self.axes.len().min(MAX_AXES) {
