@@ -28,7 +28,7 @@ impl DriftMonitor {
             at_once: false,
             clock: TickClock::new(62_500),
             before_is_known: false,
-            finding_out: true,
+            is_homing: true,
             moved: None,
             phase_error: [Turns::ZERO; MAX_AXES],
             peak: [Turns::ZERO; MAX_AXES],

@@ -86,7 +86,7 @@ pub struct DriftMonitor {
     /// True if all updates of a tick are processed in that tick.
     at_once: bool,
     /// True while homing finds out where the cranks stand. Until then a phase error is no fault.
-    finding_out: bool,
+    is_homing: bool,
     /// Axes by index detected in this round.
     detected: AxisSet,
     /// Axes whose index has not been detected since [`Self::start_check`].
@@ -151,7 +151,7 @@ impl DriftMonitor {
     pub fn reset(&mut self, phase: &PerAxis<Phase>) {
         self.detected = 0;
         self.common_jump = Turns::ZERO;
-        self.finding_out = true;
+        self.is_homing = true;
         self.moved = None;
         self.findings.clear();
         self.queue = Queue::new();
@@ -229,7 +229,7 @@ impl DriftMonitor {
 
     /// Ends homing: from now on, motion of a crank away from its command is a fault.
     pub fn settle(&mut self) {
-        self.finding_out = false;
+        self.is_homing = false;
         for watch in &mut self.axes {
             watch.settle();
         }

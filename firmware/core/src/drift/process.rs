@@ -111,7 +111,7 @@ impl DriftMonitor {
                 // All axes are asked before one of them is processed.
                 let patience = *patience.get_or_insert_with(|| self.patience(sensed));
                 let detection = match self.axes.get_mut(axis) {
-                    Some(watch) => watch.check_timeout(&commanded, self.finding_out),
+                    Some(watch) => watch.check_timeout(&commanded, self.is_homing),
                     None => Detection::Nothing,
                 };
                 if !matches!(detection, Detection::Nothing | Detection::Undetected) {
@@ -156,7 +156,7 @@ impl DriftMonitor {
             let count = sensed.encoder.get(axis).copied().unwrap_or_default();
             let commanded = sensed.over(axis);
             let (detection, read) =
-                watch.observe(pulse, count, &commanded, self.finding_out, self.clock);
+                watch.observe(pulse, count, &commanded, self.is_homing, self.clock);
             if share != 0
                 && let Some(encoder) = &mut watch.encoder
             {

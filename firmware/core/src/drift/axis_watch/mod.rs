@@ -106,9 +106,9 @@ impl AxisWatch {
 
     /// Processes a tick without a pulse of an axis by index.
     #[inline(never)] // It is rare, and a loop over all axes needs the registers.
-    pub(super) fn check_timeout(&mut self, commanded: &TickPhase, finding_out: bool) -> Detection {
+    pub(super) fn check_timeout(&mut self, commanded: &TickPhase, is_homing: bool) -> Detection {
         let turns = commanded.turns;
-        self.index.check_timeout(commanded, turns, finding_out)
+        self.index.check_timeout(commanded, turns, is_homing)
     }
 
     /// Processes a tick of an axis with an encoder.
@@ -118,7 +118,7 @@ impl AxisWatch {
         pulse: Option<&IndexPulse>,
         count: i32,
         commanded: &TickPhase,
-        finding_out: bool,
+        is_homing: bool,
         clock: TickClock,
     ) -> (Detection, Read) {
         let Some(encoder) = &mut self.encoder else {
@@ -137,7 +137,7 @@ impl AxisWatch {
         let commanded_turns = commanded.turns;
         let detection = match pulse {
             Some(&pulse) => index.detect(pulse, &measured, commanded_turns, before, clock),
-            None => index.check_timeout(&measured, commanded_turns, finding_out),
+            None => index.check_timeout(&measured, commanded_turns, is_homing),
         };
         if let Read::Jump { .. } = read {
             // A jump is reported a tick later.

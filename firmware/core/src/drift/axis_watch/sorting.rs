@@ -34,7 +34,7 @@ impl AxisWatch {
         detection: Detection,
         read: Read,
         patience: Option<Turns>,
-        finding_out: bool,
+        is_homing: bool,
     ) -> Sorted {
         let mut has_moved = None;
         let reported = match detection {
@@ -58,9 +58,7 @@ impl AxisWatch {
                 may_run.then_some((FaultKind::IndexExtra, by, false))
             }
             Detection::Undetected => self.nowhere(&mut has_moved),
-            Detection::Overdue { waited } => {
-                self.overdue(patience.filter(|_| !waited), finding_out)
-            }
+            Detection::Overdue { waited } => self.overdue(patience.filter(|_| !waited), is_homing),
         };
         let is_place = matches!(detection, Detection::First | Detection::InPlace { .. });
         let is_detected = is_place || has_moved.is_some();
@@ -171,12 +169,12 @@ impl AxisWatch {
     }
 
     /// Takes in that a pulse is overdue, so that the crank may be beyond its limit.
-    fn overdue(&mut self, patience: Option<Turns>, finding_out: bool) -> Option<Report> {
+    fn overdue(&mut self, patience: Option<Turns>, is_homing: bool) -> Option<Report> {
         let index = &mut self.index;
         let alone = index.place.alone;
         if self.encoder.is_some() && index.is_known() {
             index.pass_over();
-            if self.diagnosis.is_slipping() && !finding_out {
+            if self.diagnosis.is_slipping() && !is_homing {
                 // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
                 return Some((FaultKind::Slip, alone.wrapping_neg(), false));
             }

@@ -23,7 +23,7 @@ impl DriftMonitor {
         let Some(watch) = self.axes.get_mut(axis) else {
             return;
         };
-        let sorted = watch.sort(detection, read, patience, self.finding_out);
+        let sorted = watch.sort(detection, read, patience, self.is_homing);
         let own = 1 << axis;
         if sorted.is_detected {
             self.queue.updated |= own;
@@ -32,7 +32,7 @@ impl DriftMonitor {
         }
         // During homing the homing evaluates what the cranks do.
         if let Some(by) = sorted.has_moved
-            && self.finding_out
+            && self.is_homing
         {
             if self.findings.has_requested_stop() && watch.is_by_index() {
                 // The pulse that ends a time without pulses shows by how much the crank moved.
@@ -53,16 +53,16 @@ impl DriftMonitor {
     #[inline(never)]
     pub(in crate::drift) fn evaluate(&mut self, sensed: &Sensed<'_>) {
         let updated = core::mem::take(&mut self.queue.updated);
-        if self.finding_out {
+        if self.is_homing {
             self.check_encoders();
         }
         if !self.is_homed() {
             return;
         }
-        let errors = self.errors_to_first(sensed.correction, self.finding_out);
+        let errors = self.errors_to_first(sensed.correction, self.is_homing);
         self.modes = self.mount.modes(&errors);
         self.changed = true;
-        if self.finding_out || self.encoders() != 0 {
+        if self.is_homing || self.encoders() != 0 {
             self.check(Turns::ZERO, sensed);
         } else if !self.is_round_over() && self.others_are_detected(updated) {
             // A pulse that comes during the stop names the fault before the machine stands.
@@ -86,7 +86,7 @@ impl DriftMonitor {
     pub(in crate::drift) fn conclude_round(&mut self, sensed: &Sensed<'_>) {
         self.detected = 0;
         self.rounds = self.rounds.wrapping_add(1);
-        if !self.finding_out {
+        if !self.is_homing {
             self.common_jump = self.compare();
             self.check(Turns::ZERO, sensed);
         }
@@ -184,12 +184,12 @@ impl DriftMonitor {
     fn check(&mut self, margin: Turns, sensed: &Sensed<'_>) {
         let exceeded = self.exceeded(margin, sensed.speed);
         let is_ones_own = exceeded.is_some_and(|kind| kind != FaultKind::CommonLag);
-        if is_ones_own && !self.finding_out {
+        if is_ones_own && !self.is_homing {
             self.compare();
         }
         self.report_moves(exceeded.is_none(), sensed);
         if let Some(kind) = exceeded {
-            let error = self.errors_to_first(sensed.correction, self.finding_out);
+            let error = self.errors_to_first(sensed.correction, self.is_homing);
             self.attribute(kind, &error, sensed);
         }
     }
@@ -199,7 +199,7 @@ impl DriftMonitor {
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let watch = self.axes.get_mut(axis);
             let fresh = watch.and_then(|watch| watch.diagnosis.take_new());
-            if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
+            if let Some((kind, by)) = fresh.filter(|_| !self.is_homing) {
                 self.report(axis, (kind, by, within_limits), sensed);
             }
         }
@@ -212,13 +212,13 @@ impl DriftMonitor {
         let has_moved = |watch: &AxisWatch| watch.name().is_some();
         let may_be = self.limits.read.exceeded(&self.modes, margin);
         let exceeded = may_be.and_then(|kind| {
-            if !self.finding_out && (self.axes.iter().any(has_moved) || self.moves_apart()) {
+            if !self.is_homing && (self.axes.iter().any(has_moved) || self.moves_apart()) {
                 Some(kind)
             } else {
                 self.limits.of_cranks.exceeded(&self.modes, margin)
             }
         });
-        if exceeded.is_some() || self.finding_out {
+        if exceeded.is_some() || self.is_homing {
             return exceeded;
         }
         self.limits.of_common(&self.modes, speed)

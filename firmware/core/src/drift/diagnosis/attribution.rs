@@ -36,7 +36,7 @@ impl DriftMonitor {
             let fault = Fault::new(kind).with_size(size);
             return self.findings.push(fault, false, all_lag);
         }
-        let kind = if self.finding_out {
+        let kind = if self.is_homing {
             FaultKind::HomingRangeExceeded
         } else {
             kind

@@ -30,9 +30,9 @@ pub(in crate::drift) struct Place {
 
 impl Place {
     /// A pulse that is later than this shows a crank beyond its limit.
-    pub fn overdue(&self, finding_out: bool) -> Turns {
+    pub fn overdue(&self, is_homing: bool) -> Turns {
         // A pulse that is late by a gate may show a lost cycle. If that exceeds a limit, it may have done so for a turn.
-        if self.is_cycle_too_far && !finding_out {
+        if self.is_cycle_too_far && !is_homing {
             self.gate
         } else {
             self.alone.max(self.gate)

@@ -138,17 +138,17 @@ impl IndexWatch {
         &mut self,
         phase: &TickPhase,
         commanded: Turns,
-        finding_out: bool,
+        is_homing: bool,
     ) -> Detection {
         if !self.has_timed_out(phase, commanded) {
             return Detection::Nothing;
         }
-        match self.time_out(finding_out) {
+        match self.time_out(is_homing) {
             // The pulse may become late and overdue in the same tick. Without an encoder, the latter counts.
             Detection::Undetected
                 if !self.place.has_encoder && self.has_timed_out(phase, commanded) =>
             {
-                self.time_out(finding_out)
+                self.time_out(is_homing)
             }
             detection => detection,
         }
@@ -297,14 +297,14 @@ impl IndexWatch {
 
     /// Takes in that no pulse came up to `alert`.
     #[inline(never)]
-    fn time_out(&mut self, finding_out: bool) -> Detection {
+    fn time_out(&mut self, is_homing: bool) -> Detection {
         let waited = self.due == Due::Overdue;
         if self.is_known() && !self.is_late() {
             if let Some(outlier) = self.outlier {
                 return self.moved(outlier);
             }
             self.due = Due::Late;
-            self.alert = ONE.wrapping_add(self.place.overdue(finding_out));
+            self.alert = ONE.wrapping_add(self.place.overdue(is_homing));
             return Detection::Undetected;
         }
         self.due = Due::Overdue;
