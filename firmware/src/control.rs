@@ -53,8 +53,8 @@ pub struct Board {
     pub reporter: Reporter,
     /// Generation of the step edges.
     pub steps: Steps,
-    /// Filters that make pulses of the index lines' changes.
-    pub filters: heapless::Vec<IndexFilter, MAX_AXES>,
+    /// Filter that makes pulses of the index lines' changes.
+    pub filters: IndexFilter<MAX_AXES>,
 }
 
 impl Board {

@@ -19,27 +19,8 @@ use super::{INDEX_MACHINE, pins, relocated, steps};
 use program::{COUNT_BITS, POLL_CYCLES, SAMPLED_AFTER};
 use ring::Ring;
 
-/// Set of all lines.
-const ALL: u32 = (1 << pins::AXES) - 1;
-
-/// Lowest line of a set, if there is one.
-#[inline(always)]
-fn lowest(lines: u32) -> Option<usize> {
-    // The board has no instruction that counts zeros.
-    static LOWEST: [u8; 1 << pins::AXES] = {
-        let mut lowest = [0; 1 << pins::AXES];
-        let mut lines = 1;
-        while lines < lowest.len() {
-            lowest[lines] = lines.trailing_zeros() as u8;
-            lines += 1;
-        }
-        lowest
-    };
-    if lines == 0 {
-        return None;
-    }
-    LOWEST.get(lines as usize).copied().map(usize::from)
-}
+/// Filter of all lines.
+type Filter = IndexFilter<{ pins::AXES }>;
 
 /// Index inputs, and the time up to which the loop has read them.
 pub struct Index {
@@ -52,12 +33,6 @@ pub struct Index {
     /// of polls wraps with that in the words.
     polls: u32,
     rest: u32,
-    /// Levels of the lines after the last change that was read. `is_first` is true if there was none yet, and all levels
-    /// are unknown.
-    levels: u32,
-    is_first: bool,
-    /// Lines that changed and whose filters are not quiet since.
-    pending: u32,
 }
 
 impl Index {
@@ -89,9 +64,6 @@ impl Index {
             tick_rest: tick_cycles % POLL_CYCLES,
             polls: 0,
             rest: 0,
-            levels: 0,
-            is_first: true,
-            pending: ALL,
         }
     }
 
@@ -103,86 +75,42 @@ impl Index {
         self.rest = since.rem_euclid(POLL_CYCLES as i32) as u32;
     }
 
-    /// Reads the changes of the tick that is over, in order, into the filters of the lines.
+    /// Reads the changes of the tick that is over, in order, into the filter of the lines.
     #[inline(always)]
-    pub fn read(&mut self, filters: &mut [IndexFilter]) {
+    pub fn read(&mut self, filter: &mut Filter) {
         if self.ring.has_unread() {
-            self.read_changes(filters);
+            self.read_changes(filter);
         }
     }
 
     #[inline(never)] // seldom
-    fn read_changes(&mut self, filters: &mut [IndexFilter]) {
+    fn read_changes(&mut self, filter: &mut Filter) {
         // A line changed in the middle of the interval since the poll before: within ±3.5 cycles, or ±7 if the change before
         // it is less than 14 away.
         let offset = (SAMPLED_AFTER - POLL_CYCLES / 2) as i32 - self.rest as i32;
-        if self.is_first
-            && let Some(word) = self.ring.peek()
-        {
-            // All lines may have changed.
-            self.is_first = false;
-            self.levels = word >> COUNT_BITS ^ ALL;
-        }
-        while let Some(word) = self.ring.peek() {
+        let mut ring = self.ring;
+        while let Some(word) = ring.peek() {
             // The count of the n-th poll is −n. Relative to the polls before the tick it is small and may be negative.
             const UNUSED_BITS: u32 = u32::BITS - COUNT_BITS;
             let polls = ((!self.polls).wrapping_sub(word) << UNUSED_BITS) as i32 >> UNUSED_BITS;
             let cycle = polls * POLL_CYCLES as i32 + offset;
             if cycle >= self.tick_cycles {
-                return; // It belongs to the next tick.
+                break; // It belongs to the next tick.
             }
-            self.ring.advance();
-            let levels = word >> COUNT_BITS;
-            let mut changed = levels ^ self.levels;
-            self.levels = levels;
-            self.pending |= changed;
-            while let Some(axis) = lowest(changed) {
-                let others = changed & (changed - 1);
-                if let Some(filter) = filters.get_mut(axis) {
-                    filter.change(cycle, levels & (changed ^ others) != 0);
-                }
-                changed = others;
-            }
+            ring.advance();
+            filter.change_lines(cycle, word >> COUNT_BITS);
         }
+        self.ring = ring;
     }
 
-    /// Ends the tick for the filters of lines that changed, and takes the pulses that they confirmed.
+    /// Ends the tick for the filter, and takes the pulses that it confirmed.
     #[inline(always)]
-    pub fn end_tick(
-        &mut self,
-        filters: &mut [IndexFilter],
-        pulses: &mut PerAxis<Option<IndexPulse>>,
-    ) {
-        // In most ticks no line changed, and all filters can be skipped. That saves half the cost of reading.
-        if self.pending != 0 {
-            self.end_pending(filters, pulses);
+    pub fn end_tick(&mut self, filter: &mut Filter, pulses: &mut PerAxis<Option<IndexPulse>>) {
+        // In most ticks no line changed. That saves half the cost of reading.
+        if filter.is_pending() {
+            filter.end_tick_of_lines(self.tick_cycles as u32, pulses);
         }
         self.advance();
-    }
-
-    #[inline(never)]
-    fn end_pending(
-        &mut self,
-        filters: &mut [IndexFilter],
-        pulses: &mut PerAxis<Option<IndexPulse>>,
-    ) {
-        let cycles = self.tick_cycles as u32;
-        let mut pending = self.pending;
-        while let Some(axis) = lowest(pending) {
-            pending &= pending - 1;
-            let filter = filters.get_mut(axis);
-            let is_quiet = filter.is_none_or(|filter| {
-                if let Some(confirmed) = filter.end_tick(cycles)
-                    && let Some(pulse) = pulses.get_mut(axis)
-                {
-                    *pulse = Some(confirmed);
-                }
-                filter.is_quiet(cycles)
-            });
-            if is_quiet {
-                self.pending &= !(1 << axis);
-            }
-        }
     }
 
     /// Advances to the next tick.

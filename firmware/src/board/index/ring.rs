@@ -30,6 +30,7 @@ const _: () = assert!(align_of::<Memory>() == 1 << RING_BITS);
 static MEMORY: Memory = Memory([const { AtomicU32::new(0) }; CHANGES]);
 
 /// The ring, and the position up to which it has been read.
+#[derive(Clone, Copy)]
 pub struct Ring {
     /// The channel's count of remaining words at the next word to be read.
     unread_from: u32,

@@ -18,6 +18,7 @@
 //! The filter does not decide whether the crank can have made a pulse at that time.
 
 use super::tick_phase::IndexPulse;
+use crate::units::MAX_AXES;
 
 /// How many widths before the confirmed stretch a pulse's first edge may lie.
 pub const BRIDGE_WIDTHS: u32 = 2;
@@ -28,28 +29,53 @@ pub const MOST_OF_TICK: u32 = 4;
 /// Earlier times are replaced by this one. It is longer ago than every width, and differences of two times still fit 32 bits.
 const LONG_AGO: i32 = -(1 << 29);
 
-/// No pulse was confirmed. It lies before every time.
-const NO_PULSE: i32 = i32::MIN;
-
-/// Filter of one line. A change and a tick cost a constant number of operations.
+/// Filter of one line, or of several with the same width, which are bits of a word. A change and a tick cost a constant
+/// number of operations.
 #[derive(Clone, Copy, Debug)]
-pub struct IndexFilter {
+pub struct IndexFilter<const LINES: usize = 1> {
     /// Cycles that a stretch must last to count.
     width: i32,
     /// Cycles that are bridged: [`BRIDGE_WIDTHS`] widths.
     bridged: i32,
     /// Cycles after which nothing of a change matters: [`MOST_OF_TICK`] widths.
     remembered: i32,
-    /// The line's level, and since when: cycles from the beginning of the present tick.
-    level: bool,
+    /// Set of all lines.
+    all: u32,
+    /// Levels of the lines.
+    levels: u32,
+    /// Levels of the last stretches that counted.
+    steady: u32,
+    /// Lines whose pulse was confirmed in the present tick.
+    confirmed: u32,
+    /// Lines that are not quiet.
+    pending: u32,
+    lines: [Line; LINES],
+}
+
+/// Times of one line, in cycles from the beginning of the present tick.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    /// Beginning of the present stretch.
     since: i32,
-    /// The level of the last stretch that counted.
-    steady: bool,
     /// First edge of what may become a pulse.
     first: i32,
-    /// First edge of the pulse that was confirmed in the present tick, or [`NO_PULSE`].
+    /// First edge of the pulse that was confirmed.
     pulse: i32,
     glitches: u32,
+}
+
+impl Line {
+    const NEW: Self = Self {
+        since: LONG_AGO,
+        first: LONG_AGO,
+        pulse: LONG_AGO,
+        glitches: 0,
+    };
+
+    #[inline(always)]
+    const fn note_glitch(&mut self) {
+        self.glitches = self.glitches.saturating_add(1);
+    }
 }
 
 impl IndexFilter {
@@ -62,84 +88,202 @@ impl IndexFilter {
             width,
             bridged: width.saturating_mul(BRIDGE_WIDTHS as i32),
             remembered: width.saturating_mul(MOST_OF_TICK as i32),
-            level,
-            since: LONG_AGO,
-            steady: level,
-            first: LONG_AGO,
-            pulse: NO_PULSE,
-            glitches: 0,
+            all: 1,
+            levels: level.into(),
+            steady: level.into(),
+            confirmed: 0,
+            pending: 1,
+            lines: [Line::NEW],
         }
     }
 
-    /// Takes note that the line has been at `level` from `cycle` of the present tick on, negative for
-    /// the time before it. Changes come in the order of their times; one that is reported too late counts
-    /// from the change before it on, and a level that the line has already is no change.
-    #[inline(never)] // It needs all registers.
+    /// Takes note that the line has been at `level` from `cycle` of the present tick on, as [`Self::change_lines`] does.
     pub fn change(&mut self, cycle: i32, level: bool) {
-        if level == self.level {
-            return;
-        }
-        let cycle = cycle.min(-LONG_AGO).max(self.since);
-        if cycle - self.since >= self.width {
-            if self.level != self.steady {
-                self.confirm();
-            }
-            if level {
-                self.first = cycle;
-            }
-        } else {
-            self.glitches = self.glitches.saturating_add(1);
-            if level && cycle - self.first > self.bridged {
-                self.first = cycle;
-            }
-        }
-        self.level = level;
-        self.since = cycle;
+        self.change_lines(cycle.min(-LONG_AGO), level.into());
     }
 
-    /// Ends a tick of `cycles`; the pulse that was confirmed in it, if one was. Cycles count from the
-    /// next tick's beginning then.
-    ///
-    /// If there were several, the first is returned, and the others count as glitches: no crank turns that fast.
-    #[inline(never)] // as `change`
+    /// Ends a tick of `cycles`, as [`Self::end_tick_of_lines`] does; the pulse that was confirmed in it, if one was.
     pub fn end_tick(&mut self, cycles: u32) -> Option<IndexPulse> {
-        let cycles = at_most_long(cycles);
-        if self.level != self.steady && cycles - self.since >= self.width {
-            self.confirm();
-        }
-        self.since = (self.since - cycles).max(LONG_AGO);
-        self.first = (self.first - cycles).max(LONG_AGO);
-        let cycle = core::mem::replace(&mut self.pulse, NO_PULSE);
-        (cycle != NO_PULSE).then_some(IndexPulse { cycle })
+        let mut pulses = [None];
+        self.pending = self.all;
+        self.end_tick_of_lines(cycles, &mut pulses);
+        let [pulse] = pulses;
+        pulse
     }
 
     /// True if nothing is under way, and has been for [`MOST_OF_TICK`] widths, or for a tick of `cycles` if that is less. Then
     /// [`Self::end_tick`] has nothing to report, and need not be called until the next change: that is more than all that a
     /// change looks back for, [`BRIDGE_WIDTHS`] widths and one.
-    #[inline(always)]
     pub fn is_quiet(&self, cycles: u32) -> bool {
+        let [line] = &self.lines;
         // A pulse that was not taken yet ended in this tick.
-        self.level == self.steady && self.since <= -(cycles.min(self.remembered as u32) as i32)
+        self.levels == self.steady && line.since <= self.quiet_since(cycles)
     }
 
     /// Stretches that were too short to count, and pulses too many, since the start; stays at its
     /// greatest.
     pub const fn glitches(&self) -> u32 {
-        self.glitches
+        let [line] = &self.lines;
+        line.glitches
     }
+}
 
-    /// Takes in the present stretch, which has lasted for the width and is the first to do so at its level.
+impl<const LINES: usize> IndexFilter<LINES> {
+    /// Takes note that the lines have been at `levels`, a bit each, from `cycle` of the present tick on, negative for
+    /// the time before it, and at most about 4 s. Changes come in the order of their times; one that is reported too late
+    /// counts from the change before it on, and a level that a line has already is no change.
     #[inline(always)]
-    const fn confirm(&mut self) {
-        self.steady = self.level;
-        if self.level {
-            if self.pulse == NO_PULSE {
-                self.pulse = self.first;
-            } else {
-                self.glitches = self.glitches.saturating_add(1);
+    pub fn change_lines(&mut self, cycle: i32, levels: u32) {
+        let levels = levels & self.all;
+        let mut changed = self.levels ^ levels;
+        self.levels = levels;
+        self.pending |= changed;
+        while let Some((number, bit)) = take_lowest(&mut changed) {
+            let Some(line) = self.lines.get_mut(number) else {
+                break;
+            };
+            let since = line.since;
+            let cycle = cycle.max(since);
+            line.since = cycle;
+            let counts = cycle - since >= self.width;
+            if levels & bit != 0 {
+                if counts {
+                    self.steady &= !bit;
+                    line.first = cycle;
+                } else {
+                    line.note_glitch();
+                    if cycle - line.first > self.bridged {
+                        line.first = cycle;
+                    }
+                }
+            } else if !counts {
+                line.note_glitch();
+            } else if self.steady & bit == 0 {
+                self.confirm(number, bit);
             }
         }
     }
+
+    /// True if a line is not quiet: [`Self::end_tick_of_lines`] must be called. Otherwise it need not be called until the next
+    /// change.
+    #[inline(always)]
+    pub const fn is_pending(&self) -> bool {
+        self.pending != 0
+    }
+
+    /// Ends a tick of `cycles`, and writes the pulses that were confirmed in it. Cycles count from the next tick's beginning
+    /// then.
+    ///
+    /// If there were several of a line, the first is written, and the others count as glitches: no crank turns that fast.
+    #[inline(never)] // as `change_lines`
+    pub fn end_tick_of_lines(&mut self, cycles: u32, pulses: &mut [Option<IndexPulse>; LINES]) {
+        let quiet_since = self.quiet_since(cycles);
+        let cycles = at_most_long(cycles);
+        let mut lasting = self.levels ^ self.steady;
+        while let Some((number, bit)) = take_lowest(&mut lasting) {
+            if let Some(line) = self.lines.get(number)
+                && cycles - line.since >= self.width
+            {
+                if self.levels & bit == 0 {
+                    self.steady &= !bit;
+                } else {
+                    self.confirm(number, bit);
+                }
+            }
+        }
+        let confirmed = core::mem::take(&mut self.confirmed);
+        let mut pending = self.pending;
+        let mut quiet = 0;
+        while let Some((number, bit)) = take_lowest(&mut pending) {
+            let (Some(line), Some(pulse)) = (self.lines.get_mut(number), pulses.get_mut(number))
+            else {
+                break;
+            };
+            if confirmed & bit != 0 {
+                *pulse = Some(IndexPulse { cycle: line.pulse });
+            }
+            line.first = (line.first - cycles).max(LONG_AGO);
+            line.since = (line.since - cycles).max(LONG_AGO);
+            if line.since <= quiet_since {
+                quiet |= bit;
+            }
+        }
+        self.pending &= !quiet | self.levels ^ self.steady;
+    }
+
+    /// Takes in the present high stretch of a line, which has lasted for the width and is the first to do so.
+    #[inline(always)]
+    fn confirm(&mut self, number: usize, bit: u32) {
+        self.steady |= bit;
+        if let Some(line) = self.lines.get_mut(number) {
+            if self.confirmed & bit == 0 {
+                self.confirmed |= bit;
+                line.pulse = line.first;
+            } else {
+                line.note_glitch();
+            }
+        }
+    }
+
+    /// Cycle before which the present stretch of a quiet line began, after a tick of `cycles`.
+    #[inline(always)]
+    fn quiet_since(&self, cycles: u32) -> i32 {
+        -(cycles.min(self.remembered as u32) as i32)
+    }
+}
+
+impl<const LINES: usize> FromIterator<IndexFilter> for IndexFilter<LINES> {
+    /// Filter of lines that have a filter each, with the same width. Those without room are left out.
+    #[cold]
+    fn from_iter<T: IntoIterator<Item = IndexFilter>>(filters: T) -> Self {
+        let mut joined = Self {
+            width: 0,
+            bridged: 0,
+            remembered: 0,
+            all: 0,
+            levels: 0,
+            steady: 0,
+            confirmed: 0,
+            pending: 0,
+            lines: [Line::NEW; LINES],
+        };
+        for (number, (line, filter)) in joined.lines.iter_mut().zip(filters).enumerate() {
+            let [own] = filter.lines;
+            *line = own;
+            joined.width = filter.width;
+            joined.bridged = filter.bridged;
+            joined.remembered = filter.remembered;
+            joined.all |= filter.all << number;
+            joined.levels |= filter.levels << number;
+            joined.steady |= filter.steady << number;
+            joined.confirmed |= filter.confirmed << number;
+            joined.pending |= filter.pending << number;
+        }
+        joined
+    }
+}
+
+/// Takes the lowest line out of a set: its number and its bit.
+#[inline(always)]
+fn take_lowest(lines: &mut u32) -> Option<(usize, u32)> {
+    // The board has no instruction that counts zeros.
+    static LOWEST: [u8; 1 << MAX_AXES] = {
+        let mut lowest = [0; 1 << MAX_AXES];
+        let mut lines = 1;
+        while lines < lowest.len() {
+            lowest[lines] = lines.trailing_zeros() as u8;
+            lines += 1;
+        }
+        lowest
+    };
+    if *lines == 0 {
+        return None;
+    }
+    let lowest = LOWEST.get(*lines as usize).copied()?;
+    let others = *lines & (*lines - 1);
+    let bit = *lines ^ others;
+    *lines = others;
+    Some((lowest.into(), bit))
 }
 
 /// Cycles, limited to about 4 s, so that sums of times fit 32 bits.
