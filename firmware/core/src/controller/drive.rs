@@ -44,22 +44,34 @@ impl Controller {
     }
 
     /// Plans the pulses: one plan for all axes that share it.
-    #[inline(never)] // Within a function with more variables, the loop would lack registers.
     fn plan_all(&mut self, moved: Option<&OffsetMotion>) {
-        let sharing = self.output.telemetry.sharing;
-        let steps = &mut self.output.telemetry.plan_steps;
-        let plans = self.output.plans.iter_mut().zip(steps);
-        for (axis, (channel, (runs, steps))) in self.channels.iter_mut().zip(plans).enumerate() {
-            if sharing.first(axis) == axis {
-                let turns = self.history.planned(axis);
-                let (turns, offset) = match moved {
-                    Some(moved) if moved.axis == axis => {
-                        (turns.wrapping_sub(moved.turns), moved.half_steps)
-                    }
-                    _ => (turns, 0),
-                };
-                *steps += i64::from(channel.plan(turns, offset, &mut self.step_rate, runs));
+        let mut left = self.plans;
+        let mut axis = 0;
+        while left != 0 {
+            if left & 1 != 0 {
+                self.plan_axis(axis, moved);
             }
+            left >>= 1;
+            axis += 1;
+        }
+    }
+
+    /// Plans the pulses of an axis.
+    #[inline(never)] // Within a function with more variables, it would lack registers.
+    fn plan_axis(&mut self, axis: usize, moved: Option<&OffsetMotion>) {
+        let turns = self.history.planned(axis);
+        let (turns, offset) = match moved {
+            Some(moved) if moved.axis == axis => {
+                (turns.wrapping_sub(moved.turns), moved.half_steps)
+            }
+            _ => (turns, 0),
+        };
+        if let (Some(channel), Some(runs), Some(steps)) = (
+            self.channels.get_mut(axis),
+            self.output.plans.get_mut(axis),
+            self.output.telemetry.plan_steps.get_mut(axis),
+        ) {
+            *steps += i64::from(channel.plan(turns, offset, &mut self.step_rate, runs));
         }
     }
 
@@ -105,6 +117,14 @@ impl Controller {
         for axis in 0..self.channels.len() {
             self.join(axis, axis);
         }
+        self.find_plans();
+    }
+
+    /// Finds the axes that are planned: those that are the first with their plan.
+    fn find_plans(&mut self) {
+        let sharing = self.output.telemetry.sharing;
+        let planned = (0..self.channels.len()).filter(|&axis| sharing.first(axis) == axis);
+        self.plans = planned.fold(0, |plans, axis| plans | 1 << axis);
     }
 
     /// Takes an axis out of its group while its offset moves; the axis before joins one again.
@@ -117,6 +137,7 @@ impl Controller {
             self.leave(axis);
         }
         self.apart = apart;
+        self.find_plans();
     }
 
     /// Lets an axis share the plan of one of the axes below `end`, if one has the same motion.
