@@ -94,7 +94,13 @@ pub fn take_late() -> Option<usize> {
         return None;
     }
     LATE.store(0, Ordering::Relaxed);
-    (0..AXES).find(|&axis| late & 1 << axis != 0)
+    first_of(late)
+}
+
+/// Returns the first axis of a set.
+#[inline(never)] // seldom
+fn first_of(axes: u8) -> Option<usize> {
+    (0..AXES).find(|&axis| axes & 1 << axis != 0)
 }
 
 /// Completes all writes to memory, as the compiler does not see the reads of the channels.

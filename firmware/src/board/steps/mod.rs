@@ -253,6 +253,7 @@ impl Steps {
     }
 
     /// Starts all machines so that their first pause ends at `start`. Returns the length of the pause in cycles.
+    #[inline(never)] // once a start
     fn begin(&mut self, cs: CriticalSection<'_>, start: Instant) -> u32 {
         let enabled = |pio: Pio| pio.ctrl().read().sm_enable();
         let [first, second] = self.machines;
@@ -301,10 +302,11 @@ impl Steps {
         if !stalled(first, pac::PIO0) && !stalled(second, pac::PIO1) {
             return None;
         }
-        (0..self.axes.min(AXES)).find(|&axis| has_underrun(axis))
+        first_underrun(self.axes)
     }
 
     /// Returns true if every machine has played all its words and waits for more.
+    #[inline(never)] // once a start
     fn all_stand(&self, cs: CriticalSection<'_>) -> bool {
         (0..self.axes.min(AXES)).all(|axis| {
             let pio = if block_of(axis) == 0 {
@@ -320,6 +322,12 @@ impl Steps {
                 && pio.sm(machine).addr().read().addr() == 0
         })
     }
+}
+
+/// Returns the first of so many axes whose machine has waited for words since it was started.
+#[inline(never)] // seldom
+fn first_underrun(axes: usize) -> Option<usize> {
+    (0..axes.min(AXES)).find(|&axis| has_underrun(axis))
 }
 
 /// Returns true if the machine of an axis has waited for words since it was started.
