@@ -69,6 +69,7 @@ impl Index {
 
     /// Notes that the machine was started, `cycles` before a tick begins. The tick before that one is the next to be
     /// read.
+    #[inline(never)] // once a start
     pub const fn begin(&mut self, cycles: u32) {
         let since = cycles as i32 - self.tick_cycles;
         self.polls = since.div_euclid(POLL_CYCLES as i32) as u32;
