@@ -20,10 +20,8 @@ impl Controller {
     /// Never inlined: this is the name by which the firmware's checks find the tick.
     #[inline(never)]
     pub fn tick(&mut self, feedback: &Feedback) -> &Output {
-        match feedback.command {
-            Some(Command::ResetPeak) => self.drift.reset_peak(),
-            Some(Command::Override(permille)) => self.amplitude.set(permille),
-            _ => {}
+        if feedback.command.is_some() {
+            self.adjust(feedback.command);
         }
         let mut input = SupervisorInput::default();
         let mut reported = self.observe(feedback, &mut input);
@@ -65,6 +63,16 @@ impl Controller {
         };
         self.punctuality.met();
         &self.output
+    }
+
+    /// Obeys a command that does not change the state.
+    #[inline(never)] // seldom
+    fn adjust(&mut self, command: Option<Command>) {
+        match command {
+            Some(Command::ResetPeak) => self.drift.reset_peak(),
+            Some(Command::Override(permille)) => self.amplitude.set(permille),
+            _ => {}
+        }
     }
 
     /// Collects the measurements since the last tick. Returns the event to report, if there is one.
@@ -214,7 +222,10 @@ impl Controller {
         match action {
             Action::Stand => Demand::Halt,
             Action::Home => Demand::Follow(Target::steady(self.shaft.limits().homing_speed())),
-            Action::Play => Demand::Follow(self.play()),
+            Action::Play => {
+                self.play();
+                Demand::Follow(self.target)
+            }
             Action::Hold => {
                 self.target = Target::steady(self.target.next);
                 Demand::Follow(self.target)
@@ -226,7 +237,7 @@ impl Controller {
 
     /// Reads one tick of the program.
     #[inline(never)]
-    fn play(&mut self) -> Target {
+    fn play(&mut self) {
         let mut reading = self.cursor.next(&self.program);
         if !self.amplitude.is_one() {
             (reading.level, reading.end_level) =
@@ -245,7 +256,6 @@ impl Controller {
             },
             end: self.end.1,
         };
-        self.target
     }
 
     #[inline(never)]

@@ -55,6 +55,7 @@ impl AmplitudeOverride {
     /// Moves the factor by one tick, and scales a level and the level at the end of its segment.
     ///
     /// The factor has 30 fraction bits, and a scaled level is rounded down by at most 2⁻⁴⁷ m/s².
+    #[inline(never)] // Most programs are played as they are.
     pub fn advance(&mut self, level: Amax, end_level: Amax) -> (Amax, Amax) {
         self.now = if self.now < self.target {
             self.target.min(self.now + self.step)

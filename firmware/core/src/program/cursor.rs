@@ -126,6 +126,7 @@ impl Cursor {
     }
 
     /// Moves to entry `index` and follows repeats up to a segment or the end.
+    #[inline(never)] // once a segment
     fn enter(&mut self, program: &Program, mut index: usize, from: Amax) {
         self.from = from;
         self.tick = 0;
