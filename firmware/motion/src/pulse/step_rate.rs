@@ -91,7 +91,7 @@ impl StepRate {
         }
     }
 
-    #[inline(never)]
+    #[inline(always)] // Its arguments take as long as a quarter of it.
     fn compute(&mut self, turns: i64, offset: i64, half_steps_per_turn: u32, tick_cycles: u32) {
         self.turns = turns;
         self.offset = offset;

@@ -146,6 +146,7 @@ impl Planner {
 
     /// Counts the steps of a tick without pulses, for a servo axis: `runs` becomes one pause of a tick. Returns the steps
     /// as [`Self::plan`] does.
+    #[inline(never)] // Inlined beside `plan` it would double the computation of step rates.
     pub fn count(
         &mut self,
         turns: Turns,
