@@ -24,14 +24,13 @@ impl Channel {
             && self.follower == other.follower
     }
 
-    /// State of the axis's motion: its follower and its place within a step.
-    pub(super) fn motion(&self) -> (AnyFollower, Place) {
-        (self.follower.clone(), *self.planner.place())
+    /// Place of the axis within a step.
+    pub(super) fn place(&self) -> Place {
+        *self.planner.place()
     }
 
-    /// Continues a motion.
-    pub(super) fn continue_from(&mut self, follower: AnyFollower, place: Place) {
-        self.follower = follower;
+    /// Continues from the place of another axis with an equal follower.
+    pub(super) fn continue_from(&mut self, place: Place) {
         self.planner.continue_from(place);
     }
 

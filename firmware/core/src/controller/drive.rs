@@ -7,6 +7,7 @@
 use super::Controller;
 use super::channel::Channel;
 use crate::axes::{Follower, OffsetMotion};
+use crate::drift::AxisSet;
 use crate::signals::Output;
 use crate::supervisor::State;
 use crate::units::{MAX_AXES, Turns};
@@ -114,17 +115,11 @@ impl Controller {
     #[cold]
     pub(super) fn group_axes(&mut self) {
         self.apart = None;
-        for axis in 0..self.channels.len() {
+        let count = self.channels.len();
+        self.plans = ((1_u32 << count) - 1) as AxisSet;
+        for axis in 0..count {
             self.join(axis, axis);
         }
-        self.find_plans();
-    }
-
-    /// Finds the axes that are planned: those that are the first with their plan.
-    fn find_plans(&mut self) {
-        let sharing = self.output.telemetry.sharing;
-        let planned = (0..self.channels.len()).filter(|&axis| sharing.first(axis) == axis);
-        self.plans = planned.fold(0, |plans, axis| plans | 1 << axis);
     }
 
     /// Takes an axis out of its group while its offset moves; the axis before joins one again.
@@ -137,21 +132,21 @@ impl Controller {
             self.leave(axis);
         }
         self.apart = apart;
-        self.find_plans();
     }
 
     /// Lets an axis share the plan of one of the axes below `end`, if one has the same motion.
     fn join(&mut self, axis: usize, end: usize) {
-        let sharing = self.output.telemetry.sharing;
         let Some(channel) = self.channels.get(axis) else {
             return;
         };
+        let plans = self.plans & !(1 << axis);
         let same = |&(first, other): &(usize, &Channel)| {
-            first != axis && sharing.first(first) == first && channel.has_motion_of(other)
+            plans & 1 << first != 0 && channel.has_motion_of(other)
         };
         let found = self.channels.iter().take(end).enumerate().find(same);
         if let Some((first, _)) = found {
             self.output.telemetry.share_plan(axis, first);
+            self.plans = plans;
         }
     }
 
@@ -161,6 +156,7 @@ impl Controller {
         let first = sharing.first(axis);
         if first != axis {
             self.output.telemetry.share_plan(axis, axis);
+            self.plans |= 1 << axis;
             return self.continue_from(first, axis);
         }
         // The next axis of the group is planned from now on.
@@ -169,20 +165,37 @@ impl Controller {
         let Some(next) = others.next() else {
             return;
         };
-        self.output.telemetry.share_plan(next, next);
+        let telemetry = &mut self.output.telemetry;
+        let next_ahead = telemetry.steps_ahead.get(next).copied().unwrap_or_default();
+        telemetry.share_plan(next, next);
         for other in others {
-            self.output.telemetry.share_plan(other, next);
+            telemetry.sharing = telemetry.sharing.with(other, next);
+            if let Some(ahead) = telemetry.steps_ahead.get_mut(other) {
+                *ahead = ahead.wrapping_sub(next_ahead);
+            }
         }
+        self.plans |= 1 << next;
         self.continue_from(axis, next);
     }
 
     /// Lets an axis continue the motion of the axis whose plan it shared.
     fn continue_from(&mut self, first: usize, axis: usize) {
-        let Some((follower, place)) = self.channels.get(first).map(Channel::motion) else {
-            return;
-        };
-        if let Some(channel) = self.channels.get_mut(axis) {
-            channel.continue_from(follower, place);
+        // A follower that makes the master's own turns does not change.
+        if self.followers & 1 << axis != 0 {
+            self.copy_follower(first, axis);
+        }
+        let place = self.channels.get(first).map(Channel::place);
+        if let (Some(channel), Some(place)) = (self.channels.get_mut(axis), place) {
+            channel.continue_from(place);
+        }
+    }
+
+    /// Copies the follower of an axis to another.
+    #[inline(never)]
+    fn copy_follower(&mut self, from: usize, to: usize) {
+        let follower = self.channels.get(from).map(|from| from.follower.clone());
+        if let (Some(channel), Some(follower)) = (self.channels.get_mut(to), follower) {
+            channel.follower = follower;
         }
     }
 
