@@ -248,27 +248,28 @@ impl Shaft {
     fn follow(&mut self, target: Target, motion: &mut Motion) -> i64 {
         let requested = (target.now.to_bits(), target.next.to_bits());
         let end = target.end.to_bits();
-        let (corridor, aim, end) =
-            if self.gap.contains(self.speed) && self.gap.contains(requested.1) {
-                if self.acceleration == 0 && requested == (self.speed, self.speed) {
-                    return self.speed; // the speed is kept
-                }
-                let aim = Aim {
-                    now: self.gap.clamp(requested.0),
-                    next: requested.1,
-                };
-                (self.gap, aim, self.gap.clamp(end))
-            } else {
-                let corridor = Corridor::new(&self.limits, self.speed, self.passage, requested.1);
-                let bands = &self.limits.bands;
-                let next = bands::outside(bands, requested.1);
-                motion.held_at_band = next != requested.1;
-                let aim = Aim {
-                    now: corridor.clamp(bands::outside(bands, requested.0)),
-                    next: corridor.clamp(next),
-                };
-                (corridor, aim, corridor.clamp(bands::outside(bands, end)))
+        // The gap contains the present speed, or nothing.
+        debug_assert!(self.gap.contains(self.speed) || self.gap == Corridor::NONE);
+        let (corridor, aim, end) = if self.gap.contains(requested.1) {
+            if self.acceleration == 0 && requested == (self.speed, self.speed) {
+                return self.speed; // the speed is kept
+            }
+            let aim = Aim {
+                now: self.gap.clamp(requested.0),
+                next: requested.1,
             };
+            (self.gap, aim, self.gap.clamp(end))
+        } else {
+            let corridor = Corridor::new(&self.limits, self.speed, self.passage, requested.1);
+            let bands = &self.limits.bands;
+            let next = bands::outside(bands, requested.1);
+            motion.held_at_band = next != requested.1;
+            let aim = Aim {
+                now: corridor.clamp(bands::outside(bands, requested.0)),
+                next: corridor.clamp(next),
+            };
+            (corridor, aim, corridor.clamp(bands::outside(bands, end)))
+        };
         // Where the corridor has changed the aim, the difference is a jump and not a rate.
         let aim = if (aim.now, aim.next) == requested {
             aim
