@@ -260,10 +260,8 @@ impl Controller {
 
     #[inline(never)]
     fn report(&mut self, action: Action) {
-        let within = self.crank_phase().within_turn();
         let output = &mut self.output;
         output.drives_enabled = self.supervisor.drives_enabled();
-        output.sync = within.to_bits() < ONE_TURN / 2;
         let telemetry = &mut output.telemetry;
         telemetry.state = self.supervisor.state();
         // In most ticks there is no fault, neither before nor after.
@@ -276,14 +274,17 @@ impl Controller {
         telemetry.program_ticks = self.cursor.elapsed();
         telemetry.holding = action == Action::Hold;
         telemetry.motion = self.motion;
-        telemetry.phase = self.shaft.phase();
+        telemetry.override_permille = self.amplitude.permille();
         if self.drift.take_changed() {
             telemetry.phase_error = *self.drift.phase_error();
             telemetry.peak = *self.drift.peak();
             telemetry.modes = *self.drift.modes();
         }
+        // The phases come last, as the four words would take up the registers meanwhile.
+        telemetry.phase = self.shaft.phase();
         telemetry.home_offset = self.homing.home_offset();
-        telemetry.override_permille = self.amplitude.permille();
+        let within = self.crank_phase().within_turn();
+        self.output.sync = within.to_bits() < ONE_TURN / 2;
     }
 }
 
