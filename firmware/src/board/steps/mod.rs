@@ -183,7 +183,7 @@ impl Steps {
         }
         let submission = cortex_m::interrupt::free(|_| {
             // SAFETY: only this core runs, and its interrupts are disabled.
-            self.hand_over(unsafe { CriticalSection::new() }, start)
+            self.hand_over(unsafe { CriticalSection::new() }, start, is_first)
         });
         if matches!(submission, Submission::Taken | Submission::Begun(_)) {
             self.until = start.checked_add(self.tick);
@@ -224,7 +224,7 @@ impl Steps {
         }
     }
 
-    fn hand_over(&mut self, cs: CriticalSection<'_>, start: Instant) -> Submission {
+    fn hand_over(&mut self, cs: CriticalSection<'_>, start: Instant, is_first: bool) -> Submission {
         let lead_us = (start.as_ticks() as u32).wrapping_sub(now_us());
         if (lead_us as i32) < LEAST_LEAD_US as i32 {
             return Submission::TooLate;
@@ -233,7 +233,7 @@ impl Steps {
             self.until = None;
             return Submission::Underrun(axis);
         }
-        if self.until == Some(start) {
+        if !is_first {
             if let Some(axis) = self.underrun_axis() {
                 self.until = None;
                 return Submission::Underrun(axis);
