@@ -7,12 +7,13 @@ use crate::units::{Phase, Turns};
 
 /// One axis, from the master's turns to the command of its drive.
 #[derive(Clone, Debug)]
+#[repr(C)] // The planner comes first: instructions reach 32 bytes, or 128 by words.
 pub(super) struct Channel {
-    pub(super) follower: AnyFollower,
     pub(super) planner: Planner,
-    pub(super) reversed: bool,
     /// Feed-forward of a servo axis; none for a stepper.
     pub(super) feed_forward: Option<FeedForward>,
+    pub(super) reversed: bool,
+    pub(super) follower: AnyFollower,
 }
 
 impl Channel {
