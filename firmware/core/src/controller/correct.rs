@@ -26,12 +26,11 @@ impl Controller {
     /// Continues the correction. A fault that the cranks do not follow the corrections replaces a finding within limits, as it is the cause
     /// of that finding.
     #[inline(never)]
-    pub(super) fn correct(&mut self, found: Option<Finding>) -> Option<Finding> {
+    pub(super) fn correct(&mut self, found: &mut Option<Finding>) {
         let swapped = self.continue_correction();
-        if swapped.is_some() {
-            return found.filter(|found| !found.within_limits).or(swapped);
+        if swapped.is_some() && found.as_ref().is_none_or(|found| found.within_limits) {
+            *found = swapped;
         }
-        found
     }
 
     /// Continues the correction; returns a fault if the cranks do not follow the corrections.

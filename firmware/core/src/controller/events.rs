@@ -13,13 +13,16 @@ const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 impl Controller {
     /// Drops a finding that is no fault of an axis. Renames one for which homing or the master's speed gives a better name.
     #[inline(never)] // A finding has 48 bytes: it is moved about only where there is one.
-    pub(super) fn judge(&self, found: Option<Finding>) -> Option<Finding> {
-        let mut finding = found?;
+    pub(super) fn judge(&self, found: &mut Option<Finding>) {
+        let Some(finding) = found else {
+            return;
+        };
         // Motion of cranks that no drive turns is no fault, and held cranks have a watch of their own. But the last pulses of a stop may
         // still give a better name.
         let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
         if !self.supervisor.operates() && !in_time {
-            return None;
+            *found = None;
+            return;
         }
         if finding.fault.kind == FaultKind::HomingRangeExceeded
             && let Some(fault) = self.homing.explain(&self.drift, &self.offsets)
@@ -30,7 +33,6 @@ impl Controller {
             finding.fault.kind = FaultKind::Capture;
             finding.fault.axis = None;
         }
-        Some(finding)
     }
 
     /// Publishes one event in each tick: a fault that latched or has a better name, another detected event, or the stop input.
@@ -106,11 +108,11 @@ impl Controller {
 /// Selects the reaction to a finding. Returns the fault if it is only to be published.
 #[inline(never)]
 pub(super) fn select_reaction(
-    found: Finding,
+    found: &Finding,
     supervisor: &Supervisor,
     input: &mut SupervisorInput,
 ) -> Option<Fault> {
-    let Finding { fault, .. } = found;
+    let fault = &found.fault;
     let reaction = reaction(fault.kind, found.within_limits);
     if found.supersedes {
         // The latched fault may be another one, for which the sensors of a crank give no better name.
@@ -121,9 +123,9 @@ pub(super) fn select_reaction(
         }
         input.supersedes = true;
     } else if !reaction.stops() {
-        return Some(fault);
+        return Some(*fault);
     }
-    input.fault = Some(fault);
+    input.fault = Some(*fault);
     input.reaction = reaction;
     None
 }

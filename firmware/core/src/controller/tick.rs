@@ -86,7 +86,7 @@ impl Controller {
             self.driven = self.ticks;
         }
         if found.is_some() {
-            found = self.judge(found);
+            self.judge(&mut found);
         }
         if self.supervisor.holds()
             && let Some(fault) = self.check_hold(feedback)
@@ -95,7 +95,7 @@ impl Controller {
         }
         match self.supervisor.state() {
             State::Homing if found.is_none() => found = self.find_out(),
-            State::Run if self.has_correction_to_do() => found = self.correct(found),
+            State::Run if self.has_correction_to_do() => self.correct(&mut found),
             _ => {}
         }
         input.at_rest = self.motion.at_rest;
@@ -105,7 +105,9 @@ impl Controller {
         self.output.telemetry.program_done = input.program_done;
         input.tick = self.ticks;
         input.phase = self.crank_phase();
-        let reported = found.and_then(|found| select_reaction(found, &self.supervisor, input));
+        let reported = found
+            .as_ref()
+            .and_then(|found| select_reaction(found, &self.supervisor, input));
         let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
         if alarm || feedback.fifo_underrun.is_some() || self.overrun.is_some() {
             self.highest_priority_fault(feedback, input);
