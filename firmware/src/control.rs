@@ -54,7 +54,7 @@ pub struct Board {
     /// Generation of the step edges.
     pub steps: Steps,
     /// Filter that makes pulses of the index lines' changes.
-    pub filters: IndexFilter<MAX_AXES>,
+    pub filter: IndexFilter<MAX_AXES>,
 }
 
 impl Board {
@@ -65,8 +65,8 @@ impl Board {
             return;
         };
         while has_passed(deadline) {
-            self.index.read(&mut self.filters);
-            self.index.end_tick(&mut self.filters, pulses);
+            self.index.read(&mut self.filter);
+            self.index.end_tick(&mut self.filter, pulses);
             let next = deadline
                 .as_ticks()
                 .wrapping_add(self.steps.tick().as_ticks());

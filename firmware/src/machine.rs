@@ -85,7 +85,7 @@ pub fn make(
             tick,
         ),
         index: Index::new(tick_us * CYCLES_PER_US, first_axis),
-        filters: (0..axes)
+        filter: (0..axes)
             .map(|axis| IndexFilter::new(width, levels.index(first_axis + axis)))
             .collect(),
         watchdog: Fed::start(watchdog, tick_us),

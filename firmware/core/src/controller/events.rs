@@ -41,24 +41,24 @@ impl Controller {
         self.output.telemetry.event = None;
         let waiting = self.unpublished.take();
         if is_new && let Some(fault) = self.supervisor.fault() {
-            self.offer(&fault);
+            self.add_event(&fault);
         }
         if let Some(fault) = waiting {
-            self.offer(&fault);
+            self.add_event(&fault);
         }
         if let Some(fault) = reported {
-            self.offer_now(fault);
+            self.add_event_now(fault);
         }
         if stop {
-            self.offer_now(&Fault::new(FaultKind::StopInput));
+            self.add_event_now(&Fault::new(FaultKind::StopInput));
         }
     }
 
-    /// Offers an event of this tick.
+    /// Adds an event of this tick.
     #[inline(never)]
-    fn offer_now(&mut self, fault: &Fault) {
+    fn add_event_now(&mut self, fault: &Fault) {
         let (tick, phase) = (self.ticks, self.crank_phase());
-        if let Some(event) = self.offer(fault) {
+        if let Some(event) = self.add_event(fault) {
             event.tick = tick;
             event.phase = phase;
         }
@@ -67,7 +67,7 @@ impl Controller {
     /// Publishes an event in this tick, or in the next one if another is published in this. More than two events at once are counted, but
     /// not published.
     #[inline(never)] // It copies the event's 40 bytes once, by words.
-    fn offer(&mut self, fault: &Fault) -> Option<&mut Fault> {
+    fn add_event(&mut self, fault: &Fault) -> Option<&mut Fault> {
         let telemetry = &mut self.output.telemetry;
         if telemetry.event.is_some() && self.unpublished.is_none() {
             return Some(self.unpublished.insert(*fault));

@@ -94,7 +94,7 @@ impl Controller {
             found = Some(Finding::of(fault));
         }
         match self.supervisor.state() {
-            State::Homing if found.is_none() => found = self.find_out(),
+            State::Homing if found.is_none() => found = self.advance_homing(),
             State::Run if self.has_correction_to_do() => self.correct(&mut found),
             _ => {}
         }
@@ -162,7 +162,7 @@ impl Controller {
 
     /// Continues homing.
     #[inline(never)]
-    fn find_out(&mut self) -> Option<Finding> {
+    fn advance_homing(&mut self) -> Option<Finding> {
         let found = self
             .homing
             .advance(&mut self.drift, &mut self.offsets, self.motion.speed);
