@@ -3,9 +3,9 @@
 //! Board and host run this same function: as a task on the controller, and as a future in virtual time on the host.
 //! [`Io`] is its only interface to the world outside.
 //!
-//! Deadlines are absolute, a whole number of ticks apart. A loop that wakes after the next deadline does not catch up
-//! with a burst. It continues at the next deadline to come, and reports how many it missed. Output that is submitted too
-//! late is not discarded. It is played a tick later, and counts as a missed deadline.
+//! Deadlines are absolute, a whole number of ticks apart. A loop that wakes after the next deadline does not catch up with a burst. It
+//! continues at the next future deadline, and reports how many it missed. Output that is submitted too late is not discarded. It is played
+//! a tick later, and counts as a missed deadline.
 
 use core::future::Future;
 
@@ -17,7 +17,7 @@ use crate::signals::{Feedback, Output};
 
 /// Interface to the world outside the loop: sensors and safety lines in; pulses, setpoints and safety lines out.
 pub trait Io {
-    /// Replaces `feedback`, which is that of the last call, by what came since then.
+    /// Replaces `feedback`, which still holds that of the last call, by the feedback since then.
     fn read(&mut self, feedback: &mut Feedback);
 
     /// Returns a new program for a machine that is idle or parked, once.
@@ -94,7 +94,7 @@ pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl
 }
 
 /// Reports a deadline that was met late by over half a tick; returns the time of the deadlines that were missed before it.
-#[inline(never)] // It divides, which takes 150 cycles on the board and is hardly ever needed.
+#[inline(never)] // It divides, which takes 150 cycles on the board and is rarely needed.
 fn report_late(controller: &mut Controller, late: Duration, tick: Duration) -> Duration {
     let missed = late.as_ticks() / tick.as_ticks();
     let missed_time = missed * tick.as_ticks();

@@ -26,7 +26,7 @@ pub struct Feedback {
 }
 
 impl Feedback {
-    /// Feedback with at most a command: no pulse, no alarm, and inputs that let the machine run.
+    /// Feedback that contains at most a command: no pulse, no alarm, and inputs that let the machine run.
     pub const fn of(command: Option<Command>) -> Self {
         Self {
             index: [None; MAX_AXES],
@@ -76,7 +76,7 @@ impl Output {
         self.telemetry.sharing
     }
 
-    /// Output of a loop that has not begun, with its axes so far ahead of the master, turns.
+    /// Output of a loop that has not begun, whose axes are `lead` turns ahead of the master.
     pub(crate) const fn idle(lead: PerAxis<Turns>) -> Self {
         Self {
             plans: [const { Runs::new() }; MAX_AXES],
@@ -87,7 +87,7 @@ impl Output {
         }
     }
 
-    /// Resets the output to that of a loop that has not begun, with its axes so far ahead of the master, turns.
+    /// Resets the output to that of a loop that has not begun, whose axes are `lead` turns ahead of the master.
     #[cold]
     pub(crate) fn reset(&mut self, lead: PerAxis<Turns>) {
         for runs in &mut self.plans {
@@ -119,7 +119,7 @@ pub struct Telemetry {
     pub lead: PerAxis<Turns>,
     /// Which axes share a plan.
     pub(crate) sharing: Sharing,
-    /// Steps of each plan since the start, and those that an axis is ahead of its plan.
+    /// Steps of each plan since the start, and the number of steps by which each axis is ahead of its plan.
     pub(crate) plan_steps: PerAxis<i64>,
     pub(crate) steps_ahead: PerAxis<i64>,
     /// Phase errors as last measured.
@@ -132,7 +132,7 @@ pub struct Telemetry {
     pub correction: PerAxis<Turns>,
     /// Home offset: crank phase minus master phase, as found by homing.
     pub home_offset: Turns,
-    /// Event of this tick, which is reported whatever the reaction to it.
+    /// Event of this tick. It is reported for every reaction.
     pub event: Option<Fault>,
     /// Number of events so far.
     pub event_count: u32,

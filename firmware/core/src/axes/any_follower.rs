@@ -37,7 +37,7 @@ macro_rules! followers {
                 match self { $(Self::$Name(own) => own.check(cams),)* }
             }
 
-            /// Follower at the master's phase 0, of checked settings.
+            /// Creates the follower of checked settings, at the master's phase 0.
             #[cold]
             pub fn follower(&self, cams: &Cams) -> AnyFollower {
                 match self { $(Self::$Name(own) => AnyFollower::$Name($Name::new(own, cams)),)* }
@@ -50,7 +50,7 @@ macro_rules! followers {
                 match self { $(Self::$Name(own) => own.too_fast(error, master_hz, speed_hz),)* }
             }
 
-            /// Upper bound on the turns of the axis per turn of the master. It takes little memory, and may be some percent high.
+            /// Upper bound on the turns of the axis per turn of the master. It needs little memory, and may be some percent too high.
             #[cold]
             pub fn most_ratio(&self, cams: &[CamSettings]) -> f64 {
                 match self { $(Self::$Name(own) => own.most_ratio(cams),)* }

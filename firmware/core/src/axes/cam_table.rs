@@ -51,8 +51,8 @@ impl CamSettings {
         Ok(())
     }
 
-    /// Upper bounds on the first and the second derivative of the curve, turns per turn and turn². They need no fit, as the bends are at
-    /// most half of the largest second difference. For smooth tables the first is some percent too high, the second up to three times.
+    /// Upper bounds on the first and the second derivative of the curve, turns per turn and turn². They need no fit, because no bend
+    /// exceeds half of the largest second difference. For smooth tables the first is some percent too high, the second up to three times.
     #[cold]
     pub fn steepest(&self) -> (f64, f64) {
         let points = &self.points_turns;

@@ -10,7 +10,7 @@ use crate::units::{PerAxis, Turns};
 static SHARES: PerAxis<u32> = [65_536, 32_768, 21_845, 16_384, 13_107, 10_922];
 
 impl PhaseOffsets {
-    /// Controller's parts that remove the differences between the `error`s of the cranks, turns. Their sum is that of the present ones.
+    /// Computes the controller's parts, turns, that remove the differences between the `error`s of the cranks. Their sum does not change.
     ///
     /// With `all` they remove the whole difference, otherwise the fraction that is corrected at once. Axes that are not
     /// `watched` keep theirs.

@@ -7,7 +7,7 @@ use super::bounds::Bounds;
 use super::cams::Cams;
 use crate::units::Turns;
 
-/// Interface of a follower to the controller. Followers that are equal make equal motions from then on.
+/// Interface of a follower to the controller. Two followers that compare equal make equal motions from then on.
 pub trait Follower: Clone + PartialEq {
     /// Turns of the axis for turns of the master in one tick, which must be within ±1 turn. The sum over any ticks has the error of one
     /// tick, less than one unit of the last place for a gear.

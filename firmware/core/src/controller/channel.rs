@@ -1,4 +1,4 @@
-//! One axis of the loop: its phase, its pulses or setpoints, and its commands of the last two ticks.
+//! One axis of the loop: from the master's turns to its pulses or setpoints.
 
 use crate::axes::AnyFollower;
 use crate::pulse::{Place, Planner, Runs, StepRates};
@@ -37,7 +37,7 @@ impl Channel {
 
     /// Plans a tick in which the axis makes `turns`, and `offset` half-steps of 2⁻⁴⁸ of its phase offset. Returns the number of whole
     /// steps.
-    #[inline(always)] // Six arguments cost as much as a fifth of the plan.
+    #[inline(always)] // Passing its arguments takes as long as a fifth of the plan.
     pub(super) fn plan(
         &mut self,
         turns: Turns,

@@ -26,7 +26,7 @@ use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
 const LAG_PART: f64 = 4.0;
 
 impl Settings {
-    /// Returns the controller of these settings at power-up: idle, every axis at its offset, trims set.
+    /// Creates a controller from settings, as at power-up: idle, every axis at its offset, trims set.
     ///
     /// # Errors
     /// The first setting, program entry or trim that is wrong.
@@ -97,7 +97,7 @@ impl Controller {
             history: History::new(),
             has_servos: false,
             step_rate: StepRates::new(62_500),
-            plans: 0,
+            planned: 0,
             apart: None,
             followers: 0,
             cams: NO_CAMS,

@@ -46,7 +46,7 @@ impl Controller {
 
     /// Plans the pulses: one plan for all axes that share it.
     fn plan_all(&mut self, moved: Option<&OffsetMotion>) {
-        let mut left = self.plans;
+        let mut left = self.planned;
         let mut axis = 0;
         while left != 0 {
             if left & 1 != 0 {
@@ -58,7 +58,7 @@ impl Controller {
     }
 
     /// Plans the pulses of an axis.
-    #[inline(never)] // Within a function with more variables, it would lack registers.
+    #[inline(never)] // Inlined into a function with more variables, it would lack registers.
     fn plan_axis(&mut self, axis: usize, moved: Option<&OffsetMotion>) {
         let turns = self.history.planned(axis);
         let (turns, offset) = match moved {
@@ -116,7 +116,7 @@ impl Controller {
     pub(super) fn group_axes(&mut self) {
         self.apart = None;
         let count = self.channels.len();
-        self.plans = ((1_u32 << count) - 1) as AxisSet;
+        self.planned = ((1_u32 << count) - 1) as AxisSet;
         for axis in 0..count {
             self.join(axis, axis);
         }
@@ -139,14 +139,14 @@ impl Controller {
         let Some(channel) = self.channels.get(axis) else {
             return;
         };
-        let plans = self.plans & !(1 << axis);
+        let planned = self.planned & !(1 << axis);
         let same = |&(first, other): &(usize, &Channel)| {
-            plans & 1 << first != 0 && channel.has_motion_of(other)
+            planned & 1 << first != 0 && channel.has_motion_of(other)
         };
         let found = self.channels.iter().take(end).enumerate().find(same);
         if let Some((first, _)) = found {
             self.output.telemetry.share_plan(axis, first);
-            self.plans = plans;
+            self.planned = planned;
         }
     }
 
@@ -156,7 +156,7 @@ impl Controller {
         let first = sharing.first(axis);
         if first != axis {
             self.output.telemetry.share_plan(axis, axis);
-            self.plans |= 1 << axis;
+            self.planned |= 1 << axis;
             return self.continue_from(first, axis);
         }
         // The next axis of the group is planned from now on.
@@ -174,7 +174,7 @@ impl Controller {
                 *ahead = ahead.wrapping_sub(next_ahead);
             }
         }
-        self.plans |= 1 << next;
+        self.planned |= 1 << next;
         self.continue_from(axis, next);
     }
 

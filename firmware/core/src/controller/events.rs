@@ -12,12 +12,12 @@ const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 
 impl Controller {
     /// Drops a finding that is no fault of an axis. Renames one for which homing or the master's speed gives a better name.
-    #[inline(never)] // A finding has 48 bytes: it is moved about only where there is one.
+    #[inline(never)] // seldom
     pub(super) fn judge(&self, found: &mut Option<Finding>) {
         let Some(finding) = found else {
             return;
         };
-        // Motion of cranks that no drive turns is no fault, and held cranks have a watch of their own. But the last pulses of a stop may
+        // Motion of cranks whose drives are off is no fault, and a separate watch covers held cranks. But the last pulses of a stop may
         // still give a better name.
         let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
         if !self.supervisor.operates() && !in_time {
@@ -35,10 +35,10 @@ impl Controller {
         }
     }
 
-    /// Publishes one event in each tick: a fault that latched or has a better name, another detected event, or the stop input.
+    /// Publishes one event in each tick: a fault that latched or has a better name, another detected event, or the stop input. None may have
+    /// been published in this tick yet.
     #[inline(never)]
     pub(super) fn publish(&mut self, is_new: bool, reported: Option<&Fault>, stop: bool) {
-        self.output.telemetry.event = None;
         let waiting = self.unpublished.take();
         if is_new && let Some(fault) = self.supervisor.fault() {
             self.add_event(&fault);
@@ -80,7 +80,7 @@ impl Controller {
     }
 
     /// Selects the fault with the highest priority.
-    #[inline(never)] // a fault has 48 bytes, to be moved about only where there is one
+    #[inline(never)] // A fault has 48 bytes: it is copied only if there is one.
     pub(super) fn highest_priority_fault(
         &mut self,
         feedback: &Feedback,
@@ -115,7 +115,7 @@ pub(super) fn select_reaction(
     let fault = &found.fault;
     let reaction = reaction(fault.kind, found.within_limits);
     if found.supersedes {
-        // The latched fault may be another one, for which the sensors of a crank give no better name.
+        // The latched fault may be a different one, for which this finding is no better name.
         let latched = supervisor.fault();
         let is_of_it = |old: Fault| old.axis == fault.axis || old.axis.is_none();
         if !latched.is_some_and(|old| is_of_it(old) && is_better(fault.kind, old.kind)) {

@@ -1,14 +1,14 @@
-//! Watch on cranks that the drives hold. One that moves nevertheless does not obey its command, and its drive must go off.
+//! Watch on cranks that the drives hold. If such a crank moves, it does not follow its command, and its drive must go off.
 //!
 //! The machine holds while it is parked, and after a stop by a fault. All commands are constant, so a sensor shows only the crank's own
 //! motion. The drives go off without a diagnosis:
 //!
 //! - *An encoder* shows the motion in every tick. The watch keeps the smallest phase error since the hold began. An axis has moved away
-//!   once its error exceeds that by as much as takes the platform beyond a limit by this crank alone. A crank that settles, or makes up
-//!   for a lag, comes nearer.
+//!   once its error exceeds that by the phase error with which this crank alone exceeds a limit of the platform. A crank that settles, or
+//!   makes up for a lag, comes nearer.
 //! - *An index alone* shows the motion as the crank passes its flag, so within one of its own turns. The first pulse counts: waiting for a
 //!   second one would let the crank make another turn against the others. The pulse may have been noise. But the machine is stopped, so a
-//!   wrong reaction costs a hold, and no run.
+//!   wrong reaction ends a hold, not a run.
 //!
 //! One more pulse is tolerated where the first one is no evidence:
 //!
@@ -43,7 +43,7 @@ impl HoldWatch {
         }
     }
 
-    /// Takes in the phase error of an encoder. Returns true if the crank has moved away by more than `alone`.
+    /// Records the phase error of an encoder. Returns true if the crank has moved away by more than `alone`.
     fn has_moved_away(&mut self, axis: usize, error: Turns, alone: Turns) -> bool {
         let Some(least) = self.least.get_mut(axis) else {
             return false;
@@ -53,8 +53,7 @@ impl HoldWatch {
         off.saturating_sub(*least) > alone
     }
 
-    /// Takes in an index pulse. Returns true if the axis has made more than `tolerated` pulses beyond those that every axis of `all` has
-    /// made.
+    /// Counts an index pulse. Returns true if the axis has made over `tolerated` pulses more than the axis of `all` with the fewest.
     fn is_too_many(
         &mut self,
         axis: usize,

@@ -2,7 +2,7 @@
 //! leads back from the index pulses through the drift monitor to the supervisor.
 //!
 //! **Times.** The output that [`Controller::tick`] returns at one deadline is played for one tick from the next deadline on. The index
-//! pulses that it takes came between the previous deadline and this one, while the output of two ticks ago was played.
+//! pulses that it reads arrived between the previous deadline and this one, while the output of two ticks ago was played.
 
 mod channel;
 mod configure;
@@ -34,7 +34,7 @@ use punctuality::Punctuality;
 
 /// State of the control loop.
 #[derive(Clone, Debug)]
-#[repr(C)] // What every tick needs comes first: the board's instructions reach 32 bytes, or 128 by words.
+#[repr(C)] // The fields that every tick needs come first: the board's instructions reach 32 bytes, or 128 by words.
 pub struct Controller {
     /// True if this tick has done work that is not due in every tick.
     is_busy: bool,
@@ -48,7 +48,7 @@ pub struct Controller {
     /// Axes that do not make the master's own turns.
     followers: AxisSet,
     /// Axes that are planned; the others share a plan.
-    plans: AxisSet,
+    planned: AxisSet,
     /// Axis that has a plan of its own, because its phase offset moves.
     apart: Option<usize>,
     punctuality: Punctuality,

@@ -65,7 +65,7 @@ impl Controller {
         &self.output
     }
 
-    /// Obeys a command that does not change the state.
+    /// Executes a command that does not change the state.
     #[inline(never)] // seldom
     fn adjust(&mut self, command: Option<Command>) {
         match command {

@@ -1,20 +1,20 @@
-//! The phase-drift monitor. It measures the phase error of each crank, detects what is too large, and names the cause.
+//! The phase-drift monitor. It measures the phase error of each crank, detects errors that are too large, and names the cause.
 //!
 //! A *phase error* is the measured minus the commanded phase of one axis. An *index pulse* comes once per turn of a crank, as it passes
 //! its sensor. An *encoder*, where an axis has one, is read in every tick. The cranks stand in a circle. So their N phase errors, with the
 //! trims that correct them, separate into *modes*: common (all lag alike, which is harmless), tilt about two axes, and warp, which no flat
 //! platform can follow.
 //!
-//! - [`sensing`] turns lines and counts into phase errors. Where an axis has both sensors, the index shows by how much encoder and crank
-//!   differ.
+//! - [`sensing`] turns lines and counts into phase errors. On an axis with both sensors, the index shows the difference between encoder and
+//!   crank.
 //! - `detection` compares the modes ([`Mount`]) with their limits ([`DriftLimits`]). It needs no name.
-//! - `diagnosis` names what moved a crank, and which other causes look the same ([`alternatives`]).
-//! - `axis_watch` holds what belongs to one axis, and `process` and `queue` spread the work over ticks.
+//! - `diagnosis` names the motion of a crank, and the other causes that look the same ([`alternatives`]).
+//! - `axis_watch` holds the state of one axis, and `process` and `queue` spread the work over ticks.
 //!
 //! A *round* is over when every axis without an encoder has been detected since the round before. So phase errors of the same turn are
 //! compared with each other. The motion that all cranks have in common is subtracted before one of them is named.
 //!
-//! The monitor does not choose the reaction, which [`mod@crate::supervisor::reaction`] does, and moves nothing.
+//! The monitor neither chooses the reaction, which [`mod@crate::supervisor::reaction`] does, nor moves an axis.
 
 mod axis_watch;
 mod configure;
@@ -42,7 +42,7 @@ use diagnosis::findings::Findings;
 use queue::Queue;
 use sensing::tick_phase::TickClock;
 
-/// Feedback of a tick, and what was commanded in it.
+/// Feedback of a tick, and the commands of that tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Sensed<'a> {
     /// Index pulses.
@@ -53,7 +53,7 @@ pub struct Sensed<'a> {
     pub phase: Phase,
     /// Commanded phases at that time, less the master's.
     pub lead: &'a PerAxis<Turns>,
-    /// Turns that were commanded up to there.
+    /// Turns that were commanded up to that time.
     pub history: &'a History,
     /// Corrections that these phases contain.
     pub correction: &'a PerAxis<Turns>,
@@ -73,19 +73,19 @@ impl Sensed<'_> {
 
 /// Monitor of the phase errors of all axes.
 #[derive(Clone, Debug)]
-#[repr(C)] // What every tick needs comes first: the board's instructions reach 32 bytes, or 128 by words.
+#[repr(C)] // The fields that every tick needs come first: the board's instructions reach 32 bytes, or 128 by words.
 pub struct DriftMonitor {
     /// True if the last call of [`Self::observe`] covered the tick before the one that is over.
     before_is_known: bool,
     is_busy: bool,
     /// True if phase errors, peaks or modes may have changed since the last call of [`Self::take_changed`].
     changed: bool,
-    /// Axes that have an index sensor and no encoder; that have an encoder.
+    /// Axes that have an index sensor and no encoder, and axes that have an encoder.
     by_index: AxisSet,
     by_encoder: AxisSet,
     /// True if all updates of a tick are processed in that tick.
     at_once: bool,
-    /// True while homing finds out where the cranks stand. Until then a phase error is no fault.
+    /// True while homing searches for the phases of the cranks. Until then a phase error is no fault.
     is_homing: bool,
     /// Axes by index detected in this round.
     detected: AxisSet,
@@ -106,7 +106,7 @@ pub struct DriftMonitor {
     modes: Modes,
     limits: DriftLimits,
     mount: Mount,
-    /// Crank that moved during homing, as its index showed, and by how much.
+    /// Crank that moved during homing, as its index showed, and the distance.
     moved: Option<(usize, Turns)>,
     axes: heapless::Vec<AxisWatch, MAX_AXES>,
 }
@@ -131,7 +131,7 @@ impl DriftMonitor {
         watch.map_or(FaultKind::Slip, |watch| watch.diagnosis.of_one(by))
     }
 
-    /// True if every index has been detected since [`Self::reset`]. That has been evaluated if the monitor is not busy.
+    /// True if every index has been detected since [`Self::reset`]. The last detection has been evaluated if the monitor is not busy.
     pub fn is_homed(&self) -> bool {
         let mut axes = self.axes.iter();
         axes.all(|watch| !watch.has_index || watch.index.is_known())
@@ -200,7 +200,7 @@ impl DriftMonitor {
         !self.has_encoders() || self.averaged >= Turns::ONE
     }
 
-    /// Takes in the phase error of an axis.
+    /// Updates the phase error of an axis.
     fn update(&mut self, axis: usize) {
         let slots = self.phase_error.get_mut(axis).zip(self.peak.get_mut(axis));
         if let (Some(watch), Some((phase_error, peak))) = (self.axes.get(axis), slots) {

@@ -58,7 +58,7 @@ impl DriftMonitor {
         self.queue.pulsed |= arrived;
         let recent = sensed.history.recent();
         let own = recent.own();
-        // Most axes made the master's turns.
+        // Most axes make the master's turns.
         let (by_master, before_by_master) = recent.over_by_master(sensed.phase);
         let slots = self.queue.pulses.iter_mut().zip(sensed.index);
         for (axis, ((slot, pulse), &lead)) in slots.zip(sensed.lead).enumerate() {
@@ -93,8 +93,8 @@ impl DriftMonitor {
         }
     }
 
-    /// Checks axes by index without a pulse for a timeout, and computes the margin up to which they need no further check. All that time out
-    /// in one tick are processed in it: cranks that moved alike are compared with each other.
+    /// Checks axes by index without a pulse for a timeout, and computes the margin up to which they need no further check. All that time
+    /// out in one tick are processed in it, so that cranks that moved alike are compared with each other.
     #[inline(never)]
     fn check_timeouts(&mut self, sensed: &Sensed<'_>) {
         let mut margin = Turns::MAX;
@@ -108,7 +108,7 @@ impl DriftMonitor {
             let left = |watch: &AxisWatch| watch.index.margin(&commanded);
             let mut own = self.axes.get(axis).map_or(Turns::MAX, left);
             if own < 0 {
-                // All axes are asked before one of them is processed.
+                // All axes are checked before one of them is processed.
                 let patience = *patience.get_or_insert_with(|| self.patience(sensed));
                 let detection = match self.axes.get_mut(axis) {
                     Some(watch) => watch.check_timeout(&commanded, self.is_homing),
@@ -132,7 +132,7 @@ impl DriftMonitor {
             let commanded = if self.queue.pulsed & 1 << axis == 0 {
                 sensed.over(axis)
             } else {
-                // A pulse that waits may have been late when it came.
+                // A queued pulse may have been late when it arrived.
                 TickPhase::ending_at(queued.commanded.start, queued.commanded.turns)
             };
             watch.is_late(&commanded)
@@ -170,26 +170,26 @@ impl DriftMonitor {
         }
     }
 
-    /// Does one piece of the pending work, of which the axes in `begun` were updated before this tick.
+    /// Does one piece of the pending work. The axes in `begun` were updated before this tick.
     #[inline(never)]
     fn process_one(&mut self, sensed: &Sensed<'_>, arrived: AxisSet, begun: AxisSet) {
         if self.queue.updated == 0 && self.is_round_over() {
             self.conclude_round(sensed);
         } else if let Some(axis) = self.queue.next() {
-            // To read more takes the time of processing one. Of one batch, only one tick has more than half of the pulses.
+            // Reading more pulses takes as long as processing one. Only one tick of a batch can have more than half of the pulses.
             if 2 * arrived.count_ones() <= self.by_index.count_ones().max(2) {
                 self.process_pulse(axis, sensed);
             }
         } else if begun != 0 {
             self.evaluate(sensed);
-            // Pulses that come faster than they are processed would put off the end of the round for ever.
+            // Otherwise, pulses that arrive faster than they are processed would delay the end of the round without limit.
             if self.queue.pulsed != 0 && self.is_round_over() {
                 self.conclude_round(sensed);
             }
         }
     }
 
-    /// Does all pending work, on a machine with encoders, which are read in every tick, or where the settings ask for it.
+    /// Does all pending work: on a machine with encoders, which are read in every tick, or if the settings require it.
     #[inline(never)]
     fn process_all(&mut self, sensed: &Sensed<'_>) {
         while let Some(axis) = self.queue.next() {

@@ -14,7 +14,7 @@ use super::detection::modes::AxisSet;
 use super::sensing::tick_phase::{IndexPulse, TickPhase};
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 
-/// An index pulse, and what was commanded when it came.
+/// An index pulse, and the phase that was commanded when it arrived.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QueuedPulse {
     pub pulse: IndexPulse,
@@ -39,7 +39,7 @@ pub(super) struct Queue {
     pub(super) pulsed: AxisSet,
     /// Axes that were updated since the last evaluation.
     pub(super) updated: AxisSet,
-    /// Pulses, of the axes that have one queued.
+    /// Queued pulse of each axis; valid only for axes that have one.
     pub(super) pulses: PerAxis<QueuedPulse>,
 }
 

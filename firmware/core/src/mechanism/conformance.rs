@@ -49,7 +49,7 @@ fn at(mechanism: &AnyMechanism, turns: f64) -> (f64, f64) {
     (f64::from(slope) / ONE, f64::from(curvature) / ONE)
 }
 
-/// If this were wrong, a servo's torque would have too little inertia, or too much.
+/// If this fails, a servo's torque has too little inertia, or too much.
 #[test]
 fn curvature_is_the_derivative_of_slope() {
     for (name, mechanism) in all() {
@@ -67,7 +67,7 @@ fn curvature_is_the_derivative_of_slope() {
     }
 }
 
-/// If this were wrong, the platform would not return to its position after a turn.
+/// If this fails, the platform does not return to its position after a turn.
 #[test]
 fn the_platform_comes_back_after_a_turn() {
     for (name, mechanism) in all() {
@@ -78,7 +78,7 @@ fn the_platform_comes_back_after_a_turn() {
     }
 }
 
-/// If this were wrong, the machine would shake the platform harder, or less, than its program requests.
+/// If this fails, the machine shakes the platform harder, or less, than its program requests.
 #[test]
 fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
     for (name, mechanism) in all() {
@@ -102,7 +102,7 @@ fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
     }
 }
 
-/// If this were wrong, a machine would stop too late for its tilt, or too early.
+/// If this fails, a machine stops too late for its tilt, or too early.
 #[test]
 fn the_greatest_slope_matches_a_fine_search() {
     for (name, mechanism) in all() {

@@ -221,9 +221,9 @@ impl Geometry {
         }
     }
 
-    /// Greatest magnitude of something over a turn, as a ratio; the error is that of [`Mechanism::kinematics`].
+    /// Greatest magnitude of a quantity over a turn, as a ratio; the error is that of [`Mechanism::kinematics`].
     ///
-    /// Every 0.35° brackets the maximum. A ternary search of the bracket ends where the fixed-point error hides the rest.
+    /// Samples every 0.35° bracket the maximum. A ternary search of the bracket ends where the fixed-point error hides the rest.
     #[cold]
     fn greatest(&self, of: fn(Motion) -> i64) -> f64 {
         const STEP: u32 = 1 << 22;

@@ -41,7 +41,7 @@ impl Cursor {
 
     /// Plays one tick. After the end it returns the last level.
     ///
-    /// The cost is the same at any time: it reads one segment, and at the end of one only the repeats that are nested
+    /// The cost is the same at any time: it reads one segment, and at the end of a segment only the repeats that end
     /// there.
     pub fn next(&mut self, program: &Program) -> Reading {
         let Some(segment) = self.segment(program) else {

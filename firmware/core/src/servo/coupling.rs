@@ -47,9 +47,9 @@ impl Coupling {
     }
 
     /// Updates the coupling with the phase errors at the end of a tick.
-    #[inline(never)] // On boards without servos it must not cost anything.
+    #[inline(never)] // Inlined, it would cost time on boards without servos.
     pub fn advance(&mut self, phase_error: &PerAxis<Turns>) {
-        // Each is below half a turn: 31 bits, which leaves room for gains of up to 20 and a sum of six.
+        // Each error is below half a turn: 31 bits, which leaves room for gains of up to 20 and a sum of six.
         let phase_error = phase_error.map(|e| e.to_bits() >> 16);
         let mean = (phase_error.iter().sum::<i64>() * self.share) >> 28;
         let mut integral = self.integral;

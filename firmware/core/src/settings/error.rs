@@ -145,7 +145,7 @@ impl Problem {
         motion::Problem::unit(key)
     }
 
-    /// Message for a setting: the text of the [`Problem`], with the unit of `key` behind its numbers.
+    /// Message for a setting: the text of the [`Problem`], with the unit of `key` after its numbers.
     pub fn of(self, key: &str) -> impl fmt::Display + use<> {
         Sentence {
             problem: self,

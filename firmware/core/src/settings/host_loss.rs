@@ -18,14 +18,14 @@ pub enum HostLossReaction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HostLossSettings {
-    /// Time without a frame of the host after which it is lost, seconds, 0.1 to 60; 0: the machine goes on without it.
+    /// Time without a frame of the host after which it is lost, seconds, 0.1 to 60; 0: the machine continues without it.
     pub timeout_s: f64,
-    /// Action then.
+    /// Action when the host is lost.
     pub reaction: HostLossReaction,
 }
 
 impl HostLossSettings {
-    /// The machine goes on without a host.
+    /// No reaction: the machine continues without a host.
     pub const NONE: Self = Self {
         timeout_s: 0.0,
         reaction: HostLossReaction::Stop,

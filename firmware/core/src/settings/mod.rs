@@ -40,8 +40,8 @@ pub struct Settings {
     pub name: heapless::String<NAME_BYTES>,
     /// Tick rate, Hz, 500 to 10,000; a tick is a whole number of microseconds.
     pub tick_hz: u32,
-    /// Cycles of the board's step clock per second; a tick is 2048 to 262,143 whole cycles. A settings file does not
-    /// have it: whoever runs the settings sets it from its board.
+    /// Cycles of the board's step clock per second; a tick is 2048 to 262,143 whole cycles. It is not part of a settings file: the program
+    /// that runs the settings sets it from its board.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub clock_hz: u32,
     /// True to process all index pulses of a tick in that tick. A board does one piece of detection per tick, which takes up to N + 3

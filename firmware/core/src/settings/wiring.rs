@@ -1,8 +1,8 @@
-//! Wiring: which level of a line means what.
+//! Wiring: the active level of each line.
 //!
 //! The loop does not read these settings. A board applies them where its lines enter and leave the chip.
 
-/// Level of a line while what its name says is the case.
+/// Level of a line while it is active, that is, while its name applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ActiveLevel {
@@ -14,8 +14,8 @@ pub enum ActiveLevel {
 
 /// Input of a board.
 ///
-/// A board's own pull resistor holds an open input at the level that stops the machine or does nothing. So it follows from
-/// the active level, and a setting can only switch it off.
+/// A board's own pull resistor holds an open input at the level that stops the machine or does nothing. So the active level determines the
+/// direction of the pull, and a setting can only switch it off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct InputWiring {

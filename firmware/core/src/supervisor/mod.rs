@@ -16,10 +16,10 @@
 //! exceptions, in which the drives are off in the same tick (stop category 0). The enable input opens while anything
 //! moves, or the table of reactions requires it. A parked machine whose enable input opens is idle, as this is no fault.
 //!
-//! A fault *latches*: the first is kept, with its data, until a reset. A later diagnosis may give it a better name, but
-//! never another time. The drives are on in homing, run, stop and parked. In the fault state they are on, too, while the
-//! machine *holds*: after a coordinated stop whose faults all hold, until a reset, a loss of the enable input, or a fault
-//! that cuts or disables. A reaction becomes harder with later faults, and never milder.
+//! A fault *latches*: the first is kept, with its data, until a reset. A later diagnosis may give it a better name, but does not change its
+//! time. The drives are on in homing, run, stop and parked. In the fault state they are on, too, while the machine *holds*: after a
+//! coordinated stop whose faults all hold, until a reset, a loss of the enable input, or a fault that cuts or disables. A reaction becomes
+//! harder with later faults, and never milder.
 
 mod fault;
 pub mod reaction;
@@ -89,7 +89,7 @@ pub enum Command {
     Start,
     /// Home, and park. A machine that is not idle ignores it.
     Home,
-    /// Turn a parked machine at homing speed, for [`JOG_S`]; repeated, for as much longer.
+    /// Turn a parked machine at homing speed, for [`JOG_S`]. A repetition restarts this time.
     Jog,
     /// Stop at the parking phase.
     Stop,

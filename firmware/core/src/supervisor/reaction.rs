@@ -111,7 +111,7 @@ pub static REACTIONS: [Row; FaultKind::ALL.len()] = {
 pub const fn reaction(kind: FaultKind, within_limits: bool) -> Reaction {
     let place = kind as usize;
     if place >= REACTIONS.len() {
-        return Reaction::Disable; // There is no such kind, but the compiler does not always know.
+        return Reaction::Disable; // There is no such kind, but the compiler cannot always prove that.
     }
     let row = REACTIONS[place];
     if within_limits { row.safe } else { row.unsafe_ }

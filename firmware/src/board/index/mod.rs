@@ -89,7 +89,7 @@ impl Index {
         // A line changed in the middle of the interval since the poll before: within ±3.5 cycles, or ±7 if the change before
         // it is less than 14 away.
         let offset = (SAMPLED_AFTER - POLL_CYCLES / 2) as i32 - self.rest as i32;
-        let mut ring = self.ring;
+        let mut ring = self.ring; // A copy stays in registers.
         while let Some(word) = ring.peek() {
             // The count of the n-th poll is −n. Relative to the polls before the tick it is small and may be negative.
             const UNUSED_BITS: u32 = u32::BITS - COUNT_BITS;
@@ -107,7 +107,7 @@ impl Index {
     /// Ends the tick for the filter, and takes the pulses that it confirmed.
     #[inline(always)]
     pub fn end_tick(&mut self, filter: &mut Filter, pulses: &mut PerAxis<Option<IndexPulse>>) {
-        // In most ticks no line changed. That saves half the cost of reading.
+        // In most ticks no line changed. To skip the filter then saves half the cost of reading.
         if filter.is_pending() {
             filter.end_tick_of_lines(self.tick_cycles as u32, pulses);
         }

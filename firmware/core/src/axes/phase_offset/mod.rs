@@ -174,7 +174,7 @@ impl PhaseOffsets {
         self.begin_with_first_axis(is_idle);
     }
 
-    /// Changes offsets by whole steps until the sum of what rounding added is at most half a step. It begins with those that rounding moved
+    /// Changes offsets by whole steps until the sum of the rounding errors is at most half a step. It begins with those that rounding moved
     /// furthest. Offsets in other steps than those of the first axis do not change.
     #[inline(never)]
     fn balance(&self, steps: &mut PerAxis<i32>, rounding: &mut PerAxis<i64>) {
@@ -232,8 +232,8 @@ impl PhaseOffsets {
         }
     }
 
-    /// Advances by one tick; returns the motion of the axis that moves in it, if one does. Unless it `may_begin`, no axis begins its slot,
-    /// as that takes longer than the other ticks.
+    /// Advances by one tick; returns the motion of the axis that moves in it, if one does. An axis begins its slot only if it `may_begin`,
+    /// because such a tick takes longer than the others.
     #[inline]
     pub fn advance(&mut self, may_begin: bool) -> Option<OffsetMotion> {
         if self.slot.ticks == 0 && (self.is_idle() || !may_begin || !self.begin_slot()) {

@@ -12,9 +12,8 @@ pub(super) enum When {
     InTransit,
     /// Check in homing, after every crank has been detected since its move.
     Moved,
-    /// Check in run, before the next offsets. With swapped wiring, each deviation is half as large again as the one before. It must be
-    /// detected before it looks like another fault, so a smaller deviation is allowed. A swap shows in both cranks; a slip shows in one
-    /// only.
+    /// Check in run, before the next offsets. With swapped wiring, each deviation is 1.5 times the one before. It must be detected before
+    /// it looks like another fault, so a smaller deviation is allowed. A swap shows in both cranks; a slip shows in one only.
     Corrected,
 }
 

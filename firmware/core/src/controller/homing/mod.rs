@@ -1,7 +1,7 @@
 //! Homing: finds the phase of every crank, and levels the cranks.
 //!
 //! After power-up, phases are unknown. The platform joins the cranks, so none may be turned alone. All turn together at homing speed until
-//! every index has been detected, which takes one turn plus the time that a pulse may be overdue. The phase error that all cranks have in
+//! every index has been detected. This takes one turn, plus the time by which a pulse may be late. The phase error that all cranks have in
 //! common is the zero of the machine, the *home offset*. The differences between the cranks are removed by trims, all at once and within
 //! the limits, and checked for one more turn. A crank that exceeds the homing range is refused.
 //!

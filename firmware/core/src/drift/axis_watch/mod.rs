@@ -18,14 +18,14 @@ use crate::settings::{AxisSettings, Settings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::{Phase, Turns, nearest};
 
-/// When a phase error is measured, where an encoder shows it all the time.
+/// Time at which a phase error is measured, on an axis whose encoder shows it all the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Measured {
     /// In this tick, with the noise of a reading.
     Now,
     /// Mean over the last ticks.
     Lately,
-    /// As the crank passed its flag last, where loads act alike in each turn. Without an index sensor as `Lately`.
+    /// At the last passage of the flag, where loads are alike in each turn. Without an index sensor, the same as `Lately`.
     AtFlag,
     /// Mean over a turn.
     OverTurn,
@@ -36,7 +36,7 @@ pub(super) enum Measured {
 pub(super) struct Motion {
     /// Since the last round.
     pub jump: i32,
-    /// Since all was well.
+    /// Since the offset from which drift is counted.
     pub walk: i32,
 }
 
@@ -45,12 +45,12 @@ pub(super) struct Motion {
 pub(super) struct AxisWatch {
     /// True if it has an index sensor.
     pub(super) has_index: bool,
-    /// Watch of that sensor. Without one no pulse comes, and the offset stays zero.
+    /// Watch of that sensor. Without a sensor, pulses are ignored, and the offset stays zero.
     pub(super) index: IndexWatch,
     pub(super) encoder: Option<EncoderWatch>,
     /// Turns that an encoder measured in the tick before the one that is over; none if they are not known.
     before: Option<Turns>,
-    /// Phase error of the motor as the index was detected last.
+    /// Phase error of the motor at the last detection of the index.
     at_flag: Turns,
     /// A crank that is further than this angle from its last place has moved.
     gate: u32,
@@ -73,7 +73,7 @@ impl AxisWatch {
         let gate = gate(tolerance, cycle);
         let tick_hz = settings.tick_hz;
         let ticks = |time_s: f64| time_s * f64::from(tick_hz) * 65_536.0;
-        // From a pulse's edge until the filter reports it: what it bridges, and its width.
+        // Time from a pulse's edge until the filter reports it: the bridged widths, and one width.
         let filter_s = settings.index.width_us * 1e-6 * f64::from(BRIDGE_WIDTHS + 1);
         let place = Place {
             index: turns(axis.index_turns.unwrap_or_default()),
@@ -153,7 +153,7 @@ impl AxisWatch {
             start = start.advanced(encoder.phase_error);
             self.before = None;
         }
-        if pulse {
+        if pulse && self.has_index {
             self.index.disregard(start);
         }
     }
@@ -210,7 +210,7 @@ impl AxisWatch {
         nearest(self.index.offset.wrapping_add(own))
     }
 
-    /// The same, now.
+    /// The same, from the latest reading.
     pub(super) fn phase_error(&self) -> Turns {
         self.error(Measured::Now)
     }
@@ -226,14 +226,14 @@ impl AxisWatch {
         of_angle(self.gate as i32).max(half_cycle)
     }
 
-    /// True if an axis without an encoder made no pulse in its place, up to the end of a tick; also if it has no index sensor.
+    /// True if an axis without an encoder made no pulse in its place up to the end of a tick, or has no index sensor.
     pub(super) fn is_late(&self, commanded: &TickPhase) -> bool {
         let is_late =
             || self.index.is_late() || self.index.has_timed_out(commanded, commanded.turns);
         self.encoder.is_none() && (!self.has_index || is_late())
     }
 
-    #[inline(never)] // once a start, and long
+    #[inline(never)] // long, and runs only once per start
     pub(super) fn reset(&mut self, phase: Phase) {
         self.index.reset(phase);
         if let Some(encoder) = &mut self.encoder {

@@ -21,7 +21,7 @@ pub(in crate::drift) type Report = (FaultKind, Turns, bool);
 pub(in crate::drift) struct Sorted {
     /// The index shows where the crank is.
     pub is_detected: bool,
-    /// The crank moved by so much, as the index shows.
+    /// Distance by which the crank moved, as the index shows.
     pub has_moved: Option<Turns>,
     /// Fault that is to be reported.
     pub reported: Option<Report>,
@@ -45,14 +45,14 @@ impl AxisWatch {
                 extra,
                 may_be_fast,
             } => {
-                // An encoder shows whether the crank runs fast. At three times its speed, two pulses come between.
+                // An encoder shows whether the crank runs fast. At three times the commanded speed, two extra pulses come per turn.
                 let is_sure = !may_be_fast && !self.diagnosis.had_extra() || self.encoder.is_some();
                 self.in_place(was_overdue, extra, is_sure)
             }
             Detection::Running { by } => self.encoder.is_none().then(|| self.runs_away(by)),
             Detection::Extra { by } => Some(self.out_of_place(by)),
             Detection::Moved { by } => {
-                // Two pulses in a turn, none in its place: the crank runs, or it moved and an extra pulse came before.
+                // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse.
                 let may_run = self.diagnosis.had_extra() && self.encoder.is_none();
                 has_moved = Some(self.elsewhere(by));
                 may_run.then_some((FaultKind::IndexExtra, by, false))
@@ -77,7 +77,7 @@ impl AxisWatch {
         self.encoder.as_mut()?.unconfirmed_jump.take()
     }
 
-    /// Takes in the first pulse of all, which shows where the crank is. A jump of the encoder before it is reported.
+    /// Processes the first pulse of all, which shows where the crank is. Reports a jump that the encoder made before it.
     fn first(&mut self) -> Option<Report> {
         self.home = angle(self.index.offset);
         let by = self.take_unconfirmed_jump()?;
@@ -88,7 +88,7 @@ impl AxisWatch {
         Some((kind, by, true))
     }
 
-    /// Takes in a pulse in its place, and perhaps an extra one before it. If it is not `is_sure` that this was extra, the machine stops.
+    /// Processes a pulse in its place, and perhaps an extra one before it. Unless `is_sure` is true, an extra pulse stops the machine.
     fn in_place(
         &mut self,
         was_overdue: bool,
@@ -113,7 +113,7 @@ impl AxisWatch {
         Some((FaultKind::EncoderGlitch, unconfirmed_jump, true))
     }
 
-    /// Takes in another pulse out of place. A crank that is ahead already, and comes early again, runs away.
+    /// Processes another pulse out of place. If the crank is ahead already, and its pulse is early again, it runs away.
     fn out_of_place(&mut self, by: Turns) -> Report {
         let is_ahead = self.diagnosis.has_jumped_ahead() && self.phase_error() > 0;
         if !self.diagnosis.had_extra() && !is_ahead {
@@ -127,15 +127,15 @@ impl AxisWatch {
         (FaultKind::Runaway, by, false)
     }
 
-    /// Takes in that the crank moved, by `by` as the index shows. Returns by how much in all.
+    /// Processes a motion of the crank, `by` as the index shows. Returns the whole motion.
     fn elsewhere(&mut self, by: Turns) -> Turns {
         self.diagnosis.pass_turn();
         if self.encoder.is_none() {
             return by; // named at the end of the round
         }
         let unconfirmed_jump = self.take_unconfirmed_jump().unwrap_or_default();
-        // If the encoder jumped as well, the motor moved; else the crank slipped on its shaft. A crank that passes its flag during the jump
-        // shows part of it.
+        // If the encoder jumped as well, the motor moved. Otherwise the crank slipped on its shaft. If the crank passes its flag during the
+        // jump, the index shows only a part of it.
         let shown = angle(by).unsigned_abs();
         let jumped = angle(unconfirmed_jump).unsigned_abs();
         let same_sense = unconfirmed_jump != 0 && (by < 0) == (unconfirmed_jump < 0);
@@ -148,12 +148,12 @@ impl AxisWatch {
         by
     }
 
-    /// Takes in that no pulse came where it would be if the encoder had lost counts. If the encoder jumped, so did the crank, and `has_moved`
-    /// says by how much.
+    /// Processes a missing pulse at the place where lost counts of the encoder would have put it. If the encoder jumped, the crank moved
+    /// with it, and `has_moved` becomes the distance.
     fn nowhere(&mut self, has_moved: &mut Option<Turns>) -> Option<Report> {
         let unconfirmed_jump = self.take_unconfirmed_jump()?;
         if angle(unconfirmed_jump).unsigned_abs() <= self.gate {
-            // The reading came back, so the crank did not move by it.
+            // The reading came back, so the crank did not move.
             return Some((FaultKind::EncoderGlitch, unconfirmed_jump, true));
         }
         self.confirm(unconfirmed_jump, Turns::ZERO);
@@ -161,14 +161,14 @@ impl AxisWatch {
         None
     }
 
-    /// Takes in that the crank jumped as its encoder did. The index has shown a part of that.
+    /// Records that the crank made the same `jump` as its encoder. The index has `shown` a part of it.
     fn confirm(&mut self, jump: Turns, shown: Turns) {
         self.index.believe_moved(jump.wrapping_sub(shown));
         self.home = self.home.wrapping_add(angle(jump));
         self.jump(jump);
     }
 
-    /// Takes in that a pulse is overdue, so that the crank may be beyond its limit.
+    /// Processes an overdue pulse: the crank may be beyond its limit.
     fn overdue(&mut self, patience: Option<Turns>, is_homing: bool) -> Option<Report> {
         let index = &mut self.index;
         let alone = index.place.alone;

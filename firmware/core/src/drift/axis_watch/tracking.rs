@@ -20,7 +20,7 @@ impl AxisWatch {
         }
         match encoder.tracking {
             Tracking::Ok => None,
-            // A motor that is let go may spring back, and swing once to either side.
+            // A motor that is released may spring back, and swing once to either side.
             Tracking::Stalled
                 if encoder.has_gone_back(self.swing().saturating_add(self.swing())) =>
             {

@@ -17,7 +17,7 @@ pub(in crate::drift) fn of_angle(angle: i32) -> Turns {
 /// Angles of up to all axes.
 pub(in crate::drift) type Angles = heapless::Vec<i32, MAX_AXES>;
 
-/// Common phase error of a set of axes, with their corrections; of one axis, its own.
+/// Common phase error of a set of axes, with their corrections. For a single axis, its own phase error.
 #[inline(never)]
 pub(in crate::drift) fn in_common(errors: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
     let mut angles = Angles::new();
@@ -33,7 +33,7 @@ pub(in crate::drift) fn in_common(errors: &[Turns], corrections: &[Turns], set: 
 }
 
 /// Common part of `values`, wrapping angles: their median, as few axes fail at once; 0 if there are fewer than two. Of two middle values it
-/// is the smaller, so that of two axes the one that moved more counts as moved. Sorts the values.
+/// takes the smaller. So if two axes differ, the one that moved more counts as moved. Sorts the values.
 #[inline(never)]
 pub(in crate::drift) fn middle(values: &mut [i32]) -> i32 {
     // There are at most six values. The sort of the core library would take longer, and would run from the flash.

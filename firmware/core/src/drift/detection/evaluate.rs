@@ -10,7 +10,7 @@ use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 
 impl DriftMonitor {
-    /// Takes in what the sensors of one axis detected in a tick. If all axes are late together, a pulse may be late by `patience`.
+    /// Processes the detections of one axis in a tick. If all axes are late together, a pulse may be late by `patience`.
     #[inline(never)]
     pub(in crate::drift) fn take_in(
         &mut self,
@@ -30,12 +30,12 @@ impl DriftMonitor {
             self.detected |= own;
             self.unchecked &= !own;
         }
-        // During homing the homing evaluates what the cranks do.
+        // During homing, the steps of homing evaluate the motion of the cranks.
         if let Some(by) = sorted.has_moved
             && self.is_homing
         {
             if self.findings.has_requested_stop() && watch.is_by_index() {
-                // The pulse that ends a time without pulses shows by how much the crank moved.
+                // The first pulse after a time without pulses shows how far the crank moved.
                 let kind = watch.jump(by);
                 self.report(axis, (kind, by, false), sensed);
             } else {
@@ -48,8 +48,8 @@ impl DriftMonitor {
         }
     }
 
-    /// Evaluates the updates of a batch: computes the modes, and compares them with the limits. The end of a round does so in the next tick.
-    /// While another axis is late, only its pulse or its timeout shows where the cranks are.
+    /// Evaluates the updates of a batch: computes the modes, and compares them with the limits. At the end of a round, this happens in the
+    /// next tick. While another axis is late, only its pulse or its timeout shows where the cranks are.
     #[inline(never)]
     pub(in crate::drift) fn evaluate(&mut self, sensed: &Sensed<'_>) {
         let updated = core::mem::take(&mut self.queue.updated);
@@ -69,7 +69,7 @@ impl DriftMonitor {
             if self.findings.has_requested_stop() && self.moves_apart() {
                 self.compare();
             }
-            // The others were measured up to a turn ago, and have moved since then as all did.
+            // The others were measured up to a turn ago. Since then they have made the common motion.
             let since = self.common_jump.wrapping_abs();
             let is_even = since <= self.limits.reading;
             self.check(if is_even { Turns::ZERO } else { since }, sensed);
@@ -99,7 +99,7 @@ impl DriftMonitor {
         axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.index.is_late())
     }
 
-    /// Compares the axes without an encoder, and records those that moved otherwise than the others. Returns the common motion.
+    /// Compares the axes without an encoder, and records those that moved differently from the others. Returns the common motion.
     fn compare(&mut self) -> Turns {
         let motion = self.common_motion();
         for watch in self.axes.iter_mut().filter(|watch| watch.is_by_index()) {
@@ -122,7 +122,7 @@ impl DriftMonitor {
         }
     }
 
-    /// The watched axis that is furthest from what all have in common.
+    /// The watched axis that is furthest from the phase error that all have in common.
     #[inline(never)]
     pub fn furthest(&self, error: &PerAxis<Turns>) -> usize {
         let watched = self.watched();
@@ -140,7 +140,7 @@ impl DriftMonitor {
             .map_or(0, |(axis, _)| axis)
     }
 
-    /// Axis that is furthest from all others, and by how much, if the cranks exceed a limit of the platform as they stand.
+    /// Axis that is furthest from all others, and its distance, if the cranks exceed a limit of the platform as they stand.
     pub fn left_beyond_limits(&self, correction: &PerAxis<Turns>) -> Option<(usize, Turns)> {
         let errors = self.errors_to_first(correction, true);
         if self.allows(&errors) {
@@ -151,7 +151,7 @@ impl DriftMonitor {
             .phase_error
             .get(axis)?
             .wrapping_add(*correction.get(axis)?);
-        // The others have it in common. The mean of all would contain the error of this axis itself.
+        // This is the common error of the others. The mean of all would contain the error of this axis itself.
         let others = self.watched() & !(1 << axis);
         let others = in_common(&self.phase_error, correction, others);
         Some((axis, nearest(own.wrapping_sub(others))))
@@ -194,7 +194,7 @@ impl DriftMonitor {
         }
     }
 
-    /// Reports what moved a crank, where that is new. During homing and levelling the homing itself evaluates what the cranks do.
+    /// Reports new motions of cranks by name. During homing and levelling, the steps of homing evaluate the motion of the cranks.
     fn report_moves(&mut self, within_limits: bool, sensed: &Sensed<'_>) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let watch = self.axes.get_mut(axis);
@@ -208,7 +208,7 @@ impl DriftMonitor {
     /// The limit that the cranks exceed by `margin`, if they do: of the platform, or of the common lag.
     fn exceeded(&self, margin: Turns, speed: Turns) -> Option<FaultKind> {
         // In homing a crank stays where it was left, or was moved to prove its wiring, so the true limit applies. A crank that has moved
-        // goes on, and may be beyond the true limit while its reading is not.
+        // may move on, and it may be beyond the true limit while its reading is not.
         let has_moved = |watch: &AxisWatch| watch.name().is_some();
         let may_be = self.limits.read.exceeded(&self.modes, margin);
         let exceeded = may_be.and_then(|kind| {

@@ -66,7 +66,7 @@ impl DriftLimits {
         }
     };
 
-    /// From checked settings.
+    /// Limits from checked settings.
     #[cold]
     pub fn new(settings: &DriftSettings, machine: &MachineSettings, tick_hz: u32) -> Self {
         let mechanism = machine.mechanism.mechanism(machine.crank_radius_m, tick_hz);
@@ -98,7 +98,7 @@ impl DriftLimits {
         (self.beyond_natural(modes, speed).abs() > self.common).then_some(FaultKind::CommonLag)
     }
 
-    /// Common phase error beyond the lag that belongs to the speed.
+    /// Common phase error, without the lag that belongs to the speed.
     pub(in crate::drift) fn beyond_natural(&self, modes: &Modes, speed: Turns) -> Turns {
         modes.common.wrapping_add(self.natural(speed))
     }

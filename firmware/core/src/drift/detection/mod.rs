@@ -1,8 +1,8 @@
-//! Detection: whether the cranks are beyond a limit. It needs no name of a fault, only whether a crank has moved: then limits are lower by a
-//! reading error.
+//! Detection: whether the cranks are beyond a limit. It does not need the name of a fault. It only needs to know whether a crank has moved,
+//! as limits are then lower by a reading error.
 //!
-//! - [`angles`] has what several cranks have in common, and [`modes`] separates it from tilt and warp.
-//! - [`limits`] says how far the modes may go, and [`evaluate`] compares them in the ticks after an update.
+//! - [`angles`] computes the common part of several cranks, and [`modes`] separates it from tilt and warp.
+//! - [`limits`] holds the limits on the modes, and [`evaluate`] compares the modes with them in the ticks after an update.
 
 pub(super) mod angles;
 mod evaluate;

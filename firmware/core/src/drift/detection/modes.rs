@@ -1,7 +1,7 @@
 //! Spatial modes of N phase errors around a circle.
 //!
 //! Axis i stands at θ = 2π i/N. A platform that is a rigid plane follows e = c + a cos θ + b sin θ: c is
-//! the common mode, a and b are tilt, and what the best such fit leaves over is warp. As the axes
+//! the common mode, a and b are tilt, and the remainder of the best such fit is warp. As the axes
 //! stand evenly, the least-squares fit is a discrete Fourier transform: c = Σe/N, a = 2/N Σ e cos θ,
 //! b = 2/N Σ e sin θ. Two axes have only one tilt, a = (e₀ − e₁)/2, and b is 0. Up to three axes
 //! there is no warp.
@@ -63,7 +63,7 @@ pub struct Mount {
     pub(in crate::drift) count: usize,
 }
 
-/// Fraction bits that are dropped of a phase error. ±½ turn then fits 30 bits, and so does a weighted sum of six.
+/// Fraction bits that are dropped from a phase error. ±½ turn then fits 30 bits, and so does a weighted sum of six.
 const DROPPED_BITS: u32 = 19;
 
 /// Fraction bits of a product of a drift and a weight, less those of a drift.
@@ -221,7 +221,7 @@ impl Mount {
     }
 }
 
-/// Inverse of a symmetric matrix that has one.
+/// Inverse of a symmetric matrix, which must be invertible.
 #[cold]
 fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let minor = |r: usize, c: usize| {

@@ -43,7 +43,7 @@ fn alike(
         // An encoder shows the motor, but not a crank that slipped on its shaft.
         Kind::IndexTimeout => &[Kind::IndexMissing, Kind::Slip],
         Kind::IndexMissing => &[Kind::Slip],
-        // A crank that gains passes its flag early, whatever drives it. Noise looks like one more passage.
+        // A crank that gains passes its flag early, whatever drives it. Noise looks like an additional passage.
         Kind::Runaway if !has_encoder => &[Kind::Slip, Kind::IndexExtra],
         Kind::IndexExtra if !has_encoder => &[Kind::Slip, Kind::Runaway],
         // A slip may be a whole number of electrical cycles by chance. A crank that was held for a time is behind when it follows again.

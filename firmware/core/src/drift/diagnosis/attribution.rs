@@ -1,4 +1,4 @@
-//! Attribution: which axis a fault belongs to, and by which name it is reported.
+//! Attribution of a fault: its axis, and the name under which it is reported.
 
 use crate::drift::axis_watch::Report;
 use crate::drift::detection::angles::in_common;
@@ -22,7 +22,7 @@ impl DriftMonitor {
         self.findings.push(fault, within_limits, all_lag);
     }
 
-    /// Reports that a limit is exceeded: by which axis, and with the name of the cause if it is known.
+    /// Reports that a limit is exceeded, with the axis, and the name of the cause if it is known.
     #[inline(never)]
     pub(in crate::drift) fn attribute(
         &mut self,
@@ -67,8 +67,8 @@ impl DriftMonitor {
         late.wrapping_sub(ahead)
     }
 
-    /// Returns true if every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike, where
-    /// flags at different places show it at different times; one that failed is alone.
+    /// Returns true if every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike,
+    /// although flags at different places show it at different times. A crank that failed lags alone.
     #[inline(never)]
     fn all_lag_by(&self, lag: Turns, sensed: &Sensed<'_>) -> bool {
         let least = lag.wrapping_sub(lag / 4);

@@ -1,4 +1,4 @@
-//! Names for what moved one crank, by its last events.
+//! Names for the motion of one crank, by its last events.
 //!
 //! | last events | name |
 //! | --- | --- |
@@ -7,8 +7,8 @@
 //! | jumps ahead in turn after turn that gain, or pulses at the spacing of a crank that runs | *runaway* |
 //! | pulses where no flag is | *extra index pulse* |
 //!
-//! No name is needed to stop the machine. Events come in turn by turn, and a better name may replace a worse one while the machine is
-//! being stopped: at first a crank may only be overdue, or the platform tilted.
+//! No name is needed to stop the machine. Events arrive turn by turn, and a better name may replace a worse one while the machine stops. At
+//! first, the only symptom may be an overdue crank or a tilted platform.
 
 use crate::drift::detection::angles::{angle, of_angle};
 use crate::supervisor::FaultKind;
@@ -42,7 +42,7 @@ enum What {
 struct Event {
     what: What,
     name: FaultKind,
-    /// Turns since then that its index showed.
+    /// Turns since the event, counted by the index.
     age: u8,
     /// Size, an angle.
     by: i32,
@@ -62,7 +62,7 @@ impl Event {
 pub(in crate::drift) struct Diagnosis {
     /// An electrical cycle, turns; zero if it has none.
     pub(in crate::drift) cycle: Turns,
-    /// Difference of two readings of a crank that is where it was.
+    /// Largest difference of two readings of a crank that has not moved.
     pub(in crate::drift) tolerance: Turns,
     /// Latest first.
     events: [Event; EVENTS],
@@ -84,7 +84,7 @@ impl Diagnosis {
         *self = Self::new(self.cycle, self.tolerance);
     }
 
-    /// The index showed the crank again.
+    /// Counts a turn, as the index was detected again.
     #[inline(never)]
     pub(in crate::drift) fn pass_turn(&mut self) {
         for event in &mut self.events {
@@ -149,7 +149,7 @@ impl Diagnosis {
         latest.is_some_and(|event| event.age == 0 && event.name == FaultKind::Slip)
     }
 
-    /// Name of what moved the crank, if that was in the last turns.
+    /// Name of the motion of the crank, if that was in the last turns.
     pub(in crate::drift) fn name(&self) -> Option<FaultKind> {
         self.latest().map(|event| event.name)
     }
@@ -161,7 +161,7 @@ impl Diagnosis {
         latest.map(|event| (event.name, of_angle(event.by)))
     }
 
-    /// The latest event that moved the crank, if it still explains where that is.
+    /// The latest event that moved the crank, if it still explains the crank's place.
     #[inline(never)]
     fn latest(&self) -> Option<&Event> {
         let moves = |event: &&Event| !matches!(event.what, What::Nothing | What::Extra);
@@ -184,10 +184,10 @@ impl Diagnosis {
         let Some(before) = before else {
             return self.of_one(by);
         };
-        // A runaway gains more in its second turn than in the rest of its first. A crank that makes up for a lag does so too, but stays
+        // A runaway gains more in its second turn than in the rest of its first. So does a crank that makes up for a lag, but it stays
         // behind.
         let gains = is_ahead && by > 0 && (by > before || earlier.is_some());
-        // A crank that passes its index while it jumps shows part of it then, and the rest a turn later.
+        // If a crank passes its index while it jumps, the index shows a part of the jump then, and the rest a turn later.
         let whole = self.is_whole(by) && self.is_whole(before)
             || earlier.is_none() && self.is_whole_in_two(before.wrapping_add(by));
         if gains {

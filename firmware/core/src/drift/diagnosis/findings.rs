@@ -12,7 +12,7 @@ pub struct Finding {
     pub fault: Fault,
     /// True if the platform is within its limits, and the sensors still show the crank.
     pub within_limits: bool,
-    /// True if this is a better name of the finding before.
+    /// True if this is a better name for the finding before it.
     pub supersedes: bool,
     /// True if every axis lags by about as much.
     pub all_lag: bool,
@@ -45,7 +45,7 @@ fn disables(kind: FaultKind) -> bool {
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct Findings {
     waiting: Deque<Finding, WAITING>,
-    /// Axis of the fault that a stop was requested for, its kind, and the master's turns since.
+    /// Axis and kind of the fault for which a stop was requested, and the master's turns since then.
     open: Option<(Option<usize>, FaultKind, Turns)>,
 }
 
@@ -83,8 +83,8 @@ impl Findings {
         self.open = None;
     }
 
-    /// Queues a finding, which may be a lag of all axes; one that is outside the limits goes to the front. After the first of those, only
-    /// better names for it are queued, and faults that a stop does not reach.
+    /// Queues a finding, `all_lag` for a lag of all axes. A finding outside the limits goes to the front. After the first of those, the
+    /// queue takes only better names for it, and faults that a stop does not reach.
     #[inline(never)]
     pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
         let mut supersedes = false;
@@ -94,7 +94,7 @@ impl Findings {
             if same && since < NAMED_WITHIN && is_better(fault.kind, kind) {
                 (supersedes, turns) = (true, since);
             } else if !within_limits && (!disables(fault.kind) || disables(kind)) {
-                return; // it is being stopped, and that is enough
+                return; // The machine stops already.
             }
         }
         if !within_limits || supersedes {

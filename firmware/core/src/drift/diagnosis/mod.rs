@@ -1,8 +1,8 @@
-//! Diagnosis: what a fault is called.
+//! Diagnosis: the names of faults.
 //!
-//! - [`events`] names what moved one crank, by its last events; [`attribution`] finds the crank that moved.
+//! - [`events`] names the motion of one crank, by its last events; [`attribution`] finds the crank that moved.
 //! - [`findings`] reports a fault once, and again when it has a better name.
-//! - [`alternatives`] has the causes that the sensors cannot distinguish.
+//! - [`alternatives`] lists the causes that the sensors cannot distinguish.
 
 pub mod alternatives;
 mod attribution;

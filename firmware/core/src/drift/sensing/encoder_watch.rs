@@ -2,7 +2,7 @@
 //!
 //! A crank has inertia, so its speed changes little between two ticks. A reading that jumps by more is held back for a tick. If it comes
 //! back, it was a *glitch*. If it stays, either counts were lost or a blow moved the crank: the jump is *unconfirmed* until the index
-//! decides. If it jumps on, the crank moves in this way, for example because it got stuck at speed.
+//! decides. If it keeps jumping, the crank really moves like this, for example because it got stuck at speed.
 
 use super::tick_phase::TickPhase;
 use crate::units::Turns;
@@ -24,12 +24,12 @@ pub(in crate::drift) enum Tracking {
 pub(in crate::drift) enum Read {
     /// Nothing new.
     Nothing,
-    /// The reading jumped, and is back.
+    /// The reading jumped, and came back.
     Glitch {
         /// Size of the jump.
         by: Turns,
     },
-    /// The reading jumped, and stays.
+    /// The reading jumped, and did not come back.
     Jump {
         /// Size of the jump.
         by: Turns,
@@ -44,7 +44,7 @@ pub(in crate::drift) struct EncoderWatch {
     /// Remainder of a count with 16 more fraction bits, and the sum of remainders that is not a whole unit yet.
     rest_a_count: i64,
     rest: i64,
-    /// Deviation from the command in one tick that no crank makes.
+    /// Deviation from the command in one tick that is larger than any crank can make.
     jump: Turns,
     last: Option<i32>,
     /// Measured minus commanded turns since the reset, and its filtered value.
@@ -57,9 +57,11 @@ pub(in crate::drift) struct EncoderWatch {
     made_since: Turns,
     /// Sum of the jumps that the index has to confirm; about zero if the reading came back.
     pub(in crate::drift) unconfirmed_jump: Option<Turns>,
-    /// Window for tracking, of some ticks and some travel: its ticks, the phase error at its beginning, and the turns commanded in it.
+    /// Ticks of the window for tracking, which has some ticks and some travel.
     ticks: u8,
+    /// Phase error at the beginning of the window.
     error_before: Turns,
+    /// Turns that were commanded in the window.
     commanded: Turns,
     /// Result of the last window.
     pub(in crate::drift) tracking: Tracking,
@@ -68,10 +70,10 @@ pub(in crate::drift) struct EncoderWatch {
 /// Deviation of a motor from its command in the tick before.
 #[derive(Clone, Copy, Debug, Default)]
 enum Deviation {
-    /// It was less than a jump.
+    /// The deviation was less than a jump.
     #[default]
     Small,
-    /// The reading jumped by so much. The next one shows why.
+    /// The reading jumped by this distance. The next reading shows why.
     Held(Turns),
     /// The motor moves by more than a jump per tick.
     Large,
@@ -79,7 +81,8 @@ enum Deviation {
 
 const WINDOW_TICKS: u8 = 4;
 
-/// Weight of a reading in the filtered error, as a negative power of two. A first-order low pass of weight 1/16 leaves √(1/31) of white noise: 18 %.
+/// Weight of a reading in the filtered error, as a negative power of two. A first-order low pass of weight 1/16 leaves √(1/31) of white
+/// noise: 18 %.
 const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {
@@ -112,8 +115,8 @@ impl EncoderWatch {
         self.mean = self.mean.wrapping_add(part);
     }
 
-    /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by over `most`. A motor that stood for a
-    /// time and is let go may spring back by less.
+    /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by over `most`. A motor that was blocked for a
+    /// time may spring back by less when it is released.
     pub(in crate::drift) fn has_gone_back(&self, most: Turns) -> bool {
         let back = self.made_since.wrapping_neg();
         let behind = self.phase_error.wrapping_neg();
@@ -127,7 +130,7 @@ impl EncoderWatch {
         Turns::from_bits(self.jump.to_bits() >> 1)
     }
 
-    /// Takes in a reading at the end of a tick. Returns what it shows, and the measured turns of the tick.
+    /// Processes a reading at the end of a tick. Returns the result, and the measured turns of the tick.
     pub(in crate::drift) fn observe(&mut self, count: i32, commanded: &TickPhase) -> (Read, Turns) {
         let before = self.phase_error;
         let Some(last) = self.last.replace(count) else {
@@ -213,7 +216,7 @@ impl EncoderWatch {
         self.commanded = Turns::ZERO;
     }
 
-    /// Takes in a reading after ticks whose phase is not known. It assumes that the motor followed.
+    /// Processes a reading after ticks whose phase is not known. It assumes that the motor followed its command.
     pub(in crate::drift) const fn skip(&mut self, count: i32) {
         self.last = Some(count);
         if let Deviation::Held(_) = self.deviation {

@@ -1,8 +1,8 @@
-//! Sensing: what the sensors of one axis show of its crank.
+//! Sensing: measurement of one crank by the sensors of its axis.
 //!
-//! - [`index_filter`] makes pulses of a noisy line, and `index_watch` decides which of them are those of the flag.
+//! - [`index_filter`] extracts pulses from a noisy line, and `index_watch` decides which of them are those of the flag.
 //! - `encoder_watch` reads an encoder in every tick.
-//! - `history` has the turns that were commanded, and `tick_phase` the phase that belongs to a pulse.
+//! - `history` holds the turns that were commanded, and `tick_phase` computes the phase that belongs to a pulse.
 
 pub(super) mod encoder_watch;
 pub(super) mod history;

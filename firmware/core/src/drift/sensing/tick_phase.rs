@@ -50,7 +50,7 @@ impl TickPhase {
         }
     }
 
-    /// A tick of so many turns that ends at this phase.
+    /// A tick of `turns` that ends at this phase.
     pub(in crate::drift) const fn ending_at(end: Phase, turns: Turns) -> Self {
         Self {
             start: end.advanced(turns.wrapping_neg()),

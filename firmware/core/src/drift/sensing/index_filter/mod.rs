@@ -1,43 +1,41 @@
 //! Debounce and glitch rejection of one index input: from changes of the line's level to index pulses.
 //!
-//! Words: a *stretch* is a time over which the line keeps its level. A stretch of at least *width*
-//! counts; a shorter one is a *glitch*, be it high or low. A *pulse* is what the line does from a rise
-//! that follows a low stretch that counts, until the next such low stretch; it is *confirmed* as soon
+//! Terms: a *stretch* is a time over which the line keeps its level. A stretch of at least *width* counts; a shorter one, high or low, is a
+//! *glitch*. A *pulse* begins with a rise after a low stretch that counts, and ends at the next such low stretch. It is *confirmed* as soon
 //! as a high stretch in it has lasted for the width. Dropouts after that change nothing.
 //!
-//! The time of a pulse is that of its first edge, so that a sensor that bounces as its flag comes is
-//! detected when it comes, and not when it has calmed down. But noise in front of a pulse looks the same
-//! as bouncing. Hence a rise that comes more than [`BRIDGE_WIDTHS`] widths after the first is a first one
-//! again. That bridges a dropout wherever it lies, and a pulse's time is never further from the stretch
-//! that confirms it than that, whatever noise there is.
+//! The time of a pulse is that of its first edge. So if a sensor bounces at the edge of its flag, the time is that of the flag, not the end
+//! of the bouncing. But noise before a pulse looks the same as bouncing. So a rise more than [`BRIDGE_WIDTHS`] widths after the first edge
+//! counts as a new first edge. This bridges a dropout at any place, and limits the time from a pulse's edge to the stretch that confirms it
+//! to as many widths, whatever the noise.
 //!
-//! A pulse that began too shortly before the end of a tick is confirmed in the next, and then has a
-//! negative cycle there. From the first edge to the confirmation it is at most three widths, so that
-//! with a width of at most a quarter of a tick ([`MOST_OF_TICK`]) that edge lies in the tick before.
+//! A pulse that begins too shortly before the end of a tick is confirmed in the next tick, and has a negative cycle there. The time from
+//! the first edge to the confirmation is at most three widths. As a width is at most a quarter of a tick ([`MOST_OF_TICK`]), that edge lies
+//! in the tick before.
 //!
 //! The filter does not decide whether the crank can have made a pulse at that time.
 
 use super::tick_phase::IndexPulse;
 use crate::units::MAX_AXES;
 
-/// How many widths before the confirmed stretch a pulse's first edge may lie.
+/// Largest time from a pulse's first edge to the confirmed stretch, in widths.
 pub const BRIDGE_WIDTHS: u32 = 2;
 
-/// The greatest width is this part of a tick: one in four.
+/// Reciprocal of the greatest width as a part of a tick: one fourth.
 pub const MOST_OF_TICK: u32 = 4;
 
-/// Earlier times are replaced by this one. It is longer ago than every width, and differences of two times still fit 32 bits.
+/// Earlier times are replaced by this one. It lies further back than any width, and differences of two times still fit 32 bits.
 const LONG_AGO: i32 = -(1 << 29);
 
-/// Filter of one line, or of several with the same width, which are bits of a word. A change and a tick cost a constant
-/// number of operations.
+/// Filter of one line, or of several lines with the same width, each a bit of a word. A change and a tick take a constant number of
+/// operations for each line that changed or is not quiet.
 #[derive(Clone, Copy, Debug)]
 pub struct IndexFilter<const LINES: usize = 1> {
     /// Cycles that a stretch must last to count.
     width: i32,
     /// Cycles that are bridged: [`BRIDGE_WIDTHS`] widths.
     bridged: i32,
-    /// Cycles after which nothing of a change matters: [`MOST_OF_TICK`] widths.
+    /// Cycles after which a change has no effect any more: [`MOST_OF_TICK`] widths.
     remembered: i32,
     /// Set of all lines.
     all: u32,
@@ -57,7 +55,7 @@ pub struct IndexFilter<const LINES: usize = 1> {
 struct Line {
     /// Beginning of the present stretch.
     since: i32,
-    /// First edge of what may become a pulse.
+    /// First edge of a possible pulse.
     first: i32,
     /// First edge of the pulse that was confirmed.
     pulse: i32,
@@ -79,8 +77,8 @@ impl Line {
 }
 
 impl IndexFilter {
-    /// For stretches of at least `width` cycles, on a line that has been at `level` for long: a crank
-    /// that stands before its sensor at power-up makes no pulse.
+    /// Creates a filter of width `width` cycles, on a line that has been at `level` for long: a crank that stands before its sensor at
+    /// power-up makes no pulse.
     #[cold]
     pub fn new(width: u32, level: bool) -> Self {
         let width = at_most_long(width);
@@ -97,12 +95,12 @@ impl IndexFilter {
         }
     }
 
-    /// Takes note that the line has been at `level` from `cycle` of the present tick on, as [`Self::change_lines`] does.
+    /// Records that the line has been at `level` since `cycle` of the present tick, as [`Self::change_lines`] does.
     pub fn change(&mut self, cycle: i32, level: bool) {
         self.change_lines(cycle.min(-LONG_AGO), level.into());
     }
 
-    /// Ends a tick of `cycles`, as [`Self::end_tick_of_lines`] does; the pulse that was confirmed in it, if one was.
+    /// Ends a tick of `cycles`, as [`Self::end_tick_of_lines`] does. Returns the pulse that was confirmed in it, if there is one.
     pub fn end_tick(&mut self, cycles: u32) -> Option<IndexPulse> {
         let mut pulses = [None];
         self.pending = self.all;
@@ -111,17 +109,16 @@ impl IndexFilter {
         pulse
     }
 
-    /// True if nothing is under way, and has been for [`MOST_OF_TICK`] widths, or for a tick of `cycles` if that is less. Then
-    /// [`Self::end_tick`] has nothing to report, and need not be called until the next change: that is more than all that a
-    /// change looks back for, [`BRIDGE_WIDTHS`] widths and one.
+    /// True if no stretch or pulse has been pending for [`MOST_OF_TICK`] widths, or for a tick of `cycles` if that is less. Then
+    /// [`Self::end_tick`] has nothing to report, and need not be called until the next change. A change looks back over less time:
+    /// [`BRIDGE_WIDTHS`] widths and one.
     pub fn is_quiet(&self, cycles: u32) -> bool {
         let [line] = &self.lines;
-        // A pulse that was not taken yet ended in this tick.
+        // If a pulse was not taken yet, it ended in this tick.
         self.levels == self.steady && line.since <= self.quiet_since(cycles)
     }
 
-    /// Stretches that were too short to count, and pulses too many, since the start; stays at its
-    /// greatest.
+    /// Number of stretches that were too short to count, and of surplus pulses, since the start. It saturates.
     pub const fn glitches(&self) -> u32 {
         let [line] = &self.lines;
         line.glitches
@@ -129,11 +126,12 @@ impl IndexFilter {
 }
 
 impl<const LINES: usize> IndexFilter<LINES> {
-    /// Takes note that the lines have been at `levels`, a bit each, from `cycle` of the present tick on, negative for
-    /// the time before it, and at most about 4 s. Changes come in the order of their times; one that is reported too late
-    /// counts from the change before it on, and a level that a line has already is no change.
+    /// Records that the lines have been at `levels`, a bit each, since `cycle` of the present tick: negative for the time before it, and at
+    /// most about 4 s. Changes must be in the order of their times. One that is out of order gets the time of the change before it, and a
+    /// level that a line has already is no change.
     #[inline(always)]
     pub fn change_lines(&mut self, cycle: i32, levels: u32) {
+        debug_assert!(cycle <= -LONG_AGO, "differences of times fit 32 bits");
         let levels = levels & self.all;
         let mut changed = self.levels ^ levels;
         self.levels = levels;
@@ -171,11 +169,11 @@ impl<const LINES: usize> IndexFilter<LINES> {
         self.pending != 0
     }
 
-    /// Ends a tick of `cycles`, and writes the pulses that were confirmed in it. Cycles count from the next tick's beginning
-    /// then.
+    /// Ends a tick of `cycles`, and writes the pulses that were confirmed in it. From then on, cycles count from the beginning of the next
+    /// tick.
     ///
-    /// If there were several of a line, the first is written, and the others count as glitches: no crank turns that fast.
-    #[inline(never)] // as `change_lines`
+    /// If a line had several, the first is written, and the others count as glitches: no crank turns that fast.
+    #[inline(never)] // It needs all registers.
     pub fn end_tick_of_lines(&mut self, cycles: u32, pulses: &mut [Option<IndexPulse>; LINES]) {
         let quiet_since = self.quiet_since(cycles);
         let cycles = at_most_long(cycles);
@@ -211,7 +209,8 @@ impl<const LINES: usize> IndexFilter<LINES> {
         self.pending &= !quiet | self.levels ^ self.steady;
     }
 
-    /// Takes in the present high stretch of a line, which has lasted for the width and is the first to do so.
+    /// Confirms a pulse by a high stretch of a line: the present one or the one that just ended. It is the first that has lasted for the
+    /// width.
     #[inline(always)]
     fn confirm(&mut self, number: usize, bit: u32) {
         self.steady |= bit;
@@ -225,7 +224,7 @@ impl<const LINES: usize> IndexFilter<LINES> {
         }
     }
 
-    /// Cycle before which the present stretch of a quiet line began, after a tick of `cycles`.
+    /// Latest cycle at which the present stretch of a quiet line may have begun, after a tick of `cycles`.
     #[inline(always)]
     fn quiet_since(&self, cycles: u32) -> i32 {
         -(cycles.min(self.remembered as u32) as i32)
@@ -233,9 +232,10 @@ impl<const LINES: usize> IndexFilter<LINES> {
 }
 
 impl<const LINES: usize> FromIterator<IndexFilter> for IndexFilter<LINES> {
-    /// Filter of lines that have a filter each, with the same width. Those without room are left out.
+    /// Joins the filters of several lines, all with the same width, into one. Lines without room are left out.
     #[cold]
     fn from_iter<T: IntoIterator<Item = IndexFilter>>(filters: T) -> Self {
+        const { assert!(LINES <= MAX_AXES, "`take_lowest` has a table for all axes") };
         let mut joined = Self {
             width: 0,
             bridged: 0,
@@ -263,7 +263,7 @@ impl<const LINES: usize> FromIterator<IndexFilter> for IndexFilter<LINES> {
     }
 }
 
-/// Takes the lowest line out of a set: its number and its bit.
+/// Removes the lowest line from a set. Returns its number and its bit.
 #[inline(always)]
 fn take_lowest(lines: &mut u32) -> Option<(usize, u32)> {
     // The board has no instruction that counts zeros.

@@ -2,7 +2,7 @@
 
 use crate::units::Turns;
 
-/// Angle of an index sensor, and the widths that decide about its pulses.
+/// Angle of an index sensor, and the widths by which its pulses are classified.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::drift) struct Place {
     /// Phase at which its flag begins, going forward.
@@ -11,8 +11,8 @@ pub(in crate::drift) struct Place {
     pub flag: Turns,
     /// Ticks by which its line is late, 16 fraction bits.
     pub delay: u32,
-    /// Part of a tick whose pulses have been reported at its end, 16 fraction bits. The delay of the line and its filter make it less than
-    /// one, or negative if they take longer than a tick.
+    /// Part of a tick whose pulses have been reported by its end, 16 fraction bits. It is less than one because of the delay of the line
+    /// and its filter, and negative if they take longer than a tick.
     pub covered: i32,
     /// Commanded turns per tick up to which a swinging rotor may go back.
     pub slow: Turns,
@@ -29,7 +29,7 @@ pub(in crate::drift) struct Place {
 }
 
 impl Place {
-    /// A pulse that is later than this shows a crank beyond its limit.
+    /// Delay of a pulse beyond which the crank may exceed its limit.
     pub fn overdue(&self, is_homing: bool) -> Turns {
         // A pulse that is late by a gate may show a lost cycle. If that exceeds a limit, it may have done so for a turn.
         if self.is_cycle_too_far && !is_homing {
@@ -45,11 +45,11 @@ impl Place {
 pub(in crate::drift) enum Detection {
     /// Nothing new.
     Nothing,
-    /// The first pulse of all.
+    /// The first pulse since the start of the search.
     First,
     /// A pulse in its place, so that an outlier before it was an extra pulse.
     InPlace {
-        /// It was overdue.
+        /// True if the pulse was overdue.
         was_overdue: bool,
         /// Offset of the outlier from its place.
         extra: Option<Turns>,
@@ -68,14 +68,14 @@ pub(in crate::drift) enum Detection {
     },
     /// The crank has moved.
     Moved {
-        /// By how much, forward.
+        /// Distance, positive forward.
         by: Turns,
     },
     /// No pulse came in place.
     Undetected,
     /// A pulse is overdue. This is reported once per missing pulse.
     Overdue {
-        /// Its time has been extended already.
+        /// True if its time has been extended already.
         waited: bool,
     },
 }

@@ -1,12 +1,13 @@
 //! Index sensor of one axis: which of its pulses are those of the flag, and when a pulse is missing.
 //!
 //! A pulse is *in place* if it shows the offset of the pulse before, to within the gate. Any other pulse is an *outlier*: noise, or a crank
-//! that has moved. The place of the next pulse decides which. A pulse there shows that the outlier was an extra pulse. No pulse there, or
-//! the outlier again a turn later, shows that the crank has moved. So an extra pulse does not count as a phase error, unless the flag's own
+//! that has moved. The next pulse decides which. A pulse in place shows that the outlier was an extra pulse. No pulse in place, or the
+//! outlier again a turn later, shows that the crank has moved. So an extra pulse does not count as a phase error, unless the flag's own
 //! pulse is missing. A crank that has moved is detected within a turn and the gate.
 //!
 //! The *offset* of a pulse is the angle of the flag minus the phase of the axis at that moment. Without an encoder that is the commanded
-//! phase, and the offset is the phase error. With an encoder it is the measured phase, and the offset is the difference of crank and encoder.
+//! phase, and the offset is the phase error. With an encoder it is the measured phase, and the offset is the difference of crank and
+//! encoder.
 
 mod detection;
 
@@ -18,12 +19,12 @@ use crate::units::{ONE_TURN, Phase, Turns, nearest};
 const ONE: Turns = Turns::from_bits(ONE_TURN);
 const HALF: Turns = Turns::from_bits(ONE_TURN / 2);
 
-/// Turns after the pulse before at which an extra pulse may be that of a runaway. At more than twice its speed a crank passes its flag
-/// once between, and once in its place. Below ½ turn it would be slower. Above p = 0.618, with p² + p = 1, the next pulse still shows it in
-/// time. The range is wider by 0.02 and 0.04, for a master that accelerates.
+/// Turns after the pulse before at which an extra pulse may be that of a runaway. At more than twice the commanded speed, a crank passes
+/// its flag once between, and once in its place. Below ½ turn it would be slower. Above p = 0.618, with p² + p = 1, the next pulse still
+/// shows the runaway in time. The range is wider by 0.02 and 0.04, for a master that accelerates.
 const BETWEEN: core::ops::Range<Turns> = Turns::lit("0.48")..Turns::lit("0.66");
 
-/// The difference of crank and encoder is averaged over 2 to this power index pulses.
+/// Binary logarithm of the number of index pulses over which the difference of crank and encoder is averaged.
 const FILTER_SHIFT: u32 = 4;
 
 /// A pulse out of place.
@@ -59,7 +60,7 @@ pub(in crate::drift) struct IndexWatch {
     pub(in crate::drift) offset: Turns,
     /// Number of pulses of which `offset` is the mean, with an encoder; 0 before the first.
     meant: u8,
-    /// Phase at that pulse; before the first, where the search began.
+    /// Phase at that pulse; before the first pulse, the phase at which the search began.
     detected_at: Phase,
     outlier: Option<Outlier>,
     spacing: Option<Spacing>,
@@ -110,8 +111,8 @@ impl IndexWatch {
         self.due != Due::Expected
     }
 
-    /// Turns from the end of a tick until a missing pulse has a consequence. It is negative no later than [`Self::has_timed_out`] is true,
-    /// as that counts only part of the tick.
+    /// Turns from the end of a tick until a missing pulse has a consequence. It becomes negative no later than [`Self::has_timed_out`]
+    /// becomes true, as that counts only part of the tick.
     pub(in crate::drift) const fn margin(&self, phase: &TickPhase) -> Turns {
         let end = phase.start.advanced(phase.turns);
         self.alert.saturating_sub(end.since(self.detected_at))
@@ -132,7 +133,7 @@ impl IndexWatch {
         since.wrapping_add(Turns::from_bits(sure)) > self.alert
     }
 
-    /// Takes in a tick without a pulse. The delay of the line is converted by the `commanded` turns, as measured turns would multiply the
+    /// Processes a tick without a pulse. The delay of the line is converted by the `commanded` turns, as measured turns would multiply the
     /// noise of an encoder.
     pub(in crate::drift) fn check_timeout(
         &mut self,
@@ -154,8 +155,7 @@ impl IndexWatch {
         }
     }
 
-    /// Takes in a pulse that came in the tick over which the axis had this phase, or in the tick before, in which it made `before` turns
-    /// if that is known.
+    /// Processes a pulse from the tick that `phase` describes, or from the tick before it, in which the axis made `before` turns, if known.
     #[inline(never)] // It is rare, and a loop over all axes needs the registers.
     pub(in crate::drift) fn detect(
         &mut self,
@@ -176,7 +176,7 @@ impl IndexWatch {
             let tick = TickPhase::ending_at(phase.start, before);
             (tick, clock.cycles.saturating_sub(cycle))
         } else {
-            self.detected_at = phase.start; // The sensor works, but the place of the pulse is not known.
+            self.detected_at = phase.start; // The pulse shows that the sensor works, but its place is not known.
             return Detection::Nothing;
         };
         let late = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.delay));
@@ -227,11 +227,11 @@ impl IndexWatch {
             let apart = nearest(offset.wrapping_sub(outlier.offset));
             apart.abs() <= self.place.gate && at.since(outlier.at) >= HALF
         });
-        // No pulse came in place, and one came elsewhere: the crank has moved there.
+        // No pulse came in place, and one came elsewhere: the crank has moved to the place of that pulse.
         if self.is_late() || self.missed > 0 || again {
             return self.moved(Outlier { offset, at });
         }
-        // The very place of the next pulse decides what this one was. With an encoder, the noise of two of its readings is added.
+        // The exact place of the next pulse decides what this one was. With an encoder, the noise of two of its readings is added.
         let sure = self.place.tolerance.to_bits() << u32::from(self.place.has_encoder);
         self.alert = self.alert.min(ONE.wrapping_add(Turns::from_bits(sure)));
         let goes_on = self.spacing.take().is_some_and(|spacing| {
@@ -249,7 +249,7 @@ impl IndexWatch {
         }
     }
 
-    /// A pulse in its place, which showed `offset`.
+    /// Processes a pulse in its place, which showed `offset`.
     fn in_place(&mut self, offset: Turns, at: Phase) -> Detection {
         let was_overdue = self.due == Due::Overdue;
         let Some(outlier) = self.outlier.take() else {
@@ -273,7 +273,7 @@ impl IndexWatch {
         }
     }
 
-    /// Takes in that the crank has moved to where a pulse showed it.
+    /// Records that the crank has moved to the place that a pulse showed.
     fn moved(&mut self, to: Outlier) -> Detection {
         let by = nearest(to.offset.wrapping_sub(self.offset));
         self.outlier = None;
@@ -283,9 +283,9 @@ impl IndexWatch {
         Detection::Moved { by }
     }
 
-    /// Part of a deviation `by` that counts: so that the offset is the mean of the first pulses, and later a filtered value.
+    /// Part of a deviation `by` that counts. It makes the offset the mean of the first pulses, and later a filtered value.
     fn filter(&mut self, by: Turns) -> Turns {
-        // A deviation beyond noise counts in full, so that the offset follows a drift to within a tolerance. Without an encoder, each does.
+        // A deviation beyond noise counts in full, so the offset follows a drift to within a tolerance. Without an encoder, every one does.
         if !self.place.has_encoder || by.abs() > self.place.tolerance {
             self.meant = 1;
             return by;
@@ -295,7 +295,7 @@ impl IndexWatch {
         Turns::from_bits(by.to_bits() >> part.min(FILTER_SHIFT))
     }
 
-    /// Takes in that no pulse came up to `alert`.
+    /// Processes a timeout: no pulse came up to `alert`.
     #[inline(never)]
     fn time_out(&mut self, is_homing: bool) -> Detection {
         let waited = self.due == Due::Overdue;
@@ -320,7 +320,7 @@ impl IndexWatch {
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
-    /// Takes in that the crank may have moved at `phase`. The place of the next pulse decides, within a turn from there.
+    /// Records that the crank may have moved at `phase`. The place of the next pulse decides within a turn from there.
     pub(in crate::drift) fn decide_within_a_turn_of(&mut self, phase: Phase) {
         if self.is_known() && !self.is_late() {
             let went = phase.since(self.detected_at).max(Turns::ZERO);
@@ -328,7 +328,7 @@ impl IndexWatch {
         }
     }
 
-    /// Takes in that the crank has moved by `by`, as the encoder shows. Its pulse is expected there.
+    /// Records that the crank has moved by `by`, as the encoder shows. Its next pulse is expected at that offset.
     pub(in crate::drift) fn believe_moved(&mut self, by: Turns) {
         self.offset = nearest(self.offset.wrapping_add(by));
         self.due = Due::Expected;
@@ -350,7 +350,7 @@ impl IndexWatch {
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
-    /// Takes in a pulse of a tick whose phase is not known: the sensor works.
+    /// Records a pulse in a tick whose phase is not known. It shows only that the sensor works.
     pub(in crate::drift) fn disregard(&mut self, phase: Phase) {
         self.detected_at = phase;
     }
