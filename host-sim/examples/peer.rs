@@ -5,7 +5,7 @@
 //! the names of the library, such as `RK4`. Below one step a tick (0.5, 0.25), drives are commanded less often by this
 //! factor.
 //!
-//! The fields turn at constant speed within a tick, because drives lead rotors. [`Driven`] is that of a scene.
+//! The fields turn at constant speed within a tick, in the way that drives lead rotors in a scene, with the same [`Driven`].
 
 use std::error::Error;
 

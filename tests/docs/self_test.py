@@ -62,7 +62,7 @@ def book_problems(target):
 
 
 def cases(cophase):
-    """A test of a check: the check, a correct input, and an incorrect one."""
+    """Tests of the checks: for each, the check, a correct input, and an incorrect one."""
     link_problems = lambda text: links.check([page(text)])[0]
     run, draw, stale = command_problems(cophase), figure_problems(cophase), hash_problems(cophase)
     troubleshooting = (pages.ROOT / 'docs/troubleshooting.md').read_text()

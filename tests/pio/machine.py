@@ -186,7 +186,7 @@ class StateMachine:
                     yield before.clock, after
 
     def only_waits(self, opcode, state):
-        """True in the middle of a loop of one `jmp y--` without delay: neither in its first nor in its last pass."""
+        """True in the middle of a loop of one `jmp y--` without delay: neither in its first pass nor in its last five."""
         delay = opcode >> 8 & (1 << 5 - self.side_count) - 1
         here = JMP << 13 | Y_DECREMENT << 5 | state.program_counter
         is_loop = opcode & 0xE0FF == here and delay == 0

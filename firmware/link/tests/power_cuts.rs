@@ -120,7 +120,7 @@ fn two_power_cuts_in_a_row_keep_old_or_new_file() {
 proptest! {
     /// Any sequence of storing and cuts.
     #[test]
-    fn any_saves_and_power_cuts_leave_a_whole_file(
+    fn any_saves_and_power_cuts_keep_the_last_or_the_new_file(
         steps in prop::collection::vec(
             (1_usize..1500, prop::option::of(any::<prop::sample::Index>()), 0_usize..3), 1..12,
         ),

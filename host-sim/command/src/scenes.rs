@@ -1,4 +1,4 @@
-//! `cophase scenes`: the built-in scenes, to run or to start from. It also reads the scenes of other commands.
+//! `cophase scenes`: the built-in scenes, to run or to start from. This module also reads scenes for the other commands.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -224,7 +224,7 @@ fn the_listed_methods_conserve_energy() {
     assert!(keep.contains("implicit midpoint (from ") && lose.contains("explicit Euler"));
 }
 
-/// If this fails, the text recommends functions that the table beside it does not support.
+/// If this fails, the text omits a function that is better by the table beside it, or does not state that there is none.
 #[test]
 fn the_text_lists_every_better_function_of_the_table() {
     let drawn = drawn("functions");

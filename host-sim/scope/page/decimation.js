@@ -12,7 +12,7 @@ export class Decimation {
   #highs;
   /** True if the least value came first. */
   #order;
-  /** Number of visited samples, and first complete pixel. */
+  /** Number of the next sample to visit, and first complete pixel. */
   #next;
   #first;
 

@@ -55,7 +55,7 @@ export class Plot {
     this.#element.classList.toggle('is-outdated', isOutdated);
   }
 
-  /** Draws rows with limits (see host-sim/scope/wasm/src/answer.rs). The limits are undefined while the first preview grows. */
+  /** Draws rows with limits (see host-sim/scope/wasm/src/answer.rs). The limits are null while the first preview grows. */
   draw(rows, limits) {
     if (rows.length === 0) return;
     const end_s = rows.last_s(rows.length - 1);

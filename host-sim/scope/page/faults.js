@@ -1,4 +1,4 @@
-// Faults that can be injected into a simulated machine: those of `[[fault]]` in a scene, each with its number.
+// Faults that can be injected into a simulated machine: those of `[[fault]]` in a scene, each with the number that it takes, if any.
 
 const KINDS = [
   { kind: 'slip', text: 'crank slips on its shaft', axis: true, key: 'rate_deg_per_s', unit: '°/s', value: 20, lasts: 1 },

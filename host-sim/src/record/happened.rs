@@ -43,7 +43,7 @@ pub(super) fn events(records: &[EventRecord], runs: &[(u32, u32)], tick_ns: u64)
                 });
                 missed = all;
             }
-            // The report has the numbers of these events.
+            // Late deadlines and lost events. The report has the number of late deadlines.
             _ => {}
         }
     }

@@ -43,7 +43,7 @@ impl Row {
         }
     }
 
-    /// Sets the values that only a simulated machine has to NaN.
+    /// Sets to NaN the values that only a simulated machine provides.
     pub fn forget_truth(&mut self) {
         for axis in &mut self.axes {
             axis.actual_turns = f64::NAN;

@@ -21,7 +21,7 @@ pub struct TickEdges<'a> {
     pub reversed: &'a [bool],
     /// Level of the drives' enable.
     pub enable: bool,
-    /// Wires that only a simulated machine has.
+    /// Edges of the wires that no controller reports. `None` unless the machine is simulated.
     pub sensed: Option<SensedEdges<'a>>,
 }
 

@@ -26,7 +26,7 @@ pub enum Window {
 /// Length of the default window, ns.
 const SHOWN_NS: u64 = 200_000_000;
 
-/// Part of that window before a fault, ns.
+/// Part of that window before a fault or a slip, ns.
 const BEFORE_FAULT_NS: u64 = 50_000_000;
 
 impl Window {
@@ -43,7 +43,7 @@ impl Window {
         }
     }
 
-    /// Window around a fault at a time, s.
+    /// Window around a fault or a slip at a time, s.
     pub fn around(at_s: f64) -> Self {
         let from_ns = ((at_s * 1e9).round() as u64).saturating_sub(BEFORE_FAULT_NS);
         Self::Between(from_ns, from_ns + SHOWN_NS)

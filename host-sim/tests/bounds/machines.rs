@@ -73,7 +73,7 @@ pub fn crank_rocker(seed: u64) -> String {
     })
 }
 
-/// Built-in scene with the numbers of these keys varied by up to a quarter. The changes, which shorten it, apply first.
+/// Built-in scene with the numbers of these keys varied by up to a quarter. The changes, which shorten runs or lift limits, apply first.
 fn varied(name: &str, seed: u64, changes: &[(&str, &str)], keys: &[&str]) -> String {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
     let mut text = library::find(name)

@@ -317,7 +317,7 @@ fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<
 }
 
 /// Returns the lowest model level whose answers are within the tolerances of the right ones. Also checks the bounds of all levels against
-/// the right answers. The bounds include those that no sample has rejected yet.
+/// the right answers. No sample has checked these bounds yet.
 fn lowest(
     checked: &Checked,
     model_levels: &[Fidelity],

@@ -253,7 +253,7 @@ export class Machine extends Operations {
     if (saved.ahead && this.mostAhead < MOST_AHEAD) this.mostAhead *= 2;
   }
 
-  /** Advances the registers to their values at the start of `now`. */
+  /** Sets the registers to their values at the start of `now`. */
   settle(now) {
     const { saved } = this;
     if (!saved.ahead) return;

@@ -161,7 +161,7 @@ function compare(firmware, host, { differs = false }, wrong) {
 
 const nearest = (deg) => Math.abs(deg - 360 * Math.round(deg / 360));
 
-/** Checks that step edges are as predicted. Gives a text. */
+/** Checks that step edges are as predicted. Gives a description of the result. */
 function stepsAlike(machine, { toml }, predicted, began, { corrects = false, differs = false, stands = false }, wrong) {
   const perStep = 360 / toml.axes.steps_per_turn;
   const most = { cycles: 0, deg: 0 };

@@ -16,7 +16,7 @@ const RELEASES = 40;
 const STARTS = 16;
 
 /**
- * The loop misses a deadline, and no axis underruns because of that: the begin and the length of the standstill, in ticks.
+ * The loop misses a deadline, and no axis underruns because of that: the beginning and the length of the standstill, in ticks.
  * It begins before the loop has handed over, so no channel waits for a restart.
  */
 const FROZEN_FROM = 0.05;

@@ -100,7 +100,7 @@ impl Machine {
         }
     }
 
-    /// Applies an event. Half of the time it removes all disturbances, and resets or starts the machine.
+    /// Applies an event. In 18 of 48 cases it removes the disturbances, and resets or starts the machine.
     pub fn disturb(&mut self, script: &mut Script<'_>, controller: &mut Controller) {
         let count = self.cranks.len();
         let axis = script.below(count);
@@ -148,7 +148,7 @@ impl Machine {
         }
     }
 
-    /// Removes all disturbances, and gives a command.
+    /// Removes all disturbances except encoder glitches, and gives a command.
     fn fix(&mut self, command: Command) {
         (self.enable, self.stop, self.wild) = (true, false, false);
         (self.alarm, self.swapped) = (PerAxis::default(), None);

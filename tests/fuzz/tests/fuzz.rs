@@ -3,8 +3,8 @@
 //!
 //!     COPHASE_FUZZ_INPUTS=1000000000 cargo test -p cophase-fuzz --test fuzz -- --nocapture
 //!
-//! Overflow checks must be on, so not in release mode; a billion take some minutes. Every run plays other cases. A
-//! case that fails is reduced, and reported with the seed that reproduces it (`BOLERO_RANDOM_SEED`).
+//! Overflow checks must be on, so do not use release mode. A billion ticks take some minutes. Every run plays other cases.
+//! A case that fails is reduced, and reported with the seed that reproduces it (`BOLERO_RANDOM_SEED`).
 
 use std::sync::Mutex;
 

@@ -99,6 +99,9 @@ pub fn draw(seed: u64, kinds: Kinds) -> Drawn {
 
 /// Draws a scene of these kinds and checks it, as the command does with a file. Scenes with a table in a file of its own are not
 /// drawn with [`Kinds::has_questions`].
+///
+/// # Errors
+/// The scene is refused.
 pub fn checked(seed: u64, kinds: Kinds) -> Result<Checked, SceneError> {
     Checked::new(load::parse(&draw(seed, kinds).text)?)
 }

@@ -35,8 +35,8 @@ impl Controller {
         }
     }
 
-    /// Publishes one event in each tick: a fault that latched or has a better name, another detected event, or the stop input. None may have
-    /// been published in this tick yet.
+    /// Publishes one event in each tick: a fault that latched or has a better name, another detected event, or the stop input. No event
+    /// may have been published in this tick yet.
     #[inline(never)]
     pub(super) fn publish(&mut self, is_new: bool, reported: Option<&Fault>, stop: bool) {
         let waiting = self.unpublished.take();
@@ -80,7 +80,7 @@ impl Controller {
     }
 
     /// Selects the fault with the highest priority.
-    #[inline(never)] // A fault has 48 bytes: it is copied only if there is one.
+    #[inline(never)] // A fault has 40 bytes: it is copied only if there is one.
     pub(super) fn highest_priority_fault(
         &mut self,
         feedback: &Feedback,

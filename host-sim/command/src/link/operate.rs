@@ -12,7 +12,7 @@ use super::connection::{Connection, Incoming, LinkError};
 use super::show::describe;
 use crate::Status;
 
-/// Time between two requests of a jog: half the duration of one request.
+/// Time between two requests of a jog: less than half the duration of one request.
 const JOG_EVERY: Duration = Duration::from_millis(200);
 
 /// Carries out a command.

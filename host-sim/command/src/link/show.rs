@@ -104,7 +104,7 @@ pub(super) fn log(
     Ok(())
 }
 
-/// Shows statuses and events until the time is over, or without an end if there is no time.
+/// Shows statuses and events until the time is over, or forever if no time is given.
 pub(super) fn monitor(
     link: &mut Connection,
     identity: &Identity,

@@ -22,7 +22,7 @@ fn assert_no_scene(dir: &Path, file: &str, words: &[&str]) {
 }
 
 #[test]
-fn files_that_are_not_utf_8_are_refused() {
+fn files_that_are_not_text_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     let utf16 = |bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
         let units = format!("\u{feff}{BASE}");

@@ -1,4 +1,4 @@
-//! Reference solutions from library solvers: two libraries and five methods, none of them from this crate.
+//! Reference solutions from library solvers: two libraries and five methods, none of them from `cophase_methods`.
 //!
 //! Each reference solution is solved to its end in one run, at the tightest tolerance that the solver accepts. Its error is
 //! taken to be its difference from the other library's solution. Errors below ten times that are not judged.

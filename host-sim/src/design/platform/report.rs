@@ -10,7 +10,7 @@ use crate::mechanism::slider_crank::Extrema;
 /// Width of the text, columns.
 const WIDTH: usize = 90;
 
-/// One full step of the common 200-step motor: the error of a stepper that lost one step.
+/// One full step of the common 200-step motor: the phase error of a crank that is off by one step.
 const FULL_STEP_DEG: f64 = 1.8;
 
 /// The source's least acceleration, in gravities: the lower end of what a program may request.

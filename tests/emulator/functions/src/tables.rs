@@ -1,6 +1,6 @@
 //! The plain methods: a table alone, or a table with straight lines between its entries.
 //!
-//! All share one quarter wave of 1,025 entries with 30 fraction bits. Only the root has its own table.
+//! Sine and cosine share one quarter wave of 1,025 entries with 30 fraction bits. Root and arctangent have a table each.
 
 const STEPS: usize = 1024;
 const REST_BITS: u32 = 20; // bits of the angle below a step

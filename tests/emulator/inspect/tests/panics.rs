@@ -156,7 +156,7 @@ fn a_call_to_an_unknown_target_is_reported() {
 }
 
 #[test]
-fn an_undefined_instruction_is_a_trap_unless_unreachable() {
+fn an_undefined_instruction_is_a_trap_unless_after_a_call() {
     let functions = [function("root", &[NOP, Part::Is(0xde00)])];
     assert_reached(&functions, &["trap: an undefined instruction, by", "root"]);
     let functions = [

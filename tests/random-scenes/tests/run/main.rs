@@ -5,7 +5,7 @@
 //!     COPHASE_RANDOM_SCENES=10000 cargo test -p cophase-random-scenes -- --nocapture
 //!
 //! `COPHASE_RANDOM_SEED` is the first seed. A scene follows from its seed alone. Scenes that fail are kept under
-//! `target/tmp/random-scenes`. Overflow checks are on, so the tests do not run in release mode.
+//! `target/tmp/random-scenes`. Overflow checks must be on, so do not run the tests in release mode.
 
 mod files;
 mod refusal;

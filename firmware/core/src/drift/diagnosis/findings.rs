@@ -83,8 +83,8 @@ impl Findings {
         self.open = None;
     }
 
-    /// Queues a finding, `all_lag` for a lag of all axes. A finding outside the limits goes to the front. After the first of those, the
-    /// queue takes only better names for it, and faults that a stop does not reach.
+    /// Queues a finding, `all_lag` for a lag of all axes. A finding outside the limits goes to the front. Of later ones outside
+    /// the limits, the queue takes only better names for the first, and faults that a stop does not reach. Those within limits are queued.
     #[inline(never)]
     pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
         let mut supersedes = false;

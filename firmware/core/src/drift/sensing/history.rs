@@ -35,7 +35,7 @@ impl Made {
     }
 }
 
-/// The ticks of a [`History`], in order of time.
+/// The ticks of a [`History`], the latest first.
 #[derive(Clone, Copy, Debug)]
 pub struct Recent<'a> {
     planned: &'a Made,
@@ -116,7 +116,7 @@ impl History {
         self.recent().over(axis, phase).0
     }
 
-    /// The three ticks, in order of time.
+    /// The three ticks, the latest first.
     pub fn recent(&self) -> Recent<'_> {
         Recent {
             planned: self.made(0),

@@ -91,7 +91,7 @@ fn the_axis_that_stands_is_named_before_the_one_that_is_furthest() {
     assert_eq!((fault.kind, fault.axis), (FaultKind::Stuck, Some(0)));
 }
 
-/// A reading that jumps is held back for a tick. A servo that stands is not reported as reversed, at any time of its stop in a window.
+/// A reading that jumps is held back for a tick. A servo that stands is stuck and not reversed, wherever in a window that begins.
 #[test]
 fn a_servo_that_stands_at_speed_is_stuck_whenever_that_begins() {
     let mut settings = settings(3, 3.0, 5.0, 15.0);

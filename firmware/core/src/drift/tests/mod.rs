@@ -296,7 +296,7 @@ fn a_lag_in_common_is_no_ones_own() {
     let small = |i: usize| [0.0, -1e-6, 1e-6, 0.0][i];
     let found = cranks.turn(10_000, move |i, t| -0.0037 * (t - from) + small(i));
     assert_eq!(found, []);
-    // Now the same at once, further than the tolerance of a pulse's place.
+    // Now the same at once, further than the gate of a pulse's place.
     let (from, was) = (f64::from(cranks.tick) * 0.01, -0.0037 * 100.0);
     let jump = move |t: f64| if t > from + 0.5 { -0.02 } else { 0.0 };
     assert_eq!(cranks.turn(500, move |i, t| was + small(i) + jump(t)), []);

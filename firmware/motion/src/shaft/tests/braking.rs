@@ -37,7 +37,7 @@ fn any_state(
 proptest! {
     #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::default() })]
 
-    /// If this fails, a stop misses its phase by the error of the distance, also by a single unit.
+    /// If this fails, a stop misses its phase by the error of the distance, even if that is a single unit.
     #[test]
     fn braking_distance_is_the_sum_of_speeds((limits, from) in any_state(any_limits())) {
         let ramp = &limits.parking;

@@ -1,6 +1,6 @@
 //! Elastic follower chain, compared item by item with numbers that were calculated independently.
 //!
-//! `cargo test -p cophase-methods --test chain -- --nocapture` prints all the numbers.
+//! `cargo test -p cophase-references chain:: -- --nocapture` prints all the numbers.
 
 use core::f64::consts::TAU;
 

@@ -4,7 +4,7 @@
 //! order. The slope is measured on a damped and driven pendulum, which is far from linear. For all methods, including the exact
 //! one, it is also measured on a damped oscillator whose solution is a formula.
 //!
-//! `cargo test -p cophase-methods --test order -- --nocapture` prints the slopes.
+//! `cargo test -p cophase-references order:: -- --nocapture` prints the slopes.
 
 use cophase_methods::problems::{Oscillator, Pendulum};
 use cophase_methods::{Needs, Scheme};

@@ -1,6 +1,6 @@
-//! Public problems: comparison of published values, library solvers and the methods of this crate.
+//! Public problems: comparison of published values, library solvers and the methods of `cophase_methods`.
 //!
-//! `cargo test -p cophase-methods --test published -- --nocapture` prints the error of each.
+//! `cargo test -p cophase-references published:: -- --nocapture` prints the error of each.
 
 use cophase_methods::problems::{Andrews, BouncingBall, Hires, VanDerPol};
 use cophase_methods::{Equations, Scheme, StepError};
