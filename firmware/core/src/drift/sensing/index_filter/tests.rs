@@ -258,7 +258,7 @@ proptest! {
     }
 }
 
-/// Of two pulses in one tick, the first is reported and the other is counted as a glitch.
+/// If this fails, a tick with two pulses does not report the first, or does not count the other as a glitch.
 #[test]
 fn of_two_pulses_in_a_tick_the_first_is_reported() {
     let mut filter = IndexFilter::new(10, false);
