@@ -4,6 +4,7 @@ mod causes;
 mod ending;
 mod model;
 mod recorded;
+mod standing;
 mod summary;
 mod warnings;
 mod words;

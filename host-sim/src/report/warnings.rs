@@ -4,6 +4,7 @@
 use cophase_core::drift::{Knowledge, Mount};
 use cophase_core::supervisor::State;
 
+use super::standing::faults_at_standstill;
 use crate::fidelity::Bounds;
 use crate::scene::Checked;
 use crate::scene::file::{CommandAt, CommandName, Drive, FaultAt, FaultName};
@@ -18,6 +19,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     warnings.extend(lacking(checked));
     warnings.extend(beyond_pull_out(checked));
     warnings.extend(before_start(&scene.command));
+    warnings.extend(faults_at_standstill(&scene.fault, &statistics.events));
     warnings.extend(not_reached(checked, outcome));
     warnings.extend(statistics.machine_warnings.iter().cloned());
     if let Some(why) = &outcome.diverged {
