@@ -17,7 +17,9 @@ pub mod design;
 mod expected;
 mod link;
 mod man;
+mod numbers;
 pub mod output;
+mod refusal;
 mod reproduced;
 mod run;
 mod scenes;
@@ -37,7 +39,7 @@ use design::{DesignArgs, DesignCommandError};
 
 const AFTER_HELP: &str = "Folders of output files and output folders are created where they do not exist, by every command.\n\nExit status: 0 done; 1 a run ended in a fault, a simulated motor slipped undetected, no board takes \
                            the settings, two runs part, or a figure or claim does not hold (everything is written); \
-                           2 bad input (nothing is written).";
+                           2 bad input (nothing is written); 130 and 143 ended by SIGINT and SIGTERM (nothing is written).";
 
 /// Motion control for machines whose motors must turn in phase: simulate one, size one, operate a board.
 #[derive(Debug, Parser)]
@@ -72,6 +74,20 @@ enum What {
 }
 
 impl Command {
+    /// Parses the arguments of this process. Ends the process instead if they ask for help, or are refused: with status 2 and a sentence
+    /// that has the place, the problem and the fix.
+    pub fn of_process() -> Self {
+        Self::try_parse().unwrap_or_else(|error| {
+            match refusal::sentence(&error, std::env::args_os()) {
+                None => error.exit(),
+                Some(sentence) => {
+                    eprintln!("cophase: {sentence}");
+                    std::process::exit(Status::BadInput as i32)
+                }
+            }
+        })
+    }
+
     /// Carries the command out. Prints to `out`, and errors to `err`.
     pub fn carry_out(self, out: &mut impl Write, err: &mut impl Write) -> Status {
         let done = match self.what {

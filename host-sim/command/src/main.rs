@@ -4,11 +4,10 @@
 use std::io;
 use std::process::ExitCode;
 
-use clap::Parser;
 use cophase::Command;
 
 fn main() -> ExitCode {
-    let command = Command::parse(); // clap itself ends with status 2 on bad arguments
+    let command = Command::of_process();
     cophase::clean_up_on_signals();
     ExitCode::from(command.carry_out(&mut io::stdout().lock(), &mut io::stderr()) as u8)
 }

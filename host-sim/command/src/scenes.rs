@@ -80,6 +80,9 @@ pub(super) fn unknown(name: &str) -> String {
 
 /// Reads a scene: a file if there is one with this name, else a built-in scene.
 pub(super) fn read(name: &str) -> Result<Checked, String> {
+    if name.is_empty() {
+        return Err("SCENE: empty; give a scene file, or the name of a built-in scene".to_owned());
+    }
     let path = Path::new(name);
     match library::find(name) {
         Some(built_in) if !path.exists() => {

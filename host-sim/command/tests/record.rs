@@ -387,11 +387,11 @@ fn invalid_recording_options_are_refused() {
     let to = format!("sim:{}", scene.display());
     for (options, problem) in [
         (vec!["--out", taken.to_str().unwrap()], "is a directory"),
-        (vec!["--out", "x", "--every", "0"], "0 is not in 1..=10000"),
         (
-            vec!["--out", "x", "--channels", "torque"],
-            "possible values",
+            vec!["--out", "x", "--every", "0"],
+            "--every 0: give a whole number, 1 to 10000",
         ),
+        (vec!["--out", "x", "--channels", "torque"], "give one of "),
         (
             vec!["--out", "x", "--every", "2", "--window", "0..1"],
             "--window: with --every 2 there are no edges to show",

@@ -7,22 +7,23 @@ use host_sim::design::crank_rocker::{Design, Requirement, design, write_page};
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};
+use crate::numbers::number;
 use crate::output::write_file;
 
 /// Find the links of a crank-rocker from the swing of its rocker, for a drive with a screw
 #[derive(Clone, Debug, clap::Args)]
 pub struct CrankRockerArgs {
     /// Swing of the rocker, degrees: above 0, up to 179
-    #[arg(long, value_name = "A", allow_hyphen_values = true)]
+    #[arg(long, value_name = "A", allow_hyphen_values = true, value_parser = number)]
     pub swing_deg: f64,
     /// Pressure angle where crank and coupler are stretched out, degrees: from 0 to below half the swing
-    #[arg(long, value_name = "B", allow_hyphen_values = true)]
+    #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = number)]
     pub pressure_deg: f64,
     /// Time of the forward stroke over that of the return: 0.01 to 0.999
-    #[arg(long, value_name = "K", allow_hyphen_values = true)]
+    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = number)]
     pub time_ratio: f64,
     /// Lead of the screw that the rocker turns, mm: above 0, up to 1000
-    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = number)]
     pub screw_lead_mm: Option<f64>,
     /// Draw the linkage at both dead centres into this file, too
     #[arg(long, value_name = "FILE")]

@@ -6,21 +6,22 @@ use host_sim::design::five_bar::{Design, Requirement, design, write_page};
 use serde::Serialize;
 
 use super::{DesignCommandError, write_json};
+use crate::numbers::number;
 
 /// Find the joint angles of a suspended five-bar arm for a place of its hand
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct FiveBarArgs {
     /// Length of the link at joint 1, m: above 0, up to 10
-    #[arg(long, value_name = "L1", allow_hyphen_values = true)]
+    #[arg(long, value_name = "L1", allow_hyphen_values = true, value_parser = number)]
     pub l1_m: f64,
     /// Length of the link at joint 2, m: above 0, up to 10
-    #[arg(long, value_name = "L4", allow_hyphen_values = true)]
+    #[arg(long, value_name = "L4", allow_hyphen_values = true, value_parser = number)]
     pub l4_m: f64,
     /// Place of the hand along x, m
-    #[arg(long, value_name = "X", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X", allow_hyphen_values = true, value_parser = number)]
     pub x_m: f64,
     /// Place of the hand along y, m
-    #[arg(long, value_name = "Y", allow_hyphen_values = true)]
+    #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = number)]
     pub y_m: f64,
 }
 

@@ -8,36 +8,37 @@ use host_sim::design::flywheel::{
 use serde::Serialize;
 
 use super::{DesignCommandError, write_json};
+use crate::numbers::{number, whole};
 
 /// Find the torque curve of a crusher's induction motor, and what its flywheel evens out
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct FlywheelArgs {
     /// Rated power of the motor, kW: above 0, up to 10,000
-    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = number)]
     pub power_kw: f64,
     /// Rated speed of the motor, rpm: below the synchronous speed
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = number)]
     pub rated_rpm: f64,
     /// Synchronous speed of the motor, rpm: above 0, up to 12,000
-    #[arg(long, value_name = "N0", allow_hyphen_values = true)]
+    #[arg(long, value_name = "N0", allow_hyphen_values = true, value_parser = number)]
     pub synchronous_rpm: f64,
     /// Breakdown torque over rated torque: 1.1 to 5
-    #[arg(long, value_name = "L", allow_hyphen_values = true)]
+    #[arg(long, value_name = "L", allow_hyphen_values = true, value_parser = number)]
     pub overload: f64,
     /// Speed of the motor over that of the shaft: 0.1 to 100
-    #[arg(long, value_name = "J", allow_hyphen_values = true)]
+    #[arg(long, value_name = "J", allow_hyphen_values = true, value_parser = number)]
     pub belt_ratio: f64,
     /// Mass of the flywheel, kg: above 0, up to 100,000
-    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
     pub mass_kg: f64,
     /// Diameter on which that mass lies, m: above 0, up to 20
-    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = number)]
     pub diameter_m: f64,
     /// Fastest speed of the shaft, rad/s
     #[arg(
         long,
         value_name = "W",
-        allow_hyphen_values = true,
+        allow_hyphen_values = true, value_parser = number,
         requires = "slowest_rad_s"
     )]
     pub fastest_rad_s: Option<f64>,
@@ -45,24 +46,24 @@ pub struct FlywheelArgs {
     #[arg(
         long,
         value_name = "W",
-        allow_hyphen_values = true,
+        allow_hyphen_values = true, value_parser = number,
         requires = "fastest_rad_s"
     )]
     pub slowest_rad_s: Option<f64>,
     /// Peak force of the rock across the jaw, kN: computes the speeds of the periodic regime
-    #[arg(long, value_name = "F", allow_hyphen_values = true)]
+    #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = number)]
     pub rock_kn: Option<f64>,
     /// How that force acts over the closing stroke
     #[arg(long, value_enum, default_value = "linear-rise", requires = "rock_kn")]
     pub rock: RockShape,
     /// Nodes a turn of the source's scheme, beside the converged solution: 4 to 10,000
-    #[arg(long, value_name = "COUNT", default_value_t = 18, requires = "rock_kn")]
+    #[arg(long, value_name = "COUNT", default_value_t = 18, requires = "rock_kn", value_parser = whole::<u32>(4..=10_000))]
     pub nodes: u32,
     /// Irregularity under rock for which to find the flywheel: 0.001 to 0.5
     #[arg(
         long,
         value_name = "D",
-        allow_hyphen_values = true,
+        allow_hyphen_values = true, value_parser = number,
         requires = "rock_kn"
     )]
     pub irregularity: Option<f64>,

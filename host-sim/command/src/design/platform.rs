@@ -11,6 +11,7 @@ use host_sim::scene::load::checked_from_text;
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};
+use crate::numbers::number;
 use crate::output::write_file;
 
 /// Requirement of a vibration platform.
@@ -32,22 +33,16 @@ pub struct PlatformArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = count)]
     pub motors: u32,
     /// Factor on the motor torque for the masses left out: 1.5 to 3
-    #[arg(long, value_name = "K", allow_hyphen_values = true,
+    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = number,
           default_value_t = Requirement::DEFAULT_SAFETY)]
     pub safety: f64,
     /// Gravity, m/s²: 9.7 to 10
-    #[arg(long, value_name = "G", allow_hyphen_values = true,
+    #[arg(long, value_name = "G", allow_hyphen_values = true, value_parser = number,
           default_value_t = STANDARD_GRAVITY_MPS2)]
     pub gravity: f64,
     /// Draw required and available torque, amplitude and step rate over speed into this file, too
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-}
-
-/// Parses a number. Its range is checked later, with all other inputs.
-fn number(text: &str) -> Result<f64, &'static str> {
-    text.parse()
-        .map_err(|_| "give a number without a unit, with a point for fractions, such as 12.5")
 }
 
 /// Parses a number of motors. Its range is checked later, with all other inputs.

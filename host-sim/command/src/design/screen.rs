@@ -6,27 +6,28 @@ use host_sim::design::screen::{Design, Requirement, design, write_page};
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};
+use crate::numbers::number;
 
 /// Find springs, natural speed and amplitude of a self-centring vibrating screen
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct ScreenArgs {
     /// Mass of the exciter block, kg: above 0, up to 10,000
-    #[arg(long, value_name = "G", allow_hyphen_values = true)]
+    #[arg(long, value_name = "G", allow_hyphen_values = true, value_parser = number)]
     pub exciter_kg: f64,
     /// All other vibrating mass, stones included, kg: above 0, up to 100,000
-    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = number)]
     pub vibrating_kg: f64,
     /// Distance of the block's centre of mass from the shaft's axis, mm: above 0, up to 1000
-    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    #[arg(long, value_name = "R", allow_hyphen_values = true, value_parser = number)]
     pub eccentricity_mm: f64,
     /// Speed of the shaft, rpm: above 0, up to 6000
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = number)]
     pub speed_rpm: f64,
     /// Inclination of the deck, degrees: 0 to 45
-    #[arg(long, value_name = "A", allow_hyphen_values = true)]
+    #[arg(long, value_name = "A", allow_hyphen_values = true, value_parser = number)]
     pub deck_deg: Option<f64>,
     /// Distance of the wheel's bore from its centre, mm: above 0, up to 100
-    #[arg(long, value_name = "r", allow_hyphen_values = true,
+    #[arg(long, value_name = "r", allow_hyphen_values = true, value_parser = number,
           default_value_t = Requirement::SOURCE_WHEEL_MM)]
     pub wheel_mm: f64,
 }

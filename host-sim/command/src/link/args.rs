@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use cophase_core::units::MAX_AXES;
 use cophase_link::line::UART_BAUD;
 use host_sim::trace::Window;
 
 use super::record::ChannelName;
+use crate::numbers::whole;
 use crate::run::window;
 use cophase_link::message::Output;
 
@@ -23,7 +25,7 @@ pub(crate) struct LinkArgs {
     #[arg(long, value_name = "WHERE", global = true)]
     pub(super) to: Option<String>,
     /// Baud rate of a UART; a USB port ignores it
-    #[arg(long, value_name = "BAUD", default_value_t = UART_BAUD, global = true)]
+    #[arg(long, value_name = "BAUD", default_value_t = UART_BAUD, global = true, value_parser = whole::<u32>(1..=u32::MAX.into()), allow_negative_numbers = true)]
     pub(super) baud: u32,
     /// Take control even if another host has it
     #[arg(long, global = true)]
@@ -87,7 +89,7 @@ pub(super) struct OutputArgs {
     #[arg(value_name = "OUTPUT", value_parser = bring_up::output)]
     pub(super) output: Output,
     /// Time to switch it, seconds
-    #[arg(long = "for", value_name = "S", default_value_t = 5.0, value_parser = seconds)]
+    #[arg(long = "for", value_name = "S", default_value_t = 5.0, value_parser = seconds, allow_negative_numbers = true)]
     pub(super) for_s: f64,
     /// Do not ask before the output is switched
     #[arg(long)]
@@ -97,7 +99,7 @@ pub(super) struct OutputArgs {
 #[derive(Debug, Args)]
 pub(super) struct AxisArgs {
     /// Number of the axis, counted from 0
-    #[arg(value_name = "AXIS")]
+    #[arg(value_name = "AXIS", value_parser = whole::<u8>(0..=MAX_AXES as u64 - 1), allow_negative_numbers = true)]
     pub(super) number: u8,
     /// Do not ask before the controller restarts
     #[arg(long)]
@@ -134,14 +136,14 @@ pub(super) struct StopArgs {
 #[derive(Debug, Args)]
 pub(super) struct OverrideArgs {
     /// Percent of the program's amplitude, 0 to 120
-    #[arg(value_name = "PERCENT", value_parser = percent)]
+    #[arg(value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
     pub(super) permille: u16,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct JogArgs {
     /// Time to turn, seconds
-    #[arg(long = "for", value_name = "S", default_value_t = 1.0, value_parser = seconds)]
+    #[arg(long = "for", value_name = "S", default_value_t = 1.0, value_parser = seconds, allow_negative_numbers = true)]
     pub(super) for_s: f64,
     /// Do not ask before the machine moves
     #[arg(long)]
@@ -157,10 +159,10 @@ pub(super) struct RecordArgs {
     #[arg(long, value_name = "CHANNELS", value_enum, value_delimiter = ',')]
     pub(super) channels: Vec<ChannelName>,
     /// A sample every N control ticks, 1 to 10,000; only every tick has edges
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u16>(1..=10_000), allow_negative_numbers = true)]
     pub(super) every: u16,
     /// Time to record, seconds; without it, until the program is over or Ctrl-C
-    #[arg(long = "for", value_name = "S", value_parser = seconds)]
+    #[arg(long = "for", value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(super) for_s: Option<f64>,
     /// Time that steps.vcd shows, in seconds since power-up, or `all` [default: the first 200 ms of motion]
     #[arg(long, value_name = "FROM..TO", value_parser = window, allow_hyphen_values = true)]
@@ -179,7 +181,7 @@ pub(super) struct RecordArgs {
 #[derive(Debug, Args)]
 pub(super) struct MonitorArgs {
     /// Time to show, seconds; without it, until interrupted
-    #[arg(long = "for", value_name = "S", value_parser = seconds)]
+    #[arg(long = "for", value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(super) for_s: Option<f64>,
 }
 

@@ -184,7 +184,9 @@ struct Tcp {
 impl Tcp {
     fn new(address: &str) -> Result<Self, String> {
         let stream = open_stream(address).map_err(|e| {
-            format!("--to tcp:{address}: {e}; check that the controller's server listens there")
+            format!(
+                "--to tcp:{address}: {e}; give tcp:HOST:PORT, where the controller's server listens"
+            )
         })?;
         Ok(Self {
             address: address.to_owned(),

@@ -15,8 +15,9 @@ pub(super) use page::frame;
 use page::mark;
 use progress::progress_bar;
 pub(crate) use values::window;
-use values::{formats, receiver, speed, ticks};
+use values::{formats, receiver, speed};
 
+use super::numbers::whole;
 use super::{CommandError, Status, expected, scenes};
 use host_sim::fidelity::{self, Answers};
 use host_sim::operating_range::OperatingRange;
@@ -44,7 +45,7 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "LIST", default_values = TRACE.map(Format::name), value_delimiter = ',', value_parser = formats())]
     trace: Vec<Format>,
     /// Write a row every N control ticks [default: chosen to give at most 20,000 rows]
-    #[arg(long, value_name = "N", value_parser = ticks)]
+    #[arg(long, value_name = "N", value_parser = whole::<u64>(1..=u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
     /// Time that steps.vcd and steps.fst show, in seconds, or `all`; --trace must have one of them [default: the scene's window; else 200 ms around the first injected
     /// fault, around the first slip or latched fault, or from the start of motion]

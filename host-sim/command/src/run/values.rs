@@ -5,13 +5,6 @@ use std::net::{SocketAddr, ToSocketAddrs};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use host_sim::trace::{Format, Window};
 
-pub(super) fn ticks(text: &str) -> Result<u64, String> {
-    text.parse()
-        .ok()
-        .filter(|&ticks| ticks > 0)
-        .ok_or_else(|| "give a whole number of control ticks, 1 or more".to_owned())
-}
-
 pub(crate) fn window(text: &str) -> Result<Window, String> {
     if text == "all" {
         return Ok(Window::All);

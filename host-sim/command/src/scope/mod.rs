@@ -26,6 +26,7 @@ use cophase_link::line::UART_BAUD;
 
 use super::link::connection::Connection;
 use super::link::transport::{self, Faults};
+use super::numbers::whole;
 use super::{CommandError, Status};
 use access::Access;
 use bench::Bench;
@@ -40,20 +41,26 @@ pub(crate) struct ScopeArgs {
     #[arg(long, value_name = "WHERE")]
     to: Option<String>,
     /// Baud rate of a UART; a USB port ignores it
-    #[arg(long, value_name = "BAUD", default_value_t = UART_BAUD)]
+    #[arg(long, value_name = "BAUD", default_value_t = UART_BAUD, value_parser = whole::<u32>(1..=u32::MAX.into()), allow_negative_numbers = true)]
     baud: u32,
     /// TCP port of the page; 0 takes a free one
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u16>(0..=u16::MAX.into()), allow_negative_numbers = true)]
     port: u16,
     /// Address of this computer at which the page is served
-    #[arg(long, value_name = "IP", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    #[arg(long, value_name = "IP", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST), value_parser = address)]
     listen: IpAddr,
     /// Ticks between two samples; a UART is too slow for every tick
-    #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = whole::<u16>(1..=10_000), allow_negative_numbers = true)]
     every: u16,
     /// Scene of the program editor; by default that of --to sim, or the built-in one that the controller runs
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
+}
+
+/// Parses an address of this computer.
+fn address(text: &str) -> Result<IpAddr, &'static str> {
+    text.parse()
+        .map_err(|_| "give an address of this computer in numbers, such as 127.0.0.1")
 }
 
 /// Serves the page until the process is interrupted.

@@ -1,0 +1,133 @@
+//! Refusal of the command line in one sentence, with the place, the problem and the fix.
+//!
+//! clap finds the problem and the nearest name. Its own text for it is a paragraph that often leaves out the fix.
+
+use std::ffi::OsString;
+
+use clap::CommandFactory;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+use super::Command;
+use host_sim::scene::load;
+
+/// Returns the refusal of the arguments of this process as a sentence, or none if clap's text is not a refusal but a page of help.
+pub(super) fn sentence(
+    error: &clap::Error,
+    arguments: impl IntoIterator<Item = OsString>,
+) -> Option<String> {
+    let words = |kind| error.get(kind).map(list).unwrap_or_default();
+    let one = |kind| words(kind).join(", ");
+    let (place, value) = (one(ContextKind::InvalidArg), one(ContextKind::InvalidValue));
+    // The option without the name of its value, as the user wrote it.
+    let option = place.split([' ', '=', '[']).next().unwrap_or_default();
+    let (innermost, its) = subcommand(arguments.into_iter().skip(1));
+    // Most errors have the usage of the command that met the problem, which may be an outer one.
+    let usage = one(ContextKind::Usage);
+    let usage = usage.trim_start_matches("Usage:").trim();
+    let is_name = |word: &&str| !word.starts_with(['-', '[', '<']);
+    let (named, command) = if usage.is_empty() {
+        (innermost.clone(), its.clone())
+    } else {
+        let names = usage.split_whitespace().skip(1).take_while(is_name);
+        subcommand(names.map(OsString::from))
+    };
+    let help = format!("`{named} --help`");
+    let commands = command.get_subcommands().map(clap::Command::get_name);
+    let commands: Vec<_> = commands.collect();
+    // clap also suggests names that are hardly alike.
+    let meant = |word: &str, kind| {
+        let suggested = words(kind);
+        let names: Vec<_> = suggested
+            .iter()
+            .map(|name| name.trim_start_matches('-'))
+            .collect();
+        let dashes = &word[..word.len() - word.trim_start_matches('-').len()];
+        let near = load::nearest(word.trim_start_matches('-'), &names);
+        near.map_or_else(String::new, |near| {
+            format!("did you mean `{dashes}{near}`? ")
+        })
+    };
+    let sentence = match error.kind() {
+        ErrorKind::DisplayHelp
+        | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+        | ErrorKind::DisplayVersion => return None,
+        ErrorKind::UnknownArgument if its.get_arguments().any(|known| is_named(known, &place)) => {
+            format!("{place}: `{named}` has no such option; give it after `{innermost}`")
+        }
+        ErrorKind::UnknownArgument if place.starts_with('-') => {
+            let meant = meant(&place, ContextKind::SuggestedArg);
+            format!("{place}: `{named}` has no such option; {meant}{help} has all")
+        }
+        ErrorKind::UnknownArgument => {
+            format!("{place}: `{named}` takes no further argument; leave it out, or see {help}")
+        }
+        ErrorKind::InvalidSubcommand => {
+            let word = one(ContextKind::InvalidSubcommand);
+            let meant = meant(&word, ContextKind::SuggestedSubcommand);
+            format!(
+                "{word}: `{named}` has no such command; {meant}there are {}",
+                commands.join(", ")
+            )
+        }
+        ErrorKind::MissingSubcommand => {
+            let all = commands.join(", ");
+            format!("`{named}`: a further command is missing; give one of {all}")
+        }
+        ErrorKind::InvalidValue if value.is_empty() => {
+            format!("{option}: its value is missing; give {place}, or see {help}")
+        }
+        ErrorKind::InvalidValue => {
+            let all = one(ContextKind::ValidValue);
+            let meant = meant(&value, ContextKind::SuggestedValue);
+            format!("{option} {value}: there is no such value; {meant}give one of {all}")
+        }
+        ErrorKind::ValueValidation => {
+            let reason = std::error::Error::source(error).map(ToString::to_string);
+            let value = if value.is_empty() { "''" } else { &value };
+            format!("{option} {value}: {}", reason.unwrap_or_default())
+        }
+        ErrorKind::MissingRequiredArgument => {
+            let form = usage.lines().next().unwrap_or_default();
+            format!("{place}: missing; give `{form}`, or see {help}")
+        }
+        ErrorKind::ArgumentConflict => match one(ContextKind::PriorArg) {
+            prior if prior == place => format!("{place}: given twice; give it once"),
+            prior => format!("{place}: cannot be used with {prior}; leave one of the two out"),
+        },
+        _ => {
+            let text = error.to_string();
+            let problem = text.lines().next().unwrap_or_default();
+            format!("{}; see {help}", problem.trim_start_matches("error: "))
+        }
+    };
+    Some(sentence)
+}
+
+/// Returns the words of a context.
+fn list(value: &ContextValue) -> Vec<String> {
+    match value {
+        ContextValue::Strings(words) => words.clone(),
+        ContextValue::None => Vec::new(),
+        other => vec![other.to_string()],
+    }
+}
+
+/// Returns true if an option has this name, with its dashes.
+fn is_named(option: &clap::Arg, name: &str) -> bool {
+    let long = name.strip_prefix("--");
+    long.is_some() && long == option.get_long()
+}
+
+/// Returns the innermost subcommand that words name, with its name in full. Other words are skipped.
+fn subcommand(words: impl Iterator<Item = OsString>) -> (String, clap::Command) {
+    let mut command = Command::command();
+    let mut named = command.get_name().to_owned();
+    for word in words {
+        let subcommand = word.to_str().and_then(|word| command.find_subcommand(word));
+        if let Some(subcommand) = subcommand.cloned() {
+            named = format!("{named} {}", subcommand.get_name());
+            command = subcommand;
+        }
+    }
+    (named, command)
+}
