@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::numbers::whole;
 use super::{CommandError, Status, run, scenes};
+use cophase_lab::campaign::example::{Example, example};
 use cophase_lab::campaign::plan::Plan;
 use cophase_lab::campaign::selection::Selection;
-use cophase_lab::campaign::shards::{Header, Shard, join};
+use cophase_lab::campaign::shards::{Header, MACHINES, Shard, join};
 use cophase_lab::campaign::tally::Tally;
 use cophase_lab::campaign::{self, picture, table};
 use host_sim::trace::RunFiles;
@@ -24,31 +26,38 @@ pub(super) struct CampaignArgs {
     #[arg(value_name = "SCENE")]
     scene: Option<String>,
     /// Number of cases, each a faulty and a clean run; with --only, of those that are simulated
-    #[arg(long, value_name = "N", default_value_t = 1000)]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>(1..=u64::MAX), allow_negative_numbers = true)]
     runs: u64,
     /// Seed of all random draws; the same seed gives the same rows
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
     seed: u64,
     /// Simulate only cases of these kinds of faults, on axes with this sensor: `index` (alone) or `encoder` [default: both]
-    #[arg(long, value_name = "KIND[:SENSOR]", value_delimiter = ',', conflicts_with_all = ["replay", "join"])]
+    #[arg(
+        long,
+        value_name = "KIND[:SENSOR]",
+        value_delimiter = ',',
+        conflicts_with = "join"
+    )]
     only: Vec<String>,
     /// With --only: simulate 1 in K of all other cases too, for rates over all faulty runs
-    #[arg(long, value_name = "K", requires = "only", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "K", requires = "only", value_parser = whole::<u64>(1..=u64::MAX), allow_negative_numbers = true)]
     others: Option<u64>,
     /// First case of this shard, to split a campaign over several computers
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(long, value_name = "K", default_value_t = 0, value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
     from: u64,
     /// Case after the last of this shard [default: all of --runs]
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = whole::<u64>(1..=u64::MAX), allow_negative_numbers = true)]
     to: Option<u64>,
     /// Number of threads [default: one for each core]; rows do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024), allow_negative_numbers = true)]
     threads: Option<u16>,
-    /// Folder for campaign.csv (of a shard: campaign-FROM-TO.csv), campaign.svg and campaign-table.md
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-    /// Run case K alone, as `cophase run` does, and write its scene.toml too
-    #[arg(long, value_name = "K", conflicts_with_all = ["from", "to", "join", "threads", "runs"])]
+    /// Folder for campaign.csv (of a shard: campaign-FROM-TO.csv), campaign.svg and campaign-table.md [default: out/campaign; with --replay,
+    /// out/case-K]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Run case K alone, as `cophase run` does, and write its scene.toml too; scene, seed and K define it, and other options of its campaign
+    /// may stay
+    #[arg(long, value_name = "K", conflicts_with = "join", value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
     replay: Option<u64>,
     /// With --replay: make the clean run of the case, without its fault
     #[arg(long, requires = "replay")]
@@ -59,6 +68,18 @@ pub(super) struct CampaignArgs {
     /// Print nothing but errors
     #[arg(long, short)]
     quiet: bool,
+}
+
+impl CampaignArgs {
+    /// Returns the output folder. A run, a campaign and each case have folders of their own unless one is given.
+    fn folder(&self) -> PathBuf {
+        let own = || match self.replay {
+            None => "out/campaign".into(),
+            Some(number) if self.clean => format!("out/case-{number}-clean").into(),
+            Some(number) => format!("out/case-{number}").into(),
+        };
+        self.out.clone().unwrap_or_else(own)
+    }
 }
 
 pub(super) fn campaign(
@@ -80,7 +101,12 @@ pub(super) fn campaign(
     })?;
     match args.replay {
         Some(number) => replay(args, &plan, number, out, err),
-        None => print_result(args, &run_shard(args, &plan)?, out),
+        None => {
+            let (numbers, selection) = (numbers(args)?, selection(args, &plan)?);
+            check_writable(&args.folder())?;
+            let shard = run_shard(args, &plan, numbers, selection)?;
+            print_result(args, &shard, out)
+        }
     }
 }
 
@@ -91,9 +117,6 @@ fn input(place: &str, error: &dyn std::fmt::Display) -> CommandError {
 /// Returns the requested cases.
 fn numbers(args: &CampaignArgs) -> Result<Range<u64>, CommandError> {
     let to = args.to.unwrap_or(args.runs);
-    if args.runs == 0 {
-        return Err(input("--runs", &"0 cases are none; give 1 or more"));
-    }
     if to > args.runs {
         let problem = format!(
             "{to} is more than --runs {}; cases are 0 to {}",
@@ -109,9 +132,12 @@ fn numbers(args: &CampaignArgs) -> Result<Range<u64>, CommandError> {
     Ok(args.from..to)
 }
 
-fn run_shard(args: &CampaignArgs, plan: &Plan) -> Result<Shard, CommandError> {
-    let numbers = numbers(args)?;
-    let selection = selection(args, plan)?;
+fn run_shard(
+    args: &CampaignArgs,
+    plan: &Plan,
+    numbers: Range<u64>,
+    selection: Option<Selection>,
+) -> Result<Shard, CommandError> {
     let bar = progress_bar(args.quiet, numbers.end - numbers.start);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or_else(cores, usize::from))
@@ -155,6 +181,8 @@ fn print_result(
 ) -> Result<Status, CommandError> {
     let tally = Tally::new(shard);
     let text = table::text(&shard.header, &tally);
+    let rows = shard.to_text().map_err(|error| input("rows", &error))?;
+    let svg = picture::svg(&shard.header, &tally);
     let Range { start, end } = shard.header.numbers;
     let is_whole = start == 0 && (end == args.runs || !args.join.is_empty());
     let name = if is_whole {
@@ -162,10 +190,9 @@ fn print_result(
     } else {
         format!("campaign-{start}-{end}.csv")
     };
-    let rows = shard.to_text().map_err(|error| input("rows", &error))?;
-    let svg = picture::svg(&shard.header, &tally);
+    let folder = args.folder();
     write_all(
-        &args.out,
+        &folder,
         &[
             (&name, &rows),
             ("campaign.svg", &svg),
@@ -176,8 +203,15 @@ fn print_result(
         writeln!(
             out,
             "{text}\nWritten to {}: {name}, campaign.svg, campaign-table.md.",
-            args.out.display()
+            folder.display()
         )?;
+        if let Some(example) = example(shard, &tally) {
+            writeln!(
+                out,
+                "\nTo run a case again, such as {example}:\n\n    {}",
+                replay_command(args, &shard.header, &example)
+            )?;
+        }
     }
     Ok(if tally.is_kept() {
         Status::Done
@@ -186,20 +220,63 @@ fn print_result(
     })
 }
 
+/// Returns a command for the shell that runs a case again, with the program as it was called.
+fn replay_command(args: &CampaignArgs, header: &Header, example: &Example) -> String {
+    let program = std::env::args().next();
+    let mut words = vec![quoted(program.as_deref().unwrap_or("cophase"))];
+    words.push("campaign".to_owned());
+    match &args.scene {
+        Some(scene) => words.push(quoted(scene)),
+        // A shard has only the checksum of its scene.
+        None if header.scene != MACHINES => words.push("SCENE".to_owned()),
+        None => {}
+    }
+    words.push(format!(
+        "--seed {} --replay {}",
+        header.seed, example.number
+    ));
+    if example.clean {
+        words.push("--clean".to_owned());
+    }
+    words.join(" ")
+}
+
+/// Returns a word as a shell has to get it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./:@%+,=".contains(c);
+    if word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// Refuses a folder that cannot be written, before hours of simulation. Leaves nothing in it.
+fn check_writable(folder: &Path) -> Result<(), CommandError> {
+    let mut files = RunFiles::create(folder).map_err(|error| unwritable(&error))?;
+    // No file of a campaign has this name, so campaigns in other processes do not collide with it.
+    files.file("probe").map_err(|error| unwritable(&error))?;
+    Ok(())
+}
+
 /// Writes all of several files, or none.
 fn write_all(folder: &Path, files: &[(&str, &str)]) -> Result<(), CommandError> {
-    let place = |error: &dyn std::fmt::Display| {
-        CommandError::Input(format!("--out: {error}; give a folder that can be written"))
-    };
-    let mut written = RunFiles::create(folder).map_err(|error| place(&error))?;
+    let mut written = RunFiles::create(folder).map_err(|error| unwritable(&error))?;
     for (name, text) in files {
-        let mut file = written.file(name).map_err(|error| place(&error))?;
+        let mut file = written.file(name).map_err(|error| unwritable(&error))?;
         file.write_all(text.as_bytes())
             .and_then(|()| file.flush())
-            .map_err(|error| place(&error))?;
+            .map_err(|error| unwritable(&error))?;
     }
-    written.commit().map_err(|error| place(&error))?;
+    written.commit().map_err(|error| unwritable(&error))?;
     Ok(())
+}
+
+fn unwritable(error: &dyn std::fmt::Display) -> CommandError {
+    input(
+        "--out",
+        &format!("{error}; give a folder that can be written"),
+    )
 }
 
 /// Runs one case again. Writes its scene and all files of `cophase run`.
@@ -210,14 +287,24 @@ fn replay(
     out: &mut impl Write,
     err: &mut impl Write,
 ) -> Result<Status, CommandError> {
+    if let Some(selection) = selection(args, plan)? {
+        let stratum = plan.stratum(number);
+        if !selection.has(number, stratum) {
+            let problem = format!(
+                "case {number} is of `{stratum}`, which --only leaves out; leave --only out, or give one of its cases"
+            );
+            return Err(input("--replay", &problem));
+        }
+    }
     let case = plan.case(number);
     let row =
         campaign::run(&case, args.clean).map_err(|error| CommandError::Input(error.to_string()))?;
     let text =
         toml::to_string(&case.scene_of(args.clean)).map_err(|error| input("scene.toml", &error))?;
-    write_all(&args.out, &[("scene.toml", &text)])?;
-    let scene = args.out.join("scene.toml");
-    let status = run::run(&run::RunArgs::of(&scene, &args.out, args.quiet), out, err)?;
+    let folder = args.folder();
+    write_all(&folder, &[("scene.toml", &text)])?;
+    let scene = folder.join("scene.toml");
+    let status = run::run(&run::RunArgs::of(&scene, &folder, args.quiet), out, err)?;
     if !args.quiet {
         let row = serde_json::to_string_pretty(&row).map_err(|error| input("row", &error))?;
         writeln!(
@@ -253,7 +340,10 @@ fn shards(paths: &[PathBuf]) -> Result<Vec<(String, Shard)>, CommandError> {
     }
     let read = |path: PathBuf| {
         let place = path.display().to_string();
-        let text = std::fs::read_to_string(&path).map_err(|error| input(&place, &error))?;
+        let text = std::fs::read_to_string(&path).map_err(|error| {
+            let problem = format!("{error}; give shards, or a folder with them");
+            input(&place, &problem)
+        })?;
         let shard = Shard::parse(&text).map_err(|error| input(&place, &error))?;
         Ok((place, shard))
     };

@@ -34,6 +34,11 @@ pub(super) fn chart(args: &ChartArgs, out: &mut impl Write) -> Result<Status, Co
     let Some(chart) = chart::find(&args.name) else {
         return Err(CommandError::Input(unknown(&args.name)));
     };
+    let place = |error: &dyn std::fmt::Display| {
+        CommandError::Input(format!("--out: {error}; give a folder that can be written"))
+    };
+    // A folder that cannot be created is found before minutes of measurements.
+    let mut files = RunFiles::create(&args.out).map_err(|error| place(&error))?;
     let bar = progress_bar();
     let drawn = (chart.draw)(args.size, &mut |done, of| {
         bar.set_length(of);
@@ -41,10 +46,6 @@ pub(super) fn chart(args: &ChartArgs, out: &mut impl Write) -> Result<Status, Co
     })
     .map_err(|error| CommandError::Input(format!("{}: {error}", chart.name)))?;
     bar.finish_and_clear();
-    let place = |error: &dyn std::fmt::Display| {
-        CommandError::Input(format!("--out: {error}; give a folder that can be written"))
-    };
-    let mut files = RunFiles::create(&args.out).map_err(|error| place(&error))?;
     let written = drawn.files(chart.name);
     for (name, text) in &written {
         let mut file = files.file(name).map_err(|error| place(&error))?;

@@ -329,8 +329,8 @@ fn strata_without_cases_are_refused() {
         (vec!["--others", "5"], "--only"),
         (vec!["--only", "slip", "--others", "0"], "--others"),
         (
-            vec!["--only", "slip", "--replay", "3"],
-            "cannot be used with",
+            vec!["--only", "encoder-glitch,slip", "--replay", "3"],
+            "--replay: case 3 is of `stuck:encoder`, which --only leaves out",
         ),
     ] {
         let said = refused(&campaign(&folder, &arguments));
@@ -349,7 +349,10 @@ fn strata_without_cases_are_refused() {
 fn invalid_campaigns_are_refused_with_a_reason() {
     let folder = folder();
     for (arguments, reported) in [
-        (vec!["--runs", "0"], "--runs: 0 cases are none"),
+        (
+            vec!["--runs", "0"],
+            "--runs 0: give a whole number, 1 or more",
+        ),
         (
             vec!["--runs", "5", "--to", "6"],
             "--to: 6 is more than --runs 5",

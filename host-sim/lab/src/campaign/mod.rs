@@ -7,10 +7,11 @@
 //!
 //! A *case* is drawn from its number ([`plan`]). Its *faulty* run and its *clean* run are one row each ([`row`]). Rows depend on seed and
 //! number alone. So a case has the same rows in any range of cases, and on any number of threads ([`shards`]). A table and a picture
-//! summarize the rows ([`tally`], [`picture`]). For rare events, only cases of a few strata are simulated ([`selection`]). Their rates are
+//! summarize the rows ([`tally`], [`picture`]). One run is offered for a replay ([`example`]). For rare events, only cases of a few strata are simulated ([`selection`]). Their rates are
 //! weighted with the shares of these strata ([`stratified`]).
 
 pub mod bound;
+pub mod example;
 pub mod flag;
 pub mod geometry;
 pub mod hold;

@@ -15,6 +15,9 @@ use host_sim::scene::Scene;
 /// Beginning of the line that identifies a shard.
 const MARK: &str = "# cophase campaign";
 
+/// Scene of a campaign whose machines are drawn.
+pub const MACHINES: &str = "machines";
+
 /// Identity of a shard.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
@@ -24,7 +27,7 @@ pub struct Header {
     pub plan: u32,
     /// The campaign's seed.
     pub seed: u64,
-    /// `machines`, or the scene's checksum.
+    /// [`MACHINES`], or the scene's checksum.
     pub scene: String,
     /// Strata that are simulated; none if all cases are.
     pub selection: Option<Selection>,
@@ -39,7 +42,7 @@ impl Header {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             plan: VERSION,
             seed: plan.seed(),
-            scene: plan.scene().map_or("machines".to_owned(), checksum),
+            scene: plan.scene().map_or(MACHINES.to_owned(), checksum),
             selection,
             numbers,
         }

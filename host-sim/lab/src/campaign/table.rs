@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::interval::Rate;
 use super::plan::strata::sensor;
 use super::rates;
-use super::shards::Header;
+use super::shards::{Header, MACHINES};
 use super::tally::{Group, Tally};
 
 /// Largest number of cases that are listed for each failure.
@@ -23,7 +23,7 @@ pub fn text(header: &Header, tally: &Tally) -> String {
         header.numbers.end.saturating_sub(1),
         header.seed,
         match header.scene.as_str() {
-            "machines" => "machines drawn".to_owned(),
+            MACHINES => "machines drawn".to_owned(),
             scene => format!("scene {scene}"),
         },
         match &header.selection {
@@ -43,7 +43,7 @@ pub fn text(header: &Header, tally: &Tally) -> String {
         Some(selection) => text.push_str(&rates::text(selection, tally)),
         None => rates_over_all(&mut text, tally),
     }
-    failures(&mut text, tally);
+    failures(&mut text, header, tally);
     text
 }
 
@@ -137,7 +137,15 @@ fn bounds(rate: Rate) -> String {
 }
 
 /// Writes the failures, each with cases to replay. Those that break a claim come first, and wrong names within the claim are listed apart.
-fn failures(text: &mut String, tally: &Tally) {
+fn failures(text: &mut String, header: &Header, tally: &Tally) {
+    let scene = match header.scene.as_str() {
+        MACHINES => "",
+        _ => "SCENE ",
+    };
+    let replay = format!(
+        "cophase campaign {scene}--seed {} --replay NUMBER",
+        header.seed
+    );
     let (mut broken, mut within) = (Vec::new(), Vec::new());
     for ((kind, encoder), group) in &tally.groups {
         let with = sensor(*encoder);
@@ -156,7 +164,7 @@ fn failures(text: &mut String, tally: &Tally) {
     }
     if !tally.tripped.is_empty() {
         broken.push(format!(
-            "- clean, something reported: {}",
+            "- clean (--clean), something reported: {}",
             list(&tally.tripped)
         ));
     }
@@ -170,7 +178,7 @@ fn failures(text: &mut String, tally: &Tally) {
             let lines = lines.join("\n");
             let _ = writeln!(
                 text,
-                "\n{heading}, by case (--replay shows one):\n\n{lines}"
+                "\n{heading}, by case (`{replay}` shows one):\n\n{lines}"
             );
         }
     }
@@ -227,11 +235,14 @@ pub(super) fn in_columns(rows: &[Vec<String>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::campaign::plan::Plan;
     use host_sim::scene::file::FaultName;
 
     /// If this fails, the list of what is not as claimed contradicts the exit status of the campaign.
     #[test]
     fn misnamed_faults_within_the_claim_are_listed_separately() {
+        let plan = Plan::new(5, None).unwrap();
+        let header = Header::new(&plan, None, 0..100);
         let of = |named: u64, what: &'static str| {
             let mut group = Group::default();
             for number in 0..100 {
@@ -244,10 +255,10 @@ mod tests {
                 ..Tally::default()
             };
             let mut text = String::new();
-            failures(&mut text, &tally);
+            failures(&mut text, &header, &tally);
             (text, tally.is_kept())
         };
-        let within = "\nMisnamed, within the 1 in 100 that is claimed, by case (--replay shows one):\n\n- slip (index), misnamed: 1 (7)\n";
+        let within = "\nMisnamed, within the 1 in 100 that is claimed, by case (`cophase campaign --seed 5 --replay NUMBER` shows one):\n\n- slip (index), misnamed: 1 (7)\n";
         assert_eq!(of(99, "misnamed"), (within.to_owned(), true));
         for (named, what) in [(98, "misnamed"), (99, "late"), (100, "left running")] {
             let (text, is_kept) = of(named, what);

@@ -35,7 +35,7 @@ pub struct Group {
 }
 
 /// Names of failures, as the list of failures shows them.
-mod failed {
+pub(super) mod failed {
     pub const LATE: &str = "late";
     pub const LEFT_RUNNING: &str = "left running";
     pub const TILTED: &str = "tilted beyond its bound";
@@ -44,6 +44,18 @@ mod failed {
     pub const MISSED: &str = "missed";
     pub const EARLY: &str = "reported before it";
     pub const DIVERGED: &str = "diverged";
+
+    /// All names. Wrong names are last, because the claim allows some.
+    pub const ALL: [&str; 8] = [
+        LATE,
+        MISSED,
+        LEFT_RUNNING,
+        TILTED,
+        TILTS_ON,
+        EARLY,
+        DIVERGED,
+        MISNAMED,
+    ];
 }
 
 impl Group {

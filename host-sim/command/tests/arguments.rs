@@ -1,0 +1,225 @@
+//! Refusal of wrong arguments: one sentence with the place, the problem and the fix, and the exit status 2.
+
+use std::process::{Command, Stdio};
+
+const COPHASE: &str = env!("CARGO_BIN_EXE_cophase");
+
+/// Runs the command in an empty folder. Returns its line on standard error, and checks that it wrote nothing else.
+fn refused(arguments: &[&str]) -> String {
+    let place = tempfile::tempdir().unwrap();
+    let mut command = Command::new(COPHASE);
+    let output = command.args(arguments).current_dir(place.path()).output();
+    let output = output.unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {output:?}");
+    assert!(output.stdout.is_empty(), "{arguments:?}: {output:?}");
+    assert_eq!(place.path().read_dir().unwrap().count(), 0, "{arguments:?}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said.lines().count(), 1, "{arguments:?}: {said}");
+    said.trim_end()
+        .strip_prefix("cophase: ")
+        .expect(&said)
+        .to_owned()
+}
+
+/// If this fails, a newcomer gets a paragraph of the parser that leaves out the fix.
+#[test]
+fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
+    for (arguments, expected) in [
+        (
+            &["rnu"][..],
+            "rnu: `cophase` has no such command; there are run, settings, link, scope, scenes, campaign, chart, reproduced, compare, \
+             design, completions, man",
+        ),
+        (
+            &["design", "crank-roker"],
+            "crank-roker: `cophase design` has no such command; did you mean `crank-rocker`? there are crank-rocker, five-bar, \
+             flywheel, screen",
+        ),
+        (
+            &["link", "bring-up", "--to", "sim"],
+            "`cophase link bring-up`: a further command is missing; give one of inputs, output, axis",
+        ),
+        (
+            &["run", "--axes", "3"],
+            "--axes: `cophase run` has no such option; `cophase run --help` has all",
+        ),
+        (
+            &["campaign", "--sed", "3"],
+            "--sed: `cophase campaign` has no such option; did you mean `--seed`? `cophase campaign --help` has all",
+        ),
+        (
+            &["link", "bring-up", "axis", "1", "--ye"],
+            "--ye: `cophase link bring-up axis` has no such option; did you mean `--yes`? `cophase link bring-up axis --help` has all",
+        ),
+        (
+            &["--quiet", "run"],
+            "--quiet: `cophase` has no such option; give it after `cophase run`",
+        ),
+        (
+            &["link", "--yes", "home"],
+            "--yes: `cophase link` has no such option; give it after `cophase link home`",
+        ),
+        (
+            &["link", "--axes", "home"],
+            "--axes: `cophase link` has no such option; `cophase link --help` has all",
+        ),
+        (
+            &["run", "default", "extra"],
+            "extra: `cophase run` takes no further argument; leave it out, or see `cophase run --help`",
+        ),
+        (
+            &["run", "--every"],
+            "--every: its value is missing; give --every <N>, or see `cophase run --help`",
+        ),
+        (
+            &["run", "--out", ""],
+            "--out: its value is missing; give --out <DIR>, or see `cophase run --help`",
+        ),
+        (
+            &["run", ""],
+            "SCENE: empty; give a scene file, or the name of a built-in scene",
+        ),
+        (
+            &["run", "--every", "-3"],
+            "--every -3: give a whole number, 1 or more",
+        ),
+        (
+            &["run", "--trace", "csv,fsdb"],
+            "--trace fsdb: there is no such value; give one of csv, vcd, fst, mcap",
+        ),
+        (
+            &["completions", "fsh"],
+            "<SHELL> fsh: there is no such value; did you mean `fish`? give one of bash, elvish, fish, powershell, zsh",
+        ),
+        (
+            &["campaign", "--seed", ""],
+            "--seed '': give a whole number, 0 or more",
+        ),
+        (
+            &["campaign", "--runs", "1e4"],
+            "--runs 1e4: give a whole number, 1 or more",
+        ),
+        (
+            &["campaign", "--seed", "99999999999999999999"],
+            "--seed 99999999999999999999: give a whole number, 0 to 18446744073709551615",
+        ),
+        (
+            &["campaign", "--shard", "1/2"],
+            "--shard: `cophase campaign` has no such option; `cophase campaign --help` has all",
+        ),
+        (
+            &["campaign", "--threads", "0"],
+            "--threads 0: give a whole number, 1 to 1024",
+        ),
+        (
+            &["campaign", "--clean"],
+            "--replay <K>: missing; give `cophase campaign --replay <K> --clean [SCENE]`, or see `cophase campaign --help`",
+        ),
+        (
+            &["campaign", "--replay", "3", "--join", "x"],
+            "--replay <K>: cannot be used with --join <PATH>...; leave one of the two out",
+        ),
+        (
+            &["campaign", "--seed", "3", "--seed", "4"],
+            "--seed <S>: given twice; give it once",
+        ),
+        (
+            &["campaign", "--join", "nowhere"],
+            "nowhere: No such file or directory (os error 2); give shards, or a folder with them",
+        ),
+        (
+            &["compare", "a"],
+            "<B>: missing; give `cophase compare <A> <B>`, or see `cophase compare --help`",
+        ),
+        (
+            &["design", "five-bar", "--l1-m", "one"],
+            "--l1-m one: give a number without a unit, with a point for fractions, such as 12.5",
+        ),
+        (
+            &["link", "override", "-5"],
+            "<PERCENT> -5: give a percentage, 0 to 120",
+        ),
+        (
+            &["link", "bring-up", "axis", "9"],
+            "<AXIS> 9: give a whole number, 0 to 5",
+        ),
+        (
+            &["scope", "--listen", "here"],
+            "--listen here: give an address of this computer in numbers, such as 127.0.0.1",
+        ),
+        (
+            &["scope", "--port", "99999"],
+            "--port 99999: give a whole number, 0 to 65535",
+        ),
+    ] {
+        assert_eq!(refused(arguments), expected, "{arguments:?}");
+    }
+}
+
+/// If this fails, an output folder that cannot be written is found only after hours of simulation.
+#[test]
+fn an_unusable_folder_is_refused_before_the_work() {
+    let place = tempfile::tempdir().unwrap();
+    std::fs::write(place.path().join("taken"), "mine").unwrap();
+    for arguments in [
+        &["campaign", "--runs", "100000000"][..],
+        &["chart", "breakdown"],
+    ] {
+        let mut command = assert_cmd::Command::new(COPHASE);
+        command
+            .args(arguments)
+            .args(["--out", "taken"])
+            .current_dir(place.path());
+        let output = command.timeout(std::time::Duration::from_secs(60)).output();
+        let output = output.unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {output:?}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            said.contains("--out: cannot create the folder taken"),
+            "{said}"
+        );
+    }
+}
+
+/// Pages of help are no refusals: those that are requested, and those of a command that needs a further word.
+#[test]
+fn help_is_printed_in_full_and_only_requested_help_succeeds() {
+    for (arguments, status) in [
+        (&["--help"][..], 0),
+        (&["campaign", "--help"], 0),
+        (&["--version"], 0),
+        (&[], 2),
+        (&["link"], 2),
+    ] {
+        let output = Command::new(COPHASE).args(arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(status), "{arguments:?}");
+        let said = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        let is_page = arguments == ["--version"] || said.concat().contains("Usage: cophase");
+        assert!(
+            is_page && said[usize::from(status == 0)].is_empty(),
+            "{said:?}"
+        );
+    }
+}
+
+/// If this fails, `cophase scenes | head` ends with an error, or with a panic.
+#[test]
+fn a_closed_pipe_ends_the_command_without_an_error() {
+    for arguments in [
+        &["scenes"][..],
+        &["scenes", "default"],
+        &["run", "--help"],
+        &["chart", "list"],
+    ] {
+        let mut command = Command::new(COPHASE);
+        command
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {output:?}");
+        assert!(output.stderr.is_empty(), "{arguments:?}: {output:?}");
+    }
+}
