@@ -303,7 +303,7 @@ pub enum Refusal {
     TooLong { length: u32, most: u32 },
     #[error("the file was damaged on the way: its CRC-32 is {found:#010x}")]
     FileCrc { found: u32 },
-    #[error("the file was refused: {0}")]
+    #[error("the controller rejected it: {0}")]
     Rejected(Text),
     #[error("not stored: {0}")]
     NotStored(Text),
