@@ -18,6 +18,7 @@ mod phases;
 mod pulse_servo;
 mod reactions;
 mod readers;
+mod reported;
 mod restarts;
 mod same_bytes;
 mod scotch_yoke;

@@ -69,6 +69,7 @@ fn mixing(slips: &[f64], mut each: impl FnMut(&Row)) {
                     command_turns: phase_turns,
                     actual_turns: phase_turns + phase_error_deg / 360.0,
                     phase_error_deg,
+                    is_overdue: false,
                 }
             })
             .collect();

@@ -8,15 +8,16 @@
 use std::io::{self, Write};
 use std::time::Instant;
 
-use host_sim::fidelity::{Answers, SampleRuns, sample_runs};
+use host_sim::fidelity::{Answers, sample_run};
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{Observer, expected_ticks, simulate_first};
 use host_sim::trace::{Every, Format, Recorder, ScopeData, Window};
 
 use super::run::frame;
 
-/// Longest duration for which nothing is printed, s.
+/// Longest duration for which nothing is printed, s: of the run, and of a sample run. The choice of a model level makes a few of these.
 const LONG_S: f64 = 3.0;
+const LONG_SAMPLE_S: f64 = 1.0;
 
 /// Number of ticks in the first timed piece, and the factor to the next piece, until the duration of a tick is measured.
 const FIRST_TICKS: u64 = 16;
@@ -29,21 +30,22 @@ const TIMED_S: f64 = 0.05;
 /// Largest ratio of the duration of a tick in motion to that of a tick at rest. The first ticks are at rest.
 const MOVING: f64 = 4.0;
 
-/// Prints the expected duration of the choice of a model level, if it is long.
+/// Prints that a model level is chosen, if that takes long. It states no time: how many sample runs the choice needs is not known before.
 ///
 /// # Errors
 /// The scene cannot be run.
 pub(super) fn before_choice(checked: &Checked, err: &mut impl Write) -> Result<(), SceneError> {
-    let Some(SampleRuns { sample, times }) = sample_runs(checked)? else {
+    let Some(sample) = sample_run(checked)? else {
         return Ok(());
     };
     let time = |ticks| time_s(ticks, &sample, Answers::default());
-    let run_s = expected_s(expected_ticks(&sample)?, LONG_S / times, time)?;
-    say(
-        err,
-        "choosing the model level takes",
-        run_s.map(|s| s * times),
-    );
+    let run_s = expected_s(expected_ticks(&sample)?, LONG_SAMPLE_S, time)?;
+    if run_s.is_some_and(|run_s| run_s > LONG_SAMPLE_S) {
+        say(
+            err,
+            "choosing the model level, by sample runs of the scene on several levels",
+        );
+    }
     Ok(())
 }
 
@@ -54,15 +56,15 @@ pub(super) fn before_choice(checked: &Checked, err: &mut impl Write) -> Result<(
 pub(super) fn before_run(checked: &Checked, err: &mut impl Write) -> Result<(), SceneError> {
     let time = |ticks| time_s(ticks, checked, recorder(checked));
     let run_s = expected_s(expected_ticks(checked)?, LONG_S, time)?;
-    say(err, "this takes", run_s);
+    if let Some(about) = run_s.and_then(about) {
+        say(err, &format!("this takes about {about}"));
+    }
     Ok(())
 }
 
-fn say(err: &mut impl Write, what: &str, seconds: Option<f64>) {
-    if let Some(about) = seconds.and_then(about) {
-        // The run continues if the message cannot be written.
-        let _ = writeln!(err, "cophase: {what} about {about}");
-    }
+fn say(err: &mut impl Write, what: &str) {
+    // The run continues if the message cannot be written.
+    let _ = writeln!(err, "cophase: {what}");
 }
 
 /// Returns a time as text, to two digits; `None` if it is short.
@@ -190,7 +192,7 @@ mod tests {
         assert_eq!(choice, "", "a sample cuts holds");
         assert!(run.starts_with("cophase: this takes about "), "{run}");
         let [choice, run] = said("ramp_s = 1e5\nhold_s = 1");
-        let start = "cophase: choosing the model level takes about ";
+        let start = "cophase: choosing the model level";
         assert!(choice.starts_with(start), "{choice}");
         assert!(!run.is_empty());
     }

@@ -130,14 +130,14 @@ impl Trial {
             choice.why.clone()
         } else if model_level < choice.model_level {
             format!(
-                "its bounds exceed the tolerances, but a sample of the scene differs from the top model level by less than {} of \
-                 each tolerance",
-                self.well_within()
+                "its error may exceed the scene's tolerances by calculation, but a sample run differs from the most detailed model \
+                 by less than {:.0} % of each tolerance",
+                100.0 * self.well_within()
             )
         } else {
             format!(
-                "the error of the model level that the bounds allow, {}, exceeded its tolerance or its bound in a sample of the \
-                 scene",
+                "the {} model is accurate enough by calculation, but in a sample run its error exceeded a tolerance, or its \
+                 calculated limit",
                 choice.model_level.name()
             )
         }

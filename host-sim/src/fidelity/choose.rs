@@ -70,7 +70,7 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
 }
 
 /// Returns true if no fault or noise of the load disturbs the machine. Bounds do not include these.
-pub(super) fn is_undisturbed(checked: &Checked) -> bool {
+pub(crate) fn is_undisturbed(checked: &Checked) -> bool {
     checked.scene.fault.is_empty() && checked.scene.noise.load_nm == 0.0
 }
 
@@ -130,11 +130,7 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
         let judged = judge(Some(&bounds), &questions, model_level, resolution);
         if judged.iter().all(Judged::is_bounded) {
             return Ok(Choice {
-                why: why(
-                    &bounds,
-                    model_level,
-                    model_levels.last() == Some(&model_level),
-                ),
+                why: why(&bounds, model_levels.last() == Some(&model_level)),
                 model_level,
                 judged,
                 resolution,
@@ -144,7 +140,7 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
     let top = model_levels.last().copied().unwrap_or(Fidelity::Kinematic);
     Ok(Choice {
         model_level: top,
-        why: "no model level's bounds are within the tolerances; this is the highest for which the scene has data".to_owned(),
+        why: "no model is accurate to the scene's tolerances by calculation; this is the most detailed one for which the scene has data".to_owned(),
         judged: judge(Some(&bounds), &questions, top, resolution),
         resolution,
     })
@@ -196,14 +192,14 @@ fn without_questions(checked: &Checked) -> Choice {
     }
 }
 
-fn why(bounds: &Bounds, model_level: Fidelity, is_top: bool) -> String {
+fn why(bounds: &Bounds, is_top: bool) -> String {
     let numbers = bounds.numbers();
-    if is_top {
-        format!("the errors of the model levels below may exceed the tolerances: {numbers}")
+    let reason = if is_top {
+        "every simpler model may be off by more than the scene's tolerances"
     } else {
-        let name = model_level.name();
-        format!("the effects that {name} leaves out are within the tolerances: {numbers}")
-    }
+        "the simplest one that is accurate to the scene's tolerances, by calculation for the undisturbed machine"
+    };
+    format!("{reason}: {numbers}")
 }
 
 /// Returns the model levels for which the scene has enough data, the lowest first.

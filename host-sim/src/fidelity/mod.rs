@@ -28,6 +28,7 @@ pub use answers::Answers;
 pub use bounds::Bounds;
 pub use check::{answered, answers, check, compare};
 pub use choice::{Choice, Judged};
+pub(crate) use choose::is_undisturbed;
 pub use choose::{LADDER, available, choose, judge, questions};
-pub use effort::{SampleRuns, sample_runs};
+pub use effort::sample_run;
 pub use output::Output;

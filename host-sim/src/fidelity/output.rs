@@ -49,9 +49,9 @@ impl Output {
     /// Returns its name in words.
     pub const fn words(self) -> &'static str {
         match self {
-            Self::Lag => "lag of a crank",
-            Self::Spread => "phase spread",
-            Self::Tilt => "tilt",
+            Self::Lag => "largest lag of a crank",
+            Self::Spread => "largest phase difference of two cranks",
+            Self::Tilt => "largest tilt",
             Self::Amax => "greatest acceleration",
             Self::Torque => "greatest motor torque",
             Self::Slips => "motors that slip, or reach their torque limit",

@@ -167,6 +167,11 @@ impl SimulatedAxis {
         needed
     }
 
+    /// Ends an overload: a motor that is off gives no torque.
+    pub fn switch_off(&mut self) {
+        self.overload = Overload::None;
+    }
+
     /// Takes the command of the drive in a tick, for machines whose cranks are moved by torque.
     ///
     /// The count of pulses bounds the command to one step either way. Within that it follows `command_turns`, the phase from which the

@@ -175,7 +175,7 @@ impl Machine {
         self.rotors.as_ref().map(Rotors::motion)
     }
 
-    /// Torque that motor `i` gives, or that is required of it, N·m; none on a model level without torque.
+    /// Torque that motor `i` gives, or that is required of it, N·m; 0 with the drives off, and none on a model level without torque.
     pub fn motor_torque_nm(&self, i: usize) -> Option<f64> {
         let required = self.required_nm.as_ref().map(|required| required[i]);
         required.or_else(|| self.torques_nm().map(|torques| torques[i]))
@@ -403,7 +403,7 @@ impl Machine {
             self.omega_before = omega;
         }
         if self.torques {
-            self.compare_torques(omega, acceleration);
+            self.compare_torques(omega, acceleration, drives_enabled);
         }
         if let (Some(faulted_drives), Some(disturbance)) = (&mut self.faulted_drives, disturbance) {
             let commanded = command(&mut self.axes, played, command_turns);

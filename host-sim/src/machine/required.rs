@@ -1,6 +1,7 @@
 //! Required torque of each motor, on the quasi-static model level and for diagrams of it.
 
-use super::Machine;
+use super::{Machine, SimulatedAxis};
+use crate::axes::per_axis;
 
 impl Machine {
     /// Share of the load torque that each crank carries, N·m, with the cranks at these angles, rad. The torque at each angle is that
@@ -33,8 +34,13 @@ impl Machine {
         self.axes[i].required_nm(share_nm, acceleration_rad_s2, hz)
     }
 
-    /// Compares the torque that the motion of this tick needs with the torque of each motor.
-    pub(super) fn compare_torques(&mut self, omega: f64, acceleration: f64) {
+    /// Compares the torque that the motion of this tick needs with the torque of each motor. With the drives off there is none to compare.
+    pub(super) fn compare_torques(&mut self, omega: f64, acceleration: f64, drives_enabled: bool) {
+        if !drives_enabled {
+            self.axes.iter_mut().for_each(SimulatedAxis::switch_off);
+            self.required_nm = Some(per_axis(self.axes.len(), |_| 0.0));
+            return;
+        }
         let alphas = self.axes.iter();
         let alphas = alphas.map(|axis| axis.turns() * std::f64::consts::TAU);
         let share_nm = self.share_nm(alphas, omega, acceleration);

@@ -3,8 +3,12 @@
 //! In a campaign, the true cause of each fault is known. So a campaign counts how often a cause gets a name: the likelihood of the
 //! cause. If all causes are equally frequent, the likelihoods are proportional to the probabilities of the causes (Bayes' theorem).
 
+use std::cmp::Ordering;
+
+use cophase_core::drift::alternatives;
 use cophase_core::settings::AxisSettings;
-use cophase_core::supervisor::Fault;
+use cophase_core::supervisor::{Fault, FaultKind};
+use serde::Serialize;
 
 /// Numbers of faulty runs. [The manual](../../../docs/campaign.md#what-a-name-means) has the command that writes them.
 const COUNTED: &str = include_str!("../../../docs/causes.csv");
@@ -70,33 +74,72 @@ fn probabilities(
     likelihoods.into_iter().map(normalise).collect()
 }
 
-/// Returns a sentence about the probabilities of a fault's causes, with those of at least 1 %. It is empty if fewer than two remain, or
-/// if no campaign draws axes with such sensors.
-pub(super) fn causes_in_words(
-    fault: &Fault,
-    axis: &AxisSettings,
-    others: &[&'static str],
-) -> String {
-    if axis.index_turns.is_none() {
-        return String::new();
+/// Kind of fault that may be behind the name of a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Cause {
+    pub kind: &'static str,
+    /// Probability, 0 to 1, if all causes are equally frequent; `None` if the campaigns do not show it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probability: Option<f64>,
+}
+
+/// Returns the causes that the sensors of the fault's axis cannot distinguish, the most probable first. One of them is the name of the
+/// fault. It is empty if there is no other, and for the names of limits, which state no cause.
+pub(super) fn causes(fault: &Fault, axes: &[AxisSettings]) -> Vec<Cause> {
+    let is_limit = matches!(
+        fault.kind,
+        FaultKind::Tilt | FaultKind::Warp | FaultKind::HomingRangeExceeded
+    );
+    let axis = fault.axis.filter(|_| !is_limit);
+    let Some(settings) = axis.and_then(|axis| axes.get(axis)) else {
+        return Vec::new();
+    };
+    let others: Vec<_> = alternatives(fault, settings).map(FaultKind::name).collect();
+    if others.is_empty() {
+        return Vec::new();
     }
-    let causes: Vec<_> = probabilities(fault, axis.encoder, others)
+    // No campaign draws axes without an index.
+    let known = if settings.index_turns.is_some() {
+        probabilities(fault, settings.encoder, &others)
+    } else {
+        Vec::new()
+    };
+    let probability = |kind| known.iter().find(|(cause, _)| *cause == kind);
+    let mut causes: Vec<_> = [fault.kind.name()]
         .into_iter()
-        .map(|(cause, probability)| (cause, (100.0 * probability).round()))
+        .chain(others)
+        .map(|kind| Cause {
+            kind,
+            probability: (!known.is_empty()).then(|| probability(kind).map_or(0.0, |(_, p)| *p)),
+        })
+        .collect();
+    // A stable sort: without probabilities the name stays first.
+    causes.sort_by(|a, b| {
+        b.probability
+            .partial_cmp(&a.probability)
+            .unwrap_or(Ordering::Equal)
+    });
+    causes
+}
+
+/// Returns a sentence about the probabilities of causes, with those of at least 1 %. It is empty if fewer than two remain.
+pub(super) fn causes_in_words(causes: &[Cause]) -> String {
+    let likely: Vec<_> = causes
+        .iter()
+        .filter_map(|cause| Some((cause.kind, (100.0 * cause.probability?).round())))
         .filter(|&(_, percent)| percent >= 1.0)
         .map(|(cause, percent)| format!("{cause} {percent} %"))
         .collect();
-    if causes.len() < 2 {
+    if likely.len() < 2 {
         return String::new();
     }
-    let causes = causes.join(", ");
-    format!(" If all of them are equally frequent, their probabilities are: {causes}.")
+    let likely = likely.join(", ");
+    format!(" If all of them are equally frequent, their probabilities are: {likely}.")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cophase_core::supervisor::FaultKind;
     use cophase_core::units::Turns;
 
     fn fault(kind: FaultKind, size: f64) -> Fault {

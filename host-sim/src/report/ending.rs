@@ -3,10 +3,9 @@
 use std::fmt::Write;
 use std::ops::Range;
 
-use cophase_core::drift::alternatives;
-use cophase_core::supervisor::{Fault, FaultKind, Reaction, State, reaction};
+use cophase_core::supervisor::{Fault, Reaction, State, reaction};
 
-use super::causes::causes_in_words;
+use super::causes::{causes, causes_in_words};
 use super::words::{fault_words, plural};
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
@@ -166,24 +165,19 @@ fn stopped_by_fault(
 
 /// Returns a sentence about other faults that look the same to the sensors of the axis, if there are any.
 fn alike(checked: &Checked, fault: &Fault) -> String {
-    // The names of limits state no cause.
-    let is_limit = matches!(
-        fault.kind,
-        FaultKind::Tilt | FaultKind::Warp | FaultKind::HomingRangeExceeded
-    );
-    let Some(axis) = fault.axis.filter(|_| !is_limit) else {
+    let causes = causes(fault, &checked.settings.axes);
+    let Some(axis) = fault.axis else {
         return String::new();
     };
-    let Some(settings) = checked.settings.axes.get(axis) else {
-        return String::new();
-    };
-    let others: Vec<_> = alternatives(fault, settings).map(FaultKind::name).collect();
-    let causes = causes_in_words(fault, settings, &others);
+    let others: Vec<_> = (causes.iter().map(|cause| cause.kind))
+        .filter(|kind| *kind != fault.kind.name())
+        .collect();
+    let in_words = causes_in_words(&causes);
     match &others[..] {
         [] => String::new(),
-        [other] => format!(" To the sensors of axis {axis}, {other} looks the same.{causes}"),
+        [other] => format!(" To the sensors of axis {axis}, {other} looks the same.{in_words}"),
         others => format!(
-            " To the sensors of axis {axis}, these look the same: {}.{causes}",
+            " To the sensors of axis {axis}, these look the same: {}.{in_words}",
             others.join(", ")
         ),
     }

@@ -2,7 +2,9 @@
 
 mod causes;
 mod ending;
+mod lists;
 mod model;
+mod questions;
 mod recorded;
 mod standing;
 mod summary;
@@ -19,17 +21,19 @@ pub use written::Written;
 use std::collections::BTreeMap;
 
 use cophase_core::settings::{AxisSettings, Settings};
-use cophase_core::supervisor::{Fault, State};
+use cophase_core::supervisor::State;
 use serde::Serialize;
 
+use lists::{
+    CorrectionReport, EventReport, FaultReport, InjectedReport, correction_report, event_report,
+    faults_in, injected_report,
+};
 use model::{FidelityReport, MethodReport};
 
 use crate::plant::Figure;
-use crate::scene::file::FaultName;
 use crate::scene::{Checked, Scene};
 use crate::sim::Outcome;
-use crate::sim::events::{Event, EventKind, StoppedBy};
-use crate::units::degrees;
+use crate::sim::events::{EventKind, StoppedBy};
 
 /// Content of `report.json`.
 ///
@@ -82,6 +86,9 @@ pub struct Report<'a> {
     /// Injected faults, in the order in which they began.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     injected: Vec<InjectedReport>,
+    /// Corrections of phase errors in the run.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    corrections: Vec<CorrectionReport>,
     /// Faults that the loop reported, whatever its reaction.
     reported_faults: Vec<FaultReport>,
     faults: Vec<FaultReport>,
@@ -194,30 +201,6 @@ struct HoldingReport {
     worst_relative_error: f64,
 }
 
-#[derive(Clone, Debug, Serialize)]
-struct FaultReport {
-    t_s: f64,
-    kind: &'static str,
-    axis: Option<usize>,
-    size_deg: f64,
-    phase_deg: f64,
-    tick: u64,
-}
-
-#[derive(Clone, Copy, Debug, Serialize)]
-struct InjectedReport {
-    at_s: f64,
-    kind: FaultName,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    axis: Option<usize>,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct EventReport {
-    t_s: f64,
-    what: String,
-}
-
 /// Speed of a run.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Speed {
@@ -236,6 +219,7 @@ impl<'a> Report<'a> {
         wall_s: f64,
     ) -> Self {
         let statistics = &outcome.statistics;
+        let axes = &checked.settings.axes;
         let [idle, homing, run, stop, parked, fault] =
             statistics.time_in_state_s.map(|s| round(s, 6));
         let axis = |i: usize| AxisReport {
@@ -327,11 +311,16 @@ impl<'a> Report<'a> {
                 .iter()
                 .filter_map(injected_report)
                 .collect(),
-            reported_faults: faults_in(&statistics.events, |what| match what {
+            corrections: statistics
+                .events
+                .iter()
+                .filter_map(|event| correction_report(event, axes.len()))
+                .collect(),
+            reported_faults: faults_in(&statistics.events, axes, |what| match what {
                 EventKind::Reported(fault) => Some(fault),
                 _ => None,
             }),
-            faults: faults_in(&statistics.events, |what| match what {
+            faults: faults_in(&statistics.events, axes, |what| match what {
                 EventKind::Fault { fault, .. } => Some(fault),
                 _ => None,
             }),
@@ -344,43 +333,6 @@ impl<'a> Report<'a> {
                 times_real_time: outcome.simulated_s() / wall_s.max(1e-9),
             },
         }
-    }
-}
-
-/// Returns the reports of the events for which `pick` gives a fault.
-fn faults_in(events: &[Event], pick: fn(&EventKind) -> Option<&Fault>) -> Vec<FaultReport> {
-    events
-        .iter()
-        .filter_map(|event| Some(fault_report(event.t_s, pick(&event.what)?)))
-        .collect()
-}
-
-fn fault_report(t_s: f64, fault: &Fault) -> FaultReport {
-    FaultReport {
-        t_s: round(t_s, 9),
-        kind: fault.kind.name(),
-        axis: fault.axis,
-        size_deg: degrees(fault.size),
-        phase_deg: degrees(fault.phase.within_turn()),
-        tick: fault.tick,
-    }
-}
-
-fn injected_report(event: &Event) -> Option<InjectedReport> {
-    let EventKind::Injected(fault) = &event.what else {
-        return None;
-    };
-    Some(InjectedReport {
-        at_s: round(event.t_s, 9),
-        kind: fault.kind,
-        axis: fault.axis,
-    })
-}
-
-fn event_report(event: &Event) -> EventReport {
-    EventReport {
-        t_s: round(event.t_s, 9),
-        what: describe(&event.what),
     }
 }
 

@@ -2,11 +2,13 @@
 
 use std::fmt::Write;
 
+use cophase_core::settings::AxisSettings;
 use cophase_core::supervisor::State;
 use cophase_link::message::{Counters, Identity};
 use serde::Serialize;
 
-use super::{EventReport, FaultReport, TimeInState, Written, event_report, faults_in, round};
+use super::lists::{EventReport, FaultReport, event_report, faults_in};
+use super::{TimeInState, Written, round};
 use crate::record::{Gaps, Recorded};
 use crate::sim::events::EventKind;
 
@@ -78,10 +80,11 @@ struct WrittenReport {
 }
 
 impl<'a> RecordedReport<'a> {
-    /// Creates the report of a recording of a controller, with the counters of its loop, the frames of the line, and the reason if the
-    /// line was lost.
+    /// Creates the report of a recording of a controller with these axes, with the counters of its loop, the frames of the line, and the
+    /// reason if the line was lost.
     pub fn new(
         identity: &'a Identity,
+        axes: &[AxisSettings],
         recorded: &'a Recorded,
         counters: &Counters,
         frames: Frames,
@@ -138,11 +141,11 @@ impl<'a> RecordedReport<'a> {
             amax_top_mps2: totals.top_amax_mps2,
             late_deadlines: counters.late_deadlines,
             missed_deadlines: counters.missed_deadlines,
-            reported_faults: faults_in(&recorded.events, |what| match what {
+            reported_faults: faults_in(&recorded.events, axes, |what| match what {
                 EventKind::Reported(fault) => Some(fault),
                 _ => None,
             }),
-            faults: faults_in(&recorded.events, |what| match what {
+            faults: faults_in(&recorded.events, axes, |what| match what {
                 EventKind::Fault { fault, .. } => Some(fault),
                 _ => None,
             }),

@@ -3,12 +3,11 @@
 use std::fmt::Write;
 
 use super::ending::{coasting, ending, held};
-use super::model::judged;
+use super::questions::model;
 use super::words::plural;
 use super::written::Written;
 use super::{describe, notable, warnings};
 use crate::design::STANDARD_GRAVITY_MPS2;
-use crate::fidelity::{Judged, Output};
 use crate::machine::Peaks;
 use crate::scene::Checked;
 use crate::scene::file::{Drive, Fidelity};
@@ -32,81 +31,6 @@ pub fn summary(
     page
 }
 
-/// Returns a line about the accuracy of a requested output.
-fn answered(judged: &Judged, checked: &Checked, outcome: &Outcome) -> String {
-    let output = judged.output;
-    let in_unit = |value: f64, unit: &str| match unit {
-        "°" => format!("{}°", significant(value)),
-        unit => format!("{} {unit}", significant(value)),
-    };
-    let with_unit = |value: f64| in_unit(value, output.unit());
-    let requested = match output {
-        Output::Slips => String::new(),
-        Output::Lag | Output::Spread => format!(", required to {}°", judged.tolerance),
-        _ => format!(", required to {} {}", judged.tolerance, output.unit()),
-    };
-    let bound = match judged.bound {
-        Some(bound) => format!("off by at most {}", with_unit(bound)),
-        None => "nothing bounds how far it is off".to_owned(),
-    };
-    let measured = judged.measured.map_or_else(String::new, |(off, against)| {
-        format!(
-            "; {} in a sample, against {}",
-            with_unit(off),
-            against.name()
-        )
-    });
-    let step_error = judged.step_error.map_or_else(String::new, |off| {
-        format!("; half the step changes it by {}", with_unit(off))
-    });
-    let value = match judged.value {
-        Some(value) if output == Output::Slips => {
-            let off = slipped_off(checked, outcome, value as usize);
-            format!("{value}{off}, ")
-        }
-        Some(value) => format!("{}, ", in_unit(value, output.value_unit())),
-        None => String::new(),
-    };
-    format!(
-        "{}{requested}: {value}{bound}{measured}{step_error}.",
-        output.words()
-    )
-}
-
-/// Returns the part of the slipped motors that slipped only after the drives were off, in words; empty if there is none, or if
-/// motors at their torque limit may be among them.
-fn slipped_off(checked: &Checked, outcome: &Outcome, all: usize) -> String {
-    let statistics = &outcome.statistics;
-    let axes = 0..checked.scene.axes.count;
-    let slips = |axis: usize| {
-        let is_slip = |event: &Event| matches!(event.what, EventKind::Slipped { axis: own, .. } if own == axis);
-        statistics.events.iter().any(is_slip)
-    };
-    if axes
-        .clone()
-        .any(|axis| checked.scene.drive(axis) != Drive::Stepper)
-    {
-        return String::new();
-    }
-    match all.saturating_sub(axes.filter(|&axis| slips(axis)).count()) {
-        0 => String::new(),
-        off => format!(" ({off} of them only after the drives were off)"),
-    }
-}
-
-/// Formats a number with two digits, which is enough for a bound.
-fn significant(value: f64) -> String {
-    // Smaller values are rounding errors.
-    if value < 2e-6 {
-        "0".to_owned()
-    } else if (0.01..1000.0).contains(&value) {
-        let digits = if value < 0.1 { 3 } else { 2 };
-        format!("{value:.digits$}")
-    } else {
-        format!("{value:.1e}")
-    }
-}
-
 fn write_page(
     page: &mut String,
     checked: &Checked,
@@ -122,15 +46,7 @@ fn write_page(
         ": "
     };
     writeln!(page, "{}{colon}{}", scene.name, scene.description)?;
-    writeln!(
-        page,
-        "{} model: {}.",
-        capital(checked.fidelity.name()),
-        checked.why()
-    )?;
-    for judged in judged(checked) {
-        writeln!(page, "  {}", answered(judged, checked, outcome))?;
-    }
+    model(page, checked, outcome)?;
     writeln!(page)?;
 
     let mut listed = notable(&statistics.events);
@@ -251,7 +167,11 @@ fn write_page(
         let trims: Vec<_> = trims
             .map(|(axis, trim_deg)| format!("axis {axis} {trim_deg:.2}°"))
             .collect();
-        writeln!(page, "Corrections as the run ended: {}.", trims.join(", "))?;
+        writeln!(
+            page,
+            "Phase offsets by the correction as the run ended: {}.",
+            trims.join(", ")
+        )?;
     }
     if let Some(coupling) = coupling(checked) {
         writeln!(page, "{coupling}")?;
@@ -273,14 +193,14 @@ fn write_page(
     if let Some((axis, (used, hz))) = closest.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
         if used.is_finite() {
             // Smaller differences print as the same number.
-            let which = if least > 0.995 * used && scene.axes.count > 1 {
-                "all axes".to_owned()
+            let (which, has) = if least > 0.995 * used && scene.axes.count > 1 {
+                ("all axes".to_owned(), "they have")
             } else {
-                format!("axis {axis}")
+                (format!("axis {axis}"), "it has")
             };
             writeln!(
                 page,
-                "Closest to pull-out: {which}, loaded to {:.0} % of the torque that it has at {hz:.2} rev/s.",
+                "Closest to pull-out: {which}, loaded to {:.0} % of the torque that {has} at {hz:.2} rev/s.",
                 used * 100.0
             )?;
         } else {
@@ -403,11 +323,4 @@ fn relative(error: f64) -> String {
         e if e < 1e-3 => format!("{:.2} parts in a million", e * 1e6),
         e => format!("{:.2} %", e * 100.0),
     }
-}
-
-fn capital(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
 }

@@ -58,6 +58,13 @@ pub fn describe(what: &EventKind) -> String {
         EventKind::Lagged { for_s, worst_mps2 } => {
             format!("behind the program for {for_s:.2} s, by at most {worst_mps2:.2} m/s²")
         }
+        EventKind::Corrected { by_deg, in_s } => {
+            let axes = by_deg.iter().enumerate().filter(|(_, deg)| **deg != 0.0);
+            let moved: Vec<_> = axes
+                .map(|(axis, deg)| format!("axis {axis} by {deg:+.2}°"))
+                .collect();
+            format!("phase corrected in {in_s:.2} s: {}", moved.join(", "))
+        }
         EventKind::Slipped { axis, cycles: 0 } => format!("axis {axis} slips, and is back in step"),
         EventKind::Slipped { axis, cycles } => {
             let direction = if cycles < 0 { "behind" } else { "ahead" };
@@ -160,10 +167,10 @@ pub fn fault_words(fault: &Fault) -> String {
     if fault.size != Turns::ZERO {
         let size_deg = degrees(fault.size);
         words += &match fault.kind {
-            // The reason, and not how late the pulse is, which depends on the sensors.
+            // A bound: nothing was measured.
             FaultKind::IndexTimeout => {
                 format!(
-                    ": no pulse; {:.2}° behind is beyond a limit",
+                    ": no pulse, so the crank may be {:.2}° behind or more, beyond a limit",
                     size_deg.abs()
                 )
             }

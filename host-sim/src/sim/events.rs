@@ -1,6 +1,7 @@
 //! Events of a run.
 
 use cophase_core::supervisor::{Command, Fault, State};
+use cophase_core::units::PerAxis;
 
 use crate::scene::file::{FaultAt, InputLine};
 
@@ -71,6 +72,13 @@ pub enum EventKind {
         axis: usize,
         /// Cycles by which it is off now; negative is behind.
         cycles: i64,
+    },
+    /// The controller corrected phase errors in a run: it moved the offsets of axes.
+    Corrected {
+        /// Angle by which each axis was moved, degrees; 0 for an axis that does not exist. The angles add up to zero.
+        by_deg: PerAxis<f64>,
+        /// Duration, s.
+        in_s: f64,
     },
     /// The loop missed deadlines completely.
     Missed {

@@ -4,6 +4,7 @@
 //! tick. An observer never changes the run.
 
 pub mod coast;
+mod corrections;
 pub mod event_watch;
 pub mod events;
 mod forces;

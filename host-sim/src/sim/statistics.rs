@@ -6,6 +6,7 @@ use cophase_core::units::{Amax, PerAxis, Turns};
 
 use super::Moment;
 use super::coast::Coast;
+use super::corrections::Corrections;
 use super::event_watch::{EventWatch, NewEvents};
 use super::events::{Event, EventKind, StoppedBy};
 use super::forces::PeakForces;
@@ -113,6 +114,7 @@ pub struct Statistics {
     stop_requested: bool,
     state: Option<State>,
     event_watch: EventWatch,
+    corrections: Corrections,
     /// Time at which the shaft entered a band, s, and true if its speed was rising then.
     band: Option<(f64, bool)>,
     held: Option<f64>,
@@ -169,6 +171,10 @@ impl Statistics {
             stop_requested: false,
             state: None,
             event_watch: EventWatch::default(),
+            corrections: Corrections::new(
+                checked.scene.drift.reading_error_deg,
+                1.0 / f64::from(checked.scene.control.tick_hz),
+            ),
             band: None,
             held: None,
             lag: None,
@@ -207,6 +213,9 @@ impl Statistics {
         self.level(moment);
         if let Some(new_events) = self.event_watch.tick(telemetry) {
             self.publish(new_events, telemetry, t_s);
+        }
+        if let Some(Event { t_s, what }) = self.corrections.tick(telemetry, t_s) {
+            self.note(t_s, what);
         }
         if self.state != Some(telemetry.state) {
             self.state = Some(telemetry.state);

@@ -17,6 +17,7 @@ mod fst;
 mod json;
 mod layout;
 mod mcap;
+mod overdue;
 mod recorder;
 mod rounding;
 mod row;

@@ -71,4 +71,6 @@ pub struct AxisRow {
     pub actual_turns: f64,
     /// Phase error as the monitor last measured it, degrees.
     pub phase_error_deg: f64,
+    /// True if no measurement stands behind it any more: the next one is overdue by more than a turn, or the axis has no sensor.
+    pub is_overdue: bool,
 }

@@ -110,6 +110,7 @@ mod tests {
             command_turns: -123_456_789.123_456_79,
             actual_turns: -123_456_789.123_456_79,
             phase_error_deg: -17_999.123_45,
+            is_overdue: false,
         };
         let row = Row {
             t_s: 1_000_000.123_456_789,

@@ -151,7 +151,14 @@ pub(super) fn record(
         damaged: frames.bad,
         missing: frames.missing,
     };
-    let written = RecordedReport::new(identity, &recorded, &counters, frames, lost_line.as_deref());
+    let written = RecordedReport::new(
+        identity,
+        &settings.axes,
+        &recorded,
+        &counters,
+        frames,
+        lost_line.as_deref(),
+    );
     write_page(&mut report, &mut svg, &written, &recorded).map_err(|e| input(e.to_string()))?;
     drop((report, svg));
     if recorded.no_edges.is_some() {

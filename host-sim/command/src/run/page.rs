@@ -67,6 +67,7 @@ pub(super) fn mark(scope: &mut ScopeData, outcome: &Outcome) {
                 scope.mark(event.t_s, &report::describe(&event.what));
             }
             EventKind::State(_)
+            | EventKind::Corrected { .. }
             | EventKind::Stopped { .. }
             | EventKind::Running { .. }
             | EventKind::Lagged { .. } => {}

@@ -91,13 +91,15 @@ impl Cranks {
             return "at top speed a motor has no torque left".to_owned();
         }
         let lag = if worst.lag_rad.is_finite() {
-            format!("lag of at most {:.2}°", degrees(worst.lag_rad))
+            format!("a crank lags by at most {:.2}°", degrees(worst.lag_rad))
         } else {
-            "a lag that nothing bounds".to_owned()
+            "no limit of a crank's lag is known".to_owned()
         };
         format!(
-            "torque ratio {required:.2} ({:.2} with what oscillates), frequency ratio {:.2}, {lag}",
-            most(&worst.torque_ratio),
+            "the motors need at most {:.0} % of their torque ({:.0} % with oscillations), the load oscillates at no more than {:.2} \
+             times a crank's natural frequency, and {lag}",
+            100.0 * required,
+            100.0 * most(&worst.torque_ratio),
             worst.frequency_ratio,
         )
     }

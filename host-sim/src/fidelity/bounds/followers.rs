@@ -73,7 +73,8 @@ impl Followers {
     /// Returns a sentence with the numbers from which the bounds follow.
     pub fn numbers(&self) -> String {
         format!(
-            "frequency ratio {:.3}, acceleration off by at most {:.1} %",
+            "the cam turns at no more than {:.3} times the follower's lowest natural frequency, which changes the acceleration by at \
+             most {:.1} %",
             self.frequency_ratio,
             100.0 * self.off
         )

@@ -143,10 +143,8 @@ impl ScopeData {
             self.amplitude
                 .measure(row.omega_rad_s, row.phase_turns, row.accel_mps2);
         for (i, phase_error) in phase_errors.iter_mut().enumerate() {
-            *phase_error = row
-                .axes
-                .get(i)
-                .map_or(f64::NAN, |axis| axis.phase_error_deg);
+            let measured = row.axes.get(i).filter(|axis| !axis.is_overdue);
+            *phase_error = measured.map_or(f64::NAN, |axis| axis.phase_error_deg);
         }
         self.envelope.push(row.t_s, &self.values);
     }

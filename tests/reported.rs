@@ -1,0 +1,196 @@
+//! What a run reports: torque, curves, causes and corrections.
+
+use cophase_tests::{Run, record, scene};
+use host_sim::report::summary;
+use host_sim::scene::Checked;
+use host_sim::trace::{Every, Window};
+
+/// Four steppers at a steady 20 rev/s from 2 s on. Each corrects half of a phase error in a turn.
+const SCENE: &str = r#"
+name = "reported"
+fidelity = "FIDELITY"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 8
+mount_radius_mm = 200
+[limits]
+speed_hz = 30
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 600
+homing_speed_hz = 5
+[axes]
+count = 4
+drive = "stepper"
+steps_per_turn = 3200
+rotor_inertia_kgm2 = 8e-4
+friction_nm = 0.2
+pull_out = [[0, 60.0], [60, 45.0]]
+[correction]
+gain = 0.5
+[[program]]
+amax_g = 16
+ramp_s = 0.5
+hold_s = 4
+"#;
+
+fn checked(fidelity: &str, more: &str) -> Checked {
+    scene(&(SCENE.replace("FIDELITY", fidelity) + more))
+}
+
+fn run(checked: &Checked) -> Run {
+    record(checked, Every::Ticks(1), Window::FirstMotion)
+}
+
+fn printed(checked: &Checked, run: &Run) -> String {
+    summary(checked, &run.outcome, None, 1.0)
+}
+
+/// If this fails, a run reports that a motor was overloaded when its drive was off: the master stops at once then, which no motor has
+/// to do.
+#[test]
+fn motors_that_are_off_are_not_loaded() {
+    let undisturbed = run(&checked("quasi-static", ""));
+    let used = |run: &Run| run.outcome.statistics.torque_used[0].expect("torques are compared");
+    let (most, _) = used(&undisturbed);
+    let cut = checked(
+        "quasi-static",
+        "[[fault]]\nat_s = 3\nkind = \"enable-loss\"\n",
+    );
+    let off = run(&cut);
+    let (off_most, off_hz) = used(&off);
+    assert!(
+        off_most <= most && off_hz > 1.0,
+        "{off_most} at {off_hz} rev/s of {most}"
+    );
+    let page = printed(&cut, &off);
+    assert!(
+        page.contains("Closest to pull-out: all axes, loaded to "),
+        "{page}"
+    );
+    assert!(page.contains("of the torque that they have at "), "{page}");
+    // The drives come on again for a second homing, from rest.
+    let again = "[[fault]]\nat_s = 3\nkind = \"enable-loss\"\nfor_s = 0.2\n\
+                 [[command]]\nat_s = 0\ndo = \"start\"\n\
+                 [[command]]\nat_s = 4\ndo = \"reset\"\n\
+                 [[command]]\nat_s = 4.2\ndo = \"start\"\n";
+    let again = run(&checked("quasi-static", again));
+    assert!(again.outcome.statistics.top_speed_hz > 5.0);
+    assert!(
+        used(&again).0 <= 1.001 * most,
+        "{:?} of {most}",
+        used(&again)
+    );
+}
+
+/// Returns the largest x on the page of the curves of a colour.
+fn end_of(svg: &str, colour: &str) -> f64 {
+    let paths = svg.split("<path").filter(|path| {
+        let path = path.split('>').next().unwrap_or_default();
+        path.contains(&format!("stroke=\"{colour}\""))
+    });
+    let xs = paths.flat_map(|path| {
+        let d = path.split(" d=\"").nth(1).unwrap_or_default();
+        let d = d.split('"').next().unwrap_or_default();
+        d.split(['M', 'L', ' '])
+            .filter_map(|point| point.split(',').next()?.parse::<f64>().ok())
+            .collect::<Vec<_>>()
+    });
+    xs.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Colour of axis 3 alone, and of axis 0.
+const AXIS_3: &str = "#CC79A7";
+const AXIS_0: &str = "#0072B2";
+
+/// If this fails, the page shows a crank without a phase error that nothing measures any more.
+#[test]
+fn the_curve_of_a_stuck_crank_ends() {
+    let sound = run(&checked("kinematic", "")).svg;
+    assert_eq!(end_of(&sound, AXIS_3), end_of(&sound, AXIS_0));
+    let stuck = "[[fault]]\nat_s = 2.5\nkind = \"stuck\"\naxis = 3\n";
+    let stuck = run(&checked("kinematic", stuck)).svg;
+    let (ended, page) = (end_of(&stuck, AXIS_3), end_of(&stuck, AXIS_0));
+    assert!(
+        ended > 0.5 * page && ended < 0.95 * page,
+        "{ended} of {page}"
+    );
+}
+
+/// If this fails, a program that reads the report takes the name of a fault for its only possible cause.
+#[test]
+fn the_report_lists_the_causes_of_a_fault() {
+    let lost = checked(
+        "kinematic",
+        "[[fault]]\nat_s = 2.5\nkind = \"lost-steps\"\naxis = 2\n",
+    );
+    let run = run(&lost);
+    let fault = run.report["faults"].as_array().unwrap().last().unwrap();
+    assert_eq!(fault["kind"], "lost-steps", "{fault}");
+    let causes = fault["causes"].as_array().expect("others look alike");
+    let kinds: Vec<_> = causes
+        .iter()
+        .map(|cause| cause["kind"].as_str().unwrap())
+        .collect();
+    assert_eq!(kinds, ["lost-steps", "stuck", "slip"]);
+    let of = |i: usize| {
+        causes[i]["probability"]
+            .as_f64()
+            .expect("campaigns have counted it")
+    };
+    assert!(of(0) > of(1) && of(1) > of(2), "{fault}");
+    assert!((of(0) + of(1) + of(2) - 1.0).abs() < 1e-9, "{fault}");
+    let percent = format!(
+        "lost-steps {:.0} %, stuck {:.0} %",
+        100.0 * of(0),
+        100.0 * of(1)
+    );
+    let page = printed(&lost, &run);
+    assert!(page.contains(&percent), "{percent}: {page}");
+    let cut = run_of_a_cut();
+    let fault = &cut.report["faults"][0];
+    assert!(fault.get("causes").is_none(), "{fault}");
+}
+
+fn run_of_a_cut() -> Run {
+    run(&checked(
+        "kinematic",
+        "[[fault]]\nat_s = 2.5\nkind = \"enable-loss\"\n",
+    ))
+}
+
+/// If this fails, a run corrects a crank, and neither its summary nor its report says by how much.
+#[test]
+fn a_correction_is_reported_with_angle_and_duration() {
+    let slip =
+        "[[fault]]\nat_s = 2.5\nkind = \"slip\"\naxis = 1\nrate_deg_per_s = 8\nfor_s = 0.25\n";
+    let slips = checked("kinematic", slip);
+    let run_of_it = run(&slips);
+    let corrections = run_of_it.report["corrections"].as_array().unwrap();
+    assert_eq!(corrections.len(), 1, "{corrections:?}");
+    let number = |key: &str| corrections[0][key].as_f64().unwrap();
+    assert!((2.5..2.7).contains(&number("t_s")) && number("in_s") > 0.2);
+    let by_deg: Vec<f64> = corrections[0]["by_deg"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|deg| deg.as_f64().unwrap())
+        .collect();
+    assert_eq!(by_deg.len(), 4);
+    // The crank slipped by 2°. The offsets sum to zero, to half a step.
+    let against = by_deg[1] - by_deg[0];
+    assert!((against - 2.0).abs() < 0.3, "{by_deg:?}");
+    assert!(
+        by_deg.iter().sum::<f64>().abs() < 360.0 / 3200.0,
+        "{by_deg:?}"
+    );
+    let line = format!("phase corrected in {:.2} s: ", number("in_s"));
+    let axis = format!("axis 1 by {:+.2}°", by_deg[1]);
+    let page = printed(&slips, &run_of_it);
+    let lines = page
+        .lines()
+        .filter(|text| text.contains(&line) && text.contains(&axis));
+    assert_eq!(lines.count(), 1, "{line}{axis}: {page}");
+    let undisturbed = run(&checked("kinematic", ""));
+    assert!(undisturbed.report.get("corrections").is_none());
+}
