@@ -3,6 +3,7 @@
 use cophase_tests::{Run, record, scene};
 use host_sim::report::summary;
 use host_sim::scene::Checked;
+use host_sim::sim::events::{Event, EventKind};
 use host_sim::trace::{Every, Window};
 
 /// Four steppers at a steady 20 rev/s from 2 s on. Each corrects half of a phase error in a turn.
@@ -75,7 +76,15 @@ fn motors_that_are_off_are_not_loaded() {
                  [[command]]\nat_s = 4\ndo = \"reset\"\n\
                  [[command]]\nat_s = 4.2\ndo = \"start\"\n";
     let again = run(&checked("quasi-static", again));
-    assert!(again.outcome.statistics.top_speed_hz > 5.0);
+    let starts = |event: &&Event| matches!(event.what, EventKind::Running { .. });
+    let runs = again
+        .outcome
+        .statistics
+        .events
+        .iter()
+        .filter(starts)
+        .count();
+    assert_eq!(runs, 2, "{}", again.report["events"]);
     assert!(
         used(&again).0 <= 1.001 * most,
         "{:?} of {most}",
@@ -85,23 +94,23 @@ fn motors_that_are_off_are_not_loaded() {
 
 /// Returns the largest x on the page of the curves of a colour.
 fn end_of(svg: &str, colour: &str) -> f64 {
-    let paths = svg.split("<path").filter(|path| {
-        let path = path.split('>').next().unwrap_or_default();
-        path.contains(&format!("stroke=\"{colour}\""))
+    let paths = svg.split("<path d=\"M ").skip(1);
+    let points = paths.filter_map(|path| {
+        let (points, rest) = path.split_once('"')?;
+        let style = rest.split('>').next()?;
+        style
+            .contains(&format!("stroke=\"{colour}\""))
+            .then_some(points)
     });
-    let xs = paths.flat_map(|path| {
-        let d = path.split(" d=\"").nth(1).unwrap_or_default();
-        let d = d.split('"').next().unwrap_or_default();
-        d.split(['M', 'L', ' '])
-            .filter_map(|point| point.split(',').next()?.parse::<f64>().ok())
-            .collect::<Vec<_>>()
-    });
+    let xs = points
+        .flat_map(|points| points.split(" L "))
+        .filter_map(|point| point.split(' ').next()?.parse().ok());
     xs.fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Colour of axis 3 alone, and of axis 0.
-const AXIS_3: &str = "#CC79A7";
-const AXIS_0: &str = "#0072B2";
+const AXIS_3: &str = "#cc79a7";
+const AXIS_0: &str = "#0072b2";
 
 /// If this fails, the page shows a crank without a phase error that nothing measures any more.
 #[test]
@@ -124,8 +133,8 @@ fn the_report_lists_the_causes_of_a_fault() {
         "kinematic",
         "[[fault]]\nat_s = 2.5\nkind = \"lost-steps\"\naxis = 2\n",
     );
-    let run = run(&lost);
-    let fault = run.report["faults"].as_array().unwrap().last().unwrap();
+    let stopped = run(&lost);
+    let fault = stopped.report["faults"].as_array().unwrap().last().unwrap();
     assert_eq!(fault["kind"], "lost-steps", "{fault}");
     let causes = fault["causes"].as_array().expect("others look alike");
     let kinds: Vec<_> = causes
@@ -145,18 +154,12 @@ fn the_report_lists_the_causes_of_a_fault() {
         100.0 * of(0),
         100.0 * of(1)
     );
-    let page = printed(&lost, &run);
+    let page = printed(&lost, &stopped);
     assert!(page.contains(&percent), "{percent}: {page}");
-    let cut = run_of_a_cut();
+    let cut = "[[fault]]\nat_s = 2.5\nkind = \"enable-loss\"\n";
+    let cut = run(&checked("kinematic", cut));
     let fault = &cut.report["faults"][0];
     assert!(fault.get("causes").is_none(), "{fault}");
-}
-
-fn run_of_a_cut() -> Run {
-    run(&checked(
-        "kinematic",
-        "[[fault]]\nat_s = 2.5\nkind = \"enable-loss\"\n",
-    ))
 }
 
 /// If this fails, a run corrects a crank, and neither its summary nor its report says by how much.
@@ -193,4 +196,23 @@ fn a_correction_is_reported_with_angle_and_duration() {
     assert_eq!(lines.count(), 1, "{line}{axis}: {page}");
     let undisturbed = run(&checked("kinematic", ""));
     assert!(undisturbed.report.get("corrections").is_none());
+}
+
+/// If this fails, the angle of an index timeout reads like a measurement.
+#[test]
+fn an_index_timeout_states_a_bound() {
+    let stuck = checked(
+        "kinematic",
+        "[[fault]]\nat_s = 2.5\nkind = \"stuck\"\naxis = 2\n",
+    );
+    let stopped = run(&stuck);
+    let fault = &stopped.report["faults"][0];
+    assert_eq!(fault["kind"], "index-timeout");
+    let size_deg = fault["size_deg"].as_f64().unwrap();
+    let words = format!(
+        "no pulse, so the crank may be at its limit, {:.2}° behind, or beyond it",
+        -size_deg
+    );
+    let page = printed(&stuck, &stopped);
+    assert!(size_deg < 0.0 && page.contains(&words), "{words}: {page}");
 }

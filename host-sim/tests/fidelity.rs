@@ -1,7 +1,7 @@
 //! `fidelity = "auto"`: its bounds hold, it takes no more model than is needed, and a sample checks its choice.
 
 use host_sim::fidelity::{self, Answers, Bounds, Output, answers, available, check, questions};
-use host_sim::report::Report;
+use host_sim::report::{Report, summary};
 use host_sim::scene::file::Fidelity;
 use host_sim::scene::{Checked, library, load};
 use host_sim::sim::simulate;
@@ -338,6 +338,11 @@ fn an_answer_covers_running_and_stopping_but_not_homing() {
     let report = Report::new(&answered, &outcome, None, 1.0);
     let report = serde_json::to_value(&report).unwrap();
     assert_eq!(report["fidelity"]["outputs"][0]["value"], spread_deg);
+    let page = summary(&answered, &outcome, None, 1.0);
+    let line = format!(
+        "  largest phase difference of two cranks: {spread_deg:.2}°. Error: 0.5° allowed; "
+    );
+    assert!(page.contains(&line), "{line}: {page}");
 }
 
 /// If this fails, a model level with all cranks on one shaft confirms that none of them slips. Here one crank slips alone.

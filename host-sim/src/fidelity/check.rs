@@ -136,7 +136,7 @@ impl Trial {
             )
         } else {
             format!(
-                "the {} model is accurate enough by calculation, but in a sample run its error exceeded a tolerance, or its \
+                "the {} model would be accurate enough by calculation, but in a sample run its error exceeded a tolerance, or its \
                  calculated limit",
                 choice.model_level.name()
             )

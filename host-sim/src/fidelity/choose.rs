@@ -130,7 +130,11 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
         let judged = judge(Some(&bounds), &questions, model_level, resolution);
         if judged.iter().all(Judged::is_bounded) {
             return Ok(Choice {
-                why: why(&bounds, model_levels.last() == Some(&model_level)),
+                why: why(
+                    &bounds,
+                    model_levels.last() == Some(&model_level),
+                    is_undisturbed(checked),
+                ),
                 model_level,
                 judged,
                 resolution,
@@ -192,14 +196,18 @@ fn without_questions(checked: &Checked) -> Choice {
     }
 }
 
-fn why(bounds: &Bounds, is_top: bool) -> String {
-    let numbers = bounds.numbers();
+fn why(bounds: &Bounds, is_top: bool, is_undisturbed: bool) -> String {
     let reason = if is_top {
-        "every simpler model may be off by more than the scene's tolerances"
+        "every simpler model may be off by more than the scene's tolerances, by calculation"
     } else {
-        "the simplest one that is accurate to the scene's tolerances, by calculation for the undisturbed machine"
+        "the simplest one that is accurate to the scene's tolerances, by calculation"
     };
-    format!("{reason}: {numbers}")
+    let without = if is_undisturbed {
+        ""
+    } else {
+        " without the scene's faults and noise"
+    };
+    format!("{reason}{without}: {}", bounds.numbers())
 }
 
 /// Returns the model levels for which the scene has enough data, the lowest first.

@@ -57,7 +57,8 @@ fn answered(judged: &Judged, checked: &Checked, outcome: &Outcome) -> String {
     };
     let allowed = match output {
         Output::Slips => "none".to_owned(),
-        _ => with_unit(judged.tolerance),
+        Output::Lag | Output::Spread => format!("{}°", judged.tolerance),
+        _ => format!("{} {}", judged.tolerance, output.unit()),
     };
     let limit = match judged.bound {
         Some(bound) => format!("at most {} by calculation", with_unit(bound)),

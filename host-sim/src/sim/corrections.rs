@@ -7,8 +7,9 @@ use cophase_core::units::{PerAxis, Turns};
 use super::events::{Event, EventKind};
 use crate::units::degrees;
 
-/// Turns of the master without a move, after which a correction is over. The controller corrects once a turn.
-const OVER_TURNS: Turns = Turns::lit("2");
+/// Turns of the master without a move, after which a correction is over. The controller corrects once a turn at most. A difference of a
+/// few steps takes it up to about four turns from one move to the next.
+const OVER_TURNS: Turns = Turns::lit("10");
 
 /// Detects corrections, tick by tick.
 #[derive(Clone, Debug)]

@@ -81,6 +81,23 @@ impl<'a> Draft<'a> {
         }
     }
 
+    /// Draws a bar across the end of a curve whose data end before the run, in the unit of the channel. Returns the time of that end, in
+    /// the unit of the time axis; `None` if the data last to the end, or if there are none.
+    pub fn end(&mut self, channel: usize, pen: Pen) -> Option<f64> {
+        let data = |(_, last, extent): (f64, f64, Extent)| {
+            (!extent.is_empty()).then(|| (last, extent.low.midpoint(extent.high)))
+        };
+        let buckets: Vec<_> = self.buckets(channel, 1.0).map(data).collect();
+        let (last, before) = buckets.split_last()?;
+        if last.is_some() {
+            return None;
+        }
+        let (end, value) = before.iter().rev().find_map(|data| *data)?;
+        let reach = (self.y.1 - self.y.0) / 15.0;
+        self.line(vec![(end, value - reach), (end, value + reach)], pen);
+        Some(end)
+    }
+
     /// Draws a translucent area between outlines where a line would be a solid block that hides what is
     /// behind it.
     pub fn range(&mut self, channel: usize, factor: f64, pen: Pen) {

@@ -168,7 +168,7 @@ pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
 }
 
 /// Phase error of each axis in degrees, with its limit. Curves that coincide are drawn one within the other, the first axis widest,
-/// and the legend names them.
+/// and the legend names them. The curve of an axis that nothing measures any more ends with a bar.
 pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {
     let channel = |axis: usize| channel::PHASE_ERROR + axis;
     let totals = (0..scope.axes).map(|axis| scope.envelope.total(channel(axis)));
@@ -194,10 +194,12 @@ pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {
             .filter(|&&other| other == first[axis]);
         let width = 1.5 + 2.0 * above.count() as f64;
         draft.curve(channel(axis), 1.0, Pen { colour, width });
+        let end = draft.end(channel(axis), Pen { colour, width: 1.5 });
         let name = format!("axis {axis}");
-        let name = match first[axis] {
-            own if own == axis => peak(&name, scope.envelope.total(channel(axis))),
-            other => format!("{name}, as axis {other}"),
+        let name = match (end, first[axis]) {
+            (Some(end), _) => format!("{name} ends at {}", short(end)),
+            (None, own) if own == axis => peak(&name, scope.envelope.total(channel(axis))),
+            (None, other) => format!("{name}, as axis {other}"),
         };
         draft.entry(LegendShape::Line, colour, name);
     }
