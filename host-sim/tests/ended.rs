@@ -176,7 +176,7 @@ fn slips_with_drives_off_are_reported_separately() {
     let checked = fidelity::answered(checked, &answers);
     let page = summary(&checked, &outcome, None, 1.0);
     let report = serde_json::to_value(Report::new(&checked, &outcome, None, 1.0)).unwrap();
-    let slips = "slip, or reach their torque limit: 3 (2 of them only after the drives were off), ";
+    let slips = "slip, or reach their torque limit: 3 (2 of them only after the drives were off). Error: none allowed; ";
     assert!(page.contains(slips), "{page}");
     assert_eq!(report["fidelity"]["outputs"][0]["value"], 3.0);
 
