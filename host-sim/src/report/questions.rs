@@ -30,9 +30,9 @@ fn motion(checked: &Checked) -> &'static str {
     match checked.fidelity {
         Fidelity::Elastic if is_cam => "springs and masses between cam and pusher",
         _ if is_cam => "every pusher follows its law exactly",
-        Fidelity::Auto | Fidelity::Kinematic => "every crank is where it is commanded",
+        Fidelity::Auto | Fidelity::Kinematic => "only a fault moves a crank off its command",
         Fidelity::QuasiStatic => {
-            "every crank is where it is commanded, unless the load exceeds its motor's torque"
+            "only a fault, or a load beyond its motor's torque, moves a crank off its command"
         }
         Fidelity::Rigid => "torque moves all cranks as one shaft",
         Fidelity::Phased => "torque moves each crank on its own",

@@ -95,12 +95,19 @@ impl Cranks {
         } else {
             "no limit of a crank's lag is known".to_owned()
         };
+        // The torque of a servo without a limit is never used up.
+        let torque = if required == 0.0 {
+            "the scene limits no motor's torque".to_owned()
+        } else {
+            format!(
+                "the motors need at most {:.0} % of their torque ({:.0} % with oscillations)",
+                100.0 * required,
+                100.0 * most(&worst.torque_ratio)
+            )
+        };
         format!(
-            "the motors need at most {:.0} % of their torque ({:.0} % with oscillations), the load oscillates at no more than {:.2} \
-             times a crank's natural frequency, and {lag}",
-            100.0 * required,
-            100.0 * most(&worst.torque_ratio),
-            worst.frequency_ratio,
+            "{torque}, the load oscillates at no more than {:.2} times a crank's natural frequency, and {lag}",
+            worst.frequency_ratio
         )
     }
 
