@@ -340,7 +340,7 @@ fn an_answer_covers_running_and_stopping_but_not_homing() {
     assert_eq!(report["fidelity"]["outputs"][0]["value"], spread_deg);
     let page = summary(&answered, &outcome, None, 1.0);
     let line = format!(
-        "  largest phase difference of two cranks: {spread_deg:.2}°. Error: 0.5° allowed; "
+        "  largest phase difference of two cranks: {spread_deg:.3}°. Error: 0.5° allowed; at most "
     );
     assert!(page.contains(&line), "{line}: {page}");
 }
