@@ -28,6 +28,16 @@ pub fn speed_hz(speed: Turns, tick_hz: u32) -> f64 {
     turns(speed) * f64::from(tick_hz)
 }
 
+/// Largest minus smallest value. A NaN is ignored, as by `f64::max`, at a lower cost.
+pub fn spread(values: &[f64]) -> f64 {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for &value in values {
+        low = if value < low { value } else { low };
+        high = if value > high { value } else { high };
+    }
+    high - low
+}
+
 /// Nearest whole number, as `value.round() as i64`, without a call where the processor has no instruction for it.
 pub fn nearest(value: f64) -> i64 {
     // Just below a half, because adding a half would round up a value just below a half.

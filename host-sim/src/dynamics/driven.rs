@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use cophase_methods::Equations;
 
-use super::corners::MOST;
+use super::corners::{FREEDOMS, MOST};
 use super::modes::{Bound, Mode};
 use super::{Body, Elastic, Field, Frame, FrameMotion, Motor, Phased, PlaneMotion, Rigid};
 use crate::plant::{Memory, Plant, Shafts};
@@ -318,6 +318,15 @@ impl Driven {
             Freedom::Phased(phased) => Some(phased.plane(q, v, a)),
             Freedom::Elastic(elastic) => Some(elastic.plane(q, v, a)),
             Freedom::Plant(on) => Some(on.plant.moved(q, v, a)),
+        }
+    }
+
+    /// Position of the platform in a state. `None` if it follows the shaft, or a plant moves it.
+    pub fn place(&self, state: &[f64]) -> Option<[f64; FREEDOMS]> {
+        match &self.freedom {
+            Freedom::Rigid(_) | Freedom::Plant(_) => None,
+            Freedom::Phased(phased) => Some(phased.place(state)),
+            Freedom::Elastic(elastic) => Some(elastic.place(state)),
         }
     }
 

@@ -134,13 +134,17 @@ impl Elastic {
 
     /// Position and motion of the platform at these positions and their rates.
     pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
-        let n = self.body.axes();
-        let of = |values: &[f64]| std::array::from_fn(|f| values[n + f]);
         PlaneMotion {
-            place: of(q),
-            rate: of(v),
-            acceleration: of(a),
+            place: self.place(q),
+            rate: self.place(v),
+            acceleration: self.place(a),
         }
+    }
+
+    /// Position of the platform at these positions.
+    pub fn place(&self, q: &[f64]) -> [f64; FREEDOMS] {
+        let n = self.body.axes();
+        std::array::from_fn(|f| q[n + f])
     }
 
     /// Kinetic and potential energy, J. It is constant without damping, friction and motors.

@@ -180,20 +180,21 @@ impl Phased {
     /// Position and motion of the platform at these positions and their rates.
     pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
         let n = self.body.axes();
-        let mut motion = PlaneMotion::default();
+        let mut motion = PlaneMotion {
+            place: self.place(q),
+            ..PlaneMotion::default()
+        };
         let cranks = self.cranks(&q[..n]);
         for (i, crank) in cranks.iter().enumerate().take(n) {
             let rate = crank.lever_m * v[i];
             let acceleration = crank.lever_m * a[i] + crank.lever_rate_m * v[i] * v[i];
             for (f, share) in self.corners.share(i).into_iter().enumerate() {
-                motion.place[f] += share * crank.height_m;
                 motion.rate[f] += share * rate;
                 motion.acceleration[f] += share * acceleration;
             }
         }
         if self.frame.is_some() {
             for f in 0..FREEDOMS {
-                motion.place[f] += q[n + f];
                 motion.rate[f] += v[n + f];
                 motion.acceleration[f] += a[n + f];
             }
@@ -201,7 +202,20 @@ impl Phased {
         motion
     }
 
-    /// Kinetic and potential energy, including the rods', J. It is constant without friction, damping and motors.
+    /// Position of the platform at these positions.
+    pub fn place(&self, q: &[f64]) -> [f64; FREEDOMS] {
+        let n = self.body.axes();
+        let heights = self.cranks(&q[..n]).map(|crank| crank.height_m);
+        let mut place = self.corners.plane(&heights[..n]);
+        if self.frame.is_some() {
+            for (place, frame) in place.iter_mut().zip(&q[n..]) {
+                *place += frame;
+            }
+        }
+        place
+    }
+
+    /// Kinetic and potential energy, including the rods' J. It is constant without friction, damping and motors.
     pub fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
         let body = &self.body;
         let n = body.axes();

@@ -261,8 +261,8 @@ impl Machine {
         if self.followers.is_some() || self.recorder.is_some() {
             return 0.0;
         }
-        match self.rotors.as_ref().and_then(Rotors::platform) {
-            Some(plane) => plane.place[1].hypot(plane.place[2]) * 1e3,
+        match self.rotors.as_ref().and_then(Rotors::place) {
+            Some([_, x, y]) => x.hypot(y) * 1e3,
             None => self.platform.tilt_mrad(turns),
         }
     }

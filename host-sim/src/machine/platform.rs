@@ -8,6 +8,7 @@ use crate::axes::{Axes, per_axis};
 use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
 use crate::scene::Checked;
+use crate::units::spread;
 
 /// Platform with its mechanism and its load.
 #[derive(Clone, Debug)]
@@ -144,12 +145,7 @@ impl Platform {
     /// Upper bound of [`Self::tilt_mrad`] without a sine. The slope of the plane closest to the corners is at most the difference of the
     /// corners' heights over the mount radius, because the weights of all corners in a slope sum to 0.
     pub fn most_tilt_mrad(&self, turns: &[f64]) -> f64 {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for &turns in turns {
-            low = low.min(turns);
-            high = high.max(turns);
-        }
-        let apart_m = (high - low) * std::f64::consts::TAU * self.most_lever_m;
+        let apart_m = spread(turns) * std::f64::consts::TAU * self.most_lever_m;
         apart_m / self.mount_radius_m * 1e3 + ROUNDING_MRAD
     }
 

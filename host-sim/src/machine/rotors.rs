@@ -11,7 +11,7 @@ use cophase_methods::{Method, Scheme, advance};
 use super::broken::{Broken, Cause};
 use super::instant::Instant;
 use super::step::{Chosen, in_steps_per_tick, steps_for};
-use crate::dynamics::{Driven, Field, FrameMotion, PlaneMotion, STICTION_RAD_S};
+use crate::dynamics::{Driven, FREEDOMS, Field, FrameMotion, PlaneMotion, STICTION_RAD_S};
 use crate::plant::State;
 
 /// Command of a drive at the end of a tick: the position at which it would hold its rotor.
@@ -319,6 +319,11 @@ impl Rotors {
     /// Position and motion of the platform; none if it follows the shaft.
     pub fn platform(&self) -> Option<PlaneMotion> {
         self.driven.platform(&self.state, &self.end().rates)
+    }
+
+    /// Position of the platform: heave in m, tilts in rad. `None` if it follows the shaft, or a plant moves it.
+    pub fn place(&self) -> Option<[f64; FREEDOMS]> {
+        self.driven.place(&self.state)
     }
 
     /// Motion of the frame, if it moves.

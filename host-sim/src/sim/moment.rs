@@ -100,7 +100,8 @@ impl Moment<'_> {
 
     /// Raises `most_mrad` to the tilt of the platform at the end of the tick, if that is larger.
     pub fn raise_tilt(&self, most_mrad: &mut f64) {
-        if self.machine.may_tilt_beyond(*most_mrad, self.actual_turns) {
+        let is_known = self.tilt_mrad.get().is_some();
+        if is_known || self.machine.may_tilt_beyond(*most_mrad, self.actual_turns) {
             let tilt_mrad = self.tilt_mrad();
             if tilt_mrad > *most_mrad {
                 *most_mrad = tilt_mrad;

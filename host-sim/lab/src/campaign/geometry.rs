@@ -6,6 +6,7 @@ use host_sim::dynamics::Corners;
 use host_sim::mechanism::{AnyMechanism, Configured, Load, Mechanism};
 use host_sim::scene::file::Scene;
 use host_sim::scene::machine;
+use host_sim::units::spread;
 
 /// Number of crank angles among which the worst is searched. Steps of half a degree find a smooth maximum to 4e-5 of its value.
 const ANGLES: u32 = 720;
@@ -84,9 +85,7 @@ impl Geometry {
 
     /// Returns true if errors exceed the limits as the controller applies them: on tilt at the worst crank angle, and on warp.
     pub fn is_beyond_limit(&self, errors: &[f64]) -> bool {
-        let low = errors.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = errors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if high - low <= self.within_turns {
+        if spread(errors) <= self.within_turns {
             return false;
         }
         let (tilt_mrad, warp_deg) = self.modes(errors);

@@ -29,11 +29,20 @@ impl Hold {
             moment.drives_enabled,
             stands,
             moment.start_ns as f64 * 1e-9,
+            |most_mrad| moment.raise_tilt(most_mrad),
             || moment.tilt_mrad(),
         );
     }
 
-    fn take(&mut self, enabled: bool, stands: bool, t_s: f64, tilt_mrad: impl Fn() -> f64) {
+    /// Takes in one tick. `raise` raises a largest tilt to the present one if that is larger. In most ticks it need not compute the tilt.
+    fn take(
+        &mut self,
+        enabled: bool,
+        stands: bool,
+        t_s: f64,
+        raise: impl Fn(&mut f64),
+        tilt_mrad: impl Fn() -> f64,
+    ) {
         if !enabled || !stands {
             self.has_moved = enabled;
             self.at_rest_mrad = None;
@@ -41,13 +50,13 @@ impl Hold {
         if !enabled {
             return;
         }
-        let tilt_mrad = tilt_mrad();
         if self.at_rest_mrad.is_none() {
-            self.before_mrad = self.before_mrad.max(tilt_mrad);
+            raise(&mut self.before_mrad);
         }
         if !stands || !self.has_moved {
             return;
         }
+        let tilt_mrad = tilt_mrad();
         let at_rest_mrad = *self.at_rest_mrad.get_or_insert(tilt_mrad);
         self.rest_s.get_or_insert(t_s);
         let growth_mrad = (tilt_mrad - at_rest_mrad).max(self.growth_mrad.unwrap_or(0.0));
@@ -122,18 +131,22 @@ mod tests {
     #[test]
     fn tilt_growth_counts_from_rest_while_drives_hold() {
         let mut hold = Hold::default();
+        let take = |hold: &mut Hold, enabled, stands, t_s, tilt_mrad: f64| {
+            let raise = |most_mrad: &mut f64| *most_mrad = most_mrad.max(tilt_mrad);
+            hold.take(enabled, stands, t_s, raise, || tilt_mrad);
+        };
         // The machine stood still before the fault's stop, so no hold has begun.
-        hold.take(true, true, 0.0, || 9.0);
+        take(&mut hold, true, true, 0.0, 9.0);
         assert_eq!(hold.growth_mrad, None);
-        hold.take(true, false, 0.1, || 5.0);
-        hold.take(true, true, 0.2, || 1.0);
-        hold.take(true, true, 0.3, || 0.5);
+        take(&mut hold, true, false, 0.1, 5.0);
+        take(&mut hold, true, true, 0.2, 1.0);
+        take(&mut hold, true, true, 0.3, 0.5);
         assert_eq!((hold.growth_mrad, hold.rest_s), (Some(0.0), Some(0.2)));
-        hold.take(true, true, 0.4, || 1.25);
+        take(&mut hold, true, true, 0.4, 1.25);
         assert_eq!(hold.growth_mrad, Some(0.25));
         assert_eq!(hold.before_mrad, 9.0);
-        hold.take(false, true, 0.5, || 8.0);
-        hold.take(false, true, 0.6, || 8.0);
+        take(&mut hold, false, true, 0.5, 8.0);
+        take(&mut hold, false, true, 0.6, 8.0);
         assert_eq!(hold.growth_mrad, Some(0.25));
     }
 
