@@ -234,27 +234,31 @@ impl Driven {
             integral_nm[i] = integral;
         }
         let (angles, speeds) = state[..2 * positions].split_at(positions);
-        let on_one_shaft = matches!(self.freedom, Freedom::Rigid(_));
-        let rotor = |i: usize| {
-            let angle = if on_one_shaft { 0 } else { i };
-            (angles[angle], speeds[angle], integral_nm[i])
-        };
-        for (i, (motor, field)) in self.motors.iter().zip(&self.fields).enumerate().take(MOST) {
-            let (alpha_rad, omega_rad_s, integral_nm) = rotor(i);
-            // Equal motors under equal commands give equal torques. On a single shaft most motors are equal.
-            let first = self.equal_to[i];
-            torques[i] = if first < i
-                && rotor(first) == (alpha_rad, omega_rad_s, integral_nm)
-                && self.fields[first] == *field
-            {
-                torques[first]
-            } else {
-                let field = Field {
-                    alpha_rad: field.alpha_rad + field.omega_rad_s * t_s,
-                    ..*field
-                };
-                motor.torque_nm(&field, alpha_rad, omega_rad_s, integral_nm)
+        let drives = self.motors.iter().zip(&self.fields).zip(integral_nm);
+        let torque_nm = |motor: &Motor, field: &Field, alpha_rad, omega_rad_s, integral_nm| {
+            let field = Field {
+                alpha_rad: field.alpha_rad + field.omega_rad_s * t_s,
+                ..*field
             };
+            motor.torque_nm(&field, alpha_rad, omega_rad_s, integral_nm)
+        };
+        if matches!(self.freedom, Freedom::Rigid(_)) {
+            for (i, ((motor, field), integral)) in drives.enumerate() {
+                // Equal motors under equal commands give equal torques. On a single shaft most motors are equal.
+                let first = self.equal_to[i];
+                let is_alike = integral_nm[first] == integral && self.fields[first] == *field;
+                torques[i] = if first < i && is_alike {
+                    torques[first]
+                } else {
+                    torque_nm(motor, field, angles[0], speeds[0], integral)
+                };
+            }
+            return torques;
+        }
+        let rotors = angles.iter().zip(speeds);
+        let all = torques.iter_mut().zip(drives).zip(rotors);
+        for ((torque, ((motor, field), integral)), (&alpha, &omega)) in all {
+            *torque = torque_nm(motor, field, alpha, omega, integral);
         }
         torques
     }

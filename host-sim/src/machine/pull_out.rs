@@ -61,19 +61,20 @@ impl PullOut {
 
     /// Torque at a speed, N·m.
     pub fn torque_nm(&self, speed_hz: f64) -> f64 {
-        let Some(&(first_hz, first_nm)) = self.points.first() else {
+        let Some((&first, others)) = self.points.split_first() else {
             return f64::INFINITY;
         };
-        if speed_hz <= first_hz {
-            return first_nm;
+        let (mut a_hz, mut a_nm) = first;
+        if speed_hz <= a_hz {
+            return a_nm;
         }
-        self.points
-            .windows(2)
-            .find(|pair| speed_hz <= pair[1].0)
-            .map_or(0.0, |pair| {
-                let ((a_hz, a_nm), (b_hz, b_nm)) = (pair[0], pair[1]);
-                a_nm + (b_nm - a_nm) * (speed_hz - a_hz) / (b_hz - a_hz)
-            })
+        for &(b_hz, b_nm) in others {
+            if speed_hz <= b_hz {
+                return a_nm + (b_nm - a_nm) * (speed_hz - a_hz) / (b_hz - a_hz);
+            }
+            (a_hz, a_nm) = (b_hz, b_nm);
+        }
+        0.0
     }
 }
 
