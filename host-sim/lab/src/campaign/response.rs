@@ -5,7 +5,7 @@
 //! threshold that separates a response from chance.
 
 use cophase_core::supervisor::State;
-use host_sim::axes::Axes;
+use host_sim::axes::{Axes, per_axis};
 use host_sim::sim::{Moment, Observer};
 
 use super::watch::Place;
@@ -60,12 +60,12 @@ pub struct Twin {
 impl Outputs {
     /// Outputs of a tick.
     pub fn new(moment: &Moment<'_>) -> Self {
-        let offsets = moment.command_turns.iter();
+        let commands = moment.command_turns;
         Self {
             speed: moment.telemetry.motion.speed.to_bits(),
             drives_enabled: moment.drives_enabled,
             stopping: moment.telemetry.state == State::Stop,
-            offset_turns: offsets.map(|turns| turns - moment.master_turns).collect(),
+            offset_turns: per_axis(commands.len(), |i| commands[i] - moment.master_turns),
         }
     }
 }
@@ -282,8 +282,8 @@ impl<'a> Responses<'a> {
         if self.correction.is_some() {
             return;
         }
-        let apart = outputs.offset_turns.iter().zip(&twin.offset_turns);
-        let apart: Axes<f64> = apart.map(|(own, twin)| own - twin).collect();
+        let (own, twin) = (&outputs.offset_turns, &twin.offset_turns);
+        let apart = per_axis(own.len().min(twin.len()), |i| own[i] - twin[i]);
         let from = self.offset_turns.get_or_insert_with(|| apart.clone());
         let moved = apart
             .iter()

@@ -37,8 +37,8 @@ impl Truth {
     pub fn errors(&self, moment: &Moment<'_>) -> Axes<f64> {
         match &self.required_turns {
             Some(required) => {
-                let cranks = moment.actual_turns.iter().zip(required);
-                cranks.map(|(actual, required)| actual - required).collect()
+                let cranks = moment.actual_turns;
+                per_axis(cranks.len(), |i| cranks[i] - required[i])
             }
             None => moment.errors().collect(),
         }

@@ -7,6 +7,8 @@
 //! Reports are kept for their names. The outputs show the response to the fault ([`super::response`]). [`host_sim::sim::Statistics`] has
 //! what every run records, such as its largest tilt.
 
+use std::collections::VecDeque;
+
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, FaultKind, State};
 
@@ -140,7 +142,7 @@ pub struct Watch<'a> {
     moments: u64,
     event_watch: EventWatch,
     /// Turns of the master at the ends of the last N + 6 moments, latest first. Detection may take N + 5 ticks.
-    turns: Vec<f64>,
+    turns: VecDeque<f64>,
     before: Option<(Axes<f64>, Axes<f64>)>,
     /// Number of moments in which an axis stood while another was moved.
     apart: u32,
@@ -185,7 +187,7 @@ impl<'a> Watch<'a> {
             beyond_since: None,
             moments: 0,
             event_watch: EventWatch::default(),
-            turns: vec![0.0; detection_ticks(checked.settings.axes.len()) + 1],
+            turns: vec![0.0; detection_ticks(checked.settings.axes.len()) + 1].into(),
             before: None,
             apart: 0,
             run_on: per_axis(checked.settings.axes.len(), |_| 0.0),
@@ -232,7 +234,7 @@ impl<'a> Watch<'a> {
 
     /// Returns the turns of the master N + 5 ticks before this one.
     fn turns_before(&self) -> f64 {
-        self.turns.last().copied().unwrap_or_default()
+        self.turns.back().copied().unwrap_or_default()
     }
 
     /// Returns [`Observation::stay_turns`] at the beginning of this tick.
@@ -345,19 +347,23 @@ impl<'a> Watch<'a> {
     /// Records axes that their drives move while another stands.
     fn moves(&mut self, moment: &Moment<'_>) {
         let now = (moment.command_turns, moment.actual_turns);
-        let kept = (
-            now.0.iter().copied().collect(),
-            now.1.iter().copied().collect(),
-        );
-        let before = self.before.replace(kept);
-        let (Some((commands, cranks)), Some(_)) = (before, self.observation.injected) else {
+        let Some((commands, cranks)) = &mut self.before else {
+            let kept = |turns: &[f64]| per_axis(turns.len(), |i| turns[i]);
+            self.before = Some((kept(now.0), kept(now.1)));
             return;
         };
+        if self.observation.injected.is_none() {
+            commands.copy_from_slice(now.0);
+            cranks.copy_from_slice(now.1);
+            return;
+        }
         let commanded = per_axis(now.0.len(), |i| (now.0[i] - commands[i]).abs());
         let went = per_axis(now.0.len(), |i| match self.cranks_count[i] {
             true => commanded[i].max((now.1[i] - cranks[i]).abs()),
             false => commanded[i],
         });
+        commands.copy_from_slice(now.0);
+        cranks.copy_from_slice(now.1);
         let someone_stands = commanded.contains(&0.0);
         let stands = commanded.iter().all(|commanded| *commanded == 0.0);
         self.observation.hold.tick(moment, stands);
@@ -421,8 +427,8 @@ impl Observer for Watch<'_> {
             turns: moment.master_turns,
             ..start
         };
-        let at_ns = self.fault.map(|fault| (fault.at_s * 1e9).round() as u64);
-        if self.observation.injected.is_none() && at_ns.is_some_and(|at| at < moment.end_ns) {
+        let is_due = |fault: &FaultAt| (nearest(fault.at_s * 1e9) as u64) < moment.end_ns;
+        if self.observation.injected.is_none() && self.fault.as_ref().is_some_and(is_due) {
             self.observation.injected = Some(start);
             self.observation.extra = self.extra(moment);
         }
@@ -437,8 +443,8 @@ impl Observer for Watch<'_> {
         if !self.observation.fault_events.is_empty() && index.is_some_and(Option::is_some) {
             self.observation.passed_after = true;
         }
-        self.turns.rotate_right(1);
-        self.turns[0] = moment.master_turns;
+        self.turns.pop_back();
+        self.turns.push_front(moment.master_turns);
         self.moments += 1;
         self.observation.end = Some(end);
     }
