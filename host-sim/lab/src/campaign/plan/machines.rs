@@ -93,8 +93,9 @@ pub fn draw(
         machine.load_kg = rounded(machine.load_kg * stream.between(0.1, 1.0), 3);
     }
     control(stream, &mut scene);
-    motors(stream, &mut scene, driven);
-    rods(&mut scene);
+    let required_nm = required_nm(&scene);
+    motors(stream, &mut scene, driven, required_nm);
+    rods(&mut scene, required_nm);
     let level_hz = rounded(scene.limits.speed_hz * stream.between(0.25, 1.0), 3);
     program(stream, &mut scene, level_hz);
     scene.correction = Correction {
@@ -111,7 +112,7 @@ pub fn draw(
         },
         load_nm: if on_rotors {
             // At most a twentieth of the torque that is required of a motor.
-            rounded(stream.between(0.0, 0.05) * required_nm(&scene), 4)
+            rounded(stream.between(0.0, 0.05) * required_nm, 4)
         } else {
             0.0
         },
@@ -182,9 +183,8 @@ fn draw_limits(stream: &mut Stream, scene: &mut Scene) {
     }
 }
 
-/// Draws motors that give [`PLENTY`] times the torque that the machine requires at its greatest speed.
-fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
-    let required_nm = required_nm(scene);
+/// Draws motors that give [`PLENTY`] times the torque that the machine requires of one motor.
+fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven, required_nm: f64) {
     let load = Geometry::new(scene).map_or(0.0, |geometry| geometry.most_inertia_kgm2());
     let (inertia, friction) = (scene.axes.rotor_inertia_kgm2 + load, scene.axes.friction_nm);
     let axes = &mut scene.axes;
@@ -222,14 +222,13 @@ const BENDS: f64 = 0.25;
 
 /// Makes rods that the motors of four and more cranks can bend as far as the limits allow cranks to be apart. With stiffer rods no motor
 /// could move its crank so far, whatever its command. A crank that is off by e pulls on its rod with at most k R e, at a lever of R.
-fn rods(scene: &mut Scene) {
-    let required_nm = PLENTY * required_nm(scene);
+fn rods(scene: &mut Scene, required_nm: f64) {
     let Some(geometry) = Geometry::new(scene).filter(|_| scene.axes.count > 3) else {
         return;
     };
     let error_rad = geometry.single_limit_turns() * TAU;
     let travel_m = geometry.longest_travel_m();
-    let n_per_m = BENDS * required_nm / (travel_m * travel_m * error_rad);
+    let n_per_m = BENDS * (PLENTY * required_nm) / (travel_m * travel_m * error_rad);
     if let Some(machine) = &mut scene.machine {
         machine.rod_n_per_um = rounded((n_per_m * 1e-6).clamp(0.01, machine.rod_n_per_um), 4);
     }
