@@ -74,7 +74,10 @@ pub fn make(
     }
     let axes = settings.axes.len();
     let tick = Duration::from_micros(tick_us.into());
-    let levels = lines::read();
+    let lines = lines::read();
+    let levels = (0..axes).fold(0, |levels, axis| {
+        levels | u32::from(lines.index(first_axis + axis)) << axis
+    });
     let width = settings.index_width_cycles();
     let board = BOARD.init(Board {
         steps: Steps::new(
@@ -85,9 +88,7 @@ pub fn make(
             tick,
         ),
         index: Index::new(tick_us * CYCLES_PER_US, first_axis),
-        filter: (0..axes)
-            .map(|axis| IndexFilter::new(width, levels.index(first_axis + axis)))
-            .collect(),
+        filter: IndexFilter::of_lines(width, axes, levels),
         watchdog: Fed::start(watchdog, tick_us),
         button: Button::new(settings.tick_hz),
         ticks: 0,

@@ -33,10 +33,6 @@ const LONG_AGO: i32 = -(1 << 29);
 pub struct IndexFilter<const LINES: usize = 1> {
     /// Cycles that a stretch must last to count.
     width: i32,
-    /// Cycles that are bridged: [`BRIDGE_WIDTHS`] widths.
-    bridged: i32,
-    /// Cycles after which a change has no effect any more: [`MOST_OF_TICK`] widths.
-    remembered: i32,
     /// Set of all lines.
     all: u32,
     /// Levels of the lines.
@@ -59,7 +55,6 @@ struct Line {
     first: i32,
     /// First edge of the pulse that was confirmed.
     pulse: i32,
-    glitches: u32,
 }
 
 impl Line {
@@ -67,13 +62,7 @@ impl Line {
         since: LONG_AGO,
         first: LONG_AGO,
         pulse: LONG_AGO,
-        glitches: 0,
     };
-
-    #[inline(always)]
-    const fn note_glitch(&mut self) {
-        self.glitches = self.glitches.saturating_add(1);
-    }
 }
 
 impl IndexFilter {
@@ -81,18 +70,7 @@ impl IndexFilter {
     /// power-up makes no pulse.
     #[cold]
     pub fn new(width: u32, level: bool) -> Self {
-        let width = at_most_long(width);
-        Self {
-            width,
-            bridged: width.saturating_mul(BRIDGE_WIDTHS as i32),
-            remembered: width.saturating_mul(MOST_OF_TICK as i32),
-            all: 1,
-            levels: level.into(),
-            steady: level.into(),
-            confirmed: 0,
-            pending: 1,
-            lines: [Line::NEW],
-        }
+        Self::of_lines(width, 1, level.into())
     }
 
     /// Records that the line has been at `level` since `cycle` of the present tick, as [`Self::change_lines`] does.
@@ -117,15 +95,25 @@ impl IndexFilter {
         // If a pulse was not taken yet, it ended in this tick.
         self.levels == self.steady && line.since <= self.quiet_since(cycles)
     }
-
-    /// Number of stretches that were too short to count, and of surplus pulses, since the start. It saturates.
-    pub const fn glitches(&self) -> u32 {
-        let [line] = &self.lines;
-        line.glitches
-    }
 }
 
 impl<const LINES: usize> IndexFilter<LINES> {
+    /// Creates the filter of the first `lines` lines, which have been at `levels`, a bit each, for long.
+    #[cold]
+    pub fn of_lines(width: u32, lines: usize, levels: u32) -> Self {
+        const { assert!(LINES <= MAX_AXES, "`take_lowest` has a table for all axes") };
+        let all = (1 << lines.min(LINES)) - 1;
+        Self {
+            width: at_most_long(width),
+            all,
+            levels: levels & all,
+            steady: levels & all,
+            confirmed: 0,
+            pending: all,
+            lines: [Line::NEW; LINES],
+        }
+    }
+
     /// Records that the lines have been at `levels`, a bit each, since `cycle` of the present tick: negative for the time before it, and at
     /// most about 4 s. Changes must be in the order of their times. One that is out of order gets the time of the change before it, and a
     /// level that a line has already is no change.
@@ -136,6 +124,7 @@ impl<const LINES: usize> IndexFilter<LINES> {
         let mut changed = self.levels ^ levels;
         self.levels = levels;
         self.pending |= changed;
+        let bridged = self.width * BRIDGE_WIDTHS as i32;
         while let Some((number, bit)) = take_lowest(&mut changed) {
             let Some(line) = self.lines.get_mut(number) else {
                 break;
@@ -147,16 +136,11 @@ impl<const LINES: usize> IndexFilter<LINES> {
             if levels & bit != 0 {
                 if counts {
                     self.steady &= !bit;
-                    line.first = cycle;
-                } else {
-                    line.note_glitch();
-                    if cycle - line.first > self.bridged {
-                        line.first = cycle;
-                    }
                 }
-            } else if !counts {
-                line.note_glitch();
-            } else if self.steady & bit == 0 {
+                if counts || cycle - line.first > bridged {
+                    line.first = cycle;
+                }
+            } else if counts && self.steady & bit == 0 {
                 self.confirm(number, bit);
             }
         }
@@ -172,7 +156,7 @@ impl<const LINES: usize> IndexFilter<LINES> {
     /// Ends a tick of `cycles`, and writes the pulses that were confirmed in it. From then on, cycles count from the beginning of the next
     /// tick.
     ///
-    /// If a line had several, the first is written, and the others count as glitches: no crank turns that fast.
+    /// If a line had several, only the first is written: no crank turns that fast.
     #[inline(never)] // It needs all registers.
     pub fn end_tick_of_lines(&mut self, cycles: u32, pulses: &mut [Option<IndexPulse>; LINES]) {
         let quiet_since = self.quiet_since(cycles);
@@ -206,7 +190,8 @@ impl<const LINES: usize> IndexFilter<LINES> {
                 quiet |= bit;
             }
         }
-        self.pending &= !quiet | self.levels ^ self.steady;
+        // The present stretch of a quiet line counts already, as it is at least as long as the tick.
+        self.pending &= !quiet;
     }
 
     /// Confirms a pulse by a high stretch of a line: the present one or the one that just ended. It is the first that has lasted for the
@@ -214,52 +199,20 @@ impl<const LINES: usize> IndexFilter<LINES> {
     #[inline(always)]
     fn confirm(&mut self, number: usize, bit: u32) {
         self.steady |= bit;
-        if let Some(line) = self.lines.get_mut(number) {
-            if self.confirmed & bit == 0 {
-                self.confirmed |= bit;
-                line.pulse = line.first;
-            } else {
-                line.note_glitch();
-            }
+        if self.confirmed & bit == 0
+            && let Some(line) = self.lines.get_mut(number)
+        {
+            self.confirmed |= bit;
+            line.pulse = line.first;
         }
     }
 
-    /// Latest cycle at which the present stretch of a quiet line may have begun, after a tick of `cycles`.
+    /// Latest cycle at which the present stretch of a quiet line may have begun, after a tick of `cycles`. A change has no effect any
+    /// more after [`MOST_OF_TICK`] widths.
     #[inline(always)]
     fn quiet_since(&self, cycles: u32) -> i32 {
-        -(cycles.min(self.remembered as u32) as i32)
-    }
-}
-
-impl<const LINES: usize> FromIterator<IndexFilter> for IndexFilter<LINES> {
-    /// Joins the filters of several lines, all with the same width, into one. Lines without room are left out.
-    #[cold]
-    fn from_iter<T: IntoIterator<Item = IndexFilter>>(filters: T) -> Self {
-        const { assert!(LINES <= MAX_AXES, "`take_lowest` has a table for all axes") };
-        let mut joined = Self {
-            width: 0,
-            bridged: 0,
-            remembered: 0,
-            all: 0,
-            levels: 0,
-            steady: 0,
-            confirmed: 0,
-            pending: 0,
-            lines: [Line::NEW; LINES],
-        };
-        for (number, (line, filter)) in joined.lines.iter_mut().zip(filters).enumerate() {
-            let [own] = filter.lines;
-            *line = own;
-            joined.width = filter.width;
-            joined.bridged = filter.bridged;
-            joined.remembered = filter.remembered;
-            joined.all |= filter.all << number;
-            joined.levels |= filter.levels << number;
-            joined.steady |= filter.steady << number;
-            joined.confirmed |= filter.confirmed << number;
-            joined.pending |= filter.pending << number;
-        }
-        joined
+        let remembered = self.width as u32 * MOST_OF_TICK;
+        -(cycles.min(remembered).min(i32::MAX as u32) as i32)
     }
 }
 
