@@ -97,7 +97,6 @@ impl Controller {
             history: History::new(),
             has_servos: false,
             step_rate: StepRates::new(62_500),
-            planned: 0,
             apart: None,
             followers: 0,
             cams: NO_CAMS,

@@ -7,7 +7,6 @@
 use super::Controller;
 use super::channel::Channel;
 use crate::axes::{Follower, OffsetMotion};
-use crate::drift::AxisSet;
 use crate::signals::Output;
 use crate::supervisor::State;
 use crate::units::{MAX_AXES, Turns};
@@ -46,7 +45,8 @@ impl Controller {
 
     /// Plans the pulses: one plan for all axes that share it.
     fn plan_all(&mut self, moved: Option<&OffsetMotion>) {
-        let mut left = self.planned;
+        let axes = (1 << self.channels.len()) - 1;
+        let mut left = self.output.telemetry.sharing.planned() & axes;
         let mut axis = 0;
         while left != 0 {
             if left & 1 != 0 {
@@ -115,9 +115,7 @@ impl Controller {
     #[cold]
     pub(super) fn group_axes(&mut self) {
         self.apart = None;
-        let count = self.channels.len();
-        self.planned = ((1_u32 << count) - 1) as AxisSet;
-        for axis in 0..count {
+        for axis in 0..self.channels.len() {
             self.join(axis, axis);
         }
     }
@@ -139,14 +137,13 @@ impl Controller {
         let Some(channel) = self.channels.get(axis) else {
             return;
         };
-        let planned = self.planned & !(1 << axis);
+        let planned = self.output.telemetry.sharing.planned();
         let same = |&(first, other): &(usize, &Channel)| {
-            planned & 1 << first != 0 && channel.has_motion_of(other)
+            first != axis && planned & 1 << first != 0 && channel.has_motion_of(other)
         };
         let found = self.channels.iter().take(end).enumerate().find(same);
         if let Some((first, _)) = found {
             self.output.telemetry.share_plan(axis, first);
-            self.planned = planned;
         }
     }
 
@@ -156,7 +153,6 @@ impl Controller {
         let first = sharing.first(axis);
         if first != axis {
             self.output.telemetry.share_plan(axis, axis);
-            self.planned |= 1 << axis;
             return self.continue_from(first, axis);
         }
         // The next axis of the group is planned from now on.
@@ -174,7 +170,6 @@ impl Controller {
                 *ahead = ahead.wrapping_sub(next_ahead);
             }
         }
-        self.planned |= 1 << next;
         self.continue_from(axis, next);
     }
 

@@ -47,8 +47,6 @@ pub struct Controller {
     has_servos: bool,
     /// Axes that do not make the master's own turns.
     followers: AxisSet,
-    /// Axes that are planned; the others share a plan.
-    planned: AxisSet,
     /// Axis that has a plan of its own, because its phase offset moves.
     apart: Option<usize>,
     punctuality: Punctuality,

@@ -6,11 +6,15 @@
 use crate::units::MAX_AXES;
 
 /// For each axis, the first axis that plays the same plan.
+///
+/// It is one word, so that a change is detected by one comparison. The lowest bits hold the first axis of each axis. Above them, a bit for
+/// each axis is set if the axis is the first of its own plan.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Sharing(u32); // in one word, so that a change is detected by one comparison
+pub struct Sharing(u32);
 
 const BITS: u32 = 4;
-const _: () = assert!(MAX_AXES <= 1 << BITS && MAX_AXES as u32 * BITS <= u32::BITS);
+const PLANNED: u32 = MAX_AXES as u32 * BITS;
+const _: () = assert!(MAX_AXES <= 1 << BITS && PLANNED + MAX_AXES as u32 <= u32::BITS);
 
 impl Sharing {
     /// Every axis plays a plan of its own.
@@ -33,7 +37,16 @@ impl Sharing {
     #[must_use]
     pub const fn with(self, axis: usize, first: usize) -> Self {
         let shift = BITS * axis as u32;
-        Self(self.0 & !(((1 << BITS) - 1) << shift) | (first as u32) << shift)
+        let planned = 1 << (PLANNED + axis as u32);
+        let others = self.0 & !(((1 << BITS) - 1) << shift | planned);
+        let own = if first == axis { planned } else { 0 };
+        Self(others | own | (first as u32) << shift)
+    }
+
+    /// Axes that are the first of a plan, a bit each. An axis that does not exist counts as the first of its own.
+    #[inline(always)]
+    pub const fn planned(self) -> u32 {
+        self.0 >> PLANNED
     }
 }
 
@@ -58,5 +71,7 @@ mod tests {
         sharing = sharing.with(5, 1).with(2, 1).with(5, 0);
         let firsts: std::vec::Vec<_> = (0..MAX_AXES).map(|axis| sharing.first(axis)).collect();
         assert_eq!(firsts, [0, 1, 1, 3, 4, 0]);
+        assert_eq!(sharing.planned(), 0b01_1011);
+        assert_eq!(sharing.with(5, 5).planned(), 0b11_1011);
     }
 }
