@@ -162,14 +162,8 @@ impl Controller {
             return;
         };
         let telemetry = &mut self.output.telemetry;
-        let next_ahead = telemetry.steps_ahead.get(next).copied().unwrap_or_default();
         telemetry.share_plan(next, next);
-        for other in others {
-            telemetry.sharing = telemetry.sharing.with(other, next);
-            if let Some(ahead) = telemetry.steps_ahead.get_mut(other) {
-                *ahead = ahead.wrapping_sub(next_ahead);
-            }
-        }
+        others.for_each(|other| telemetry.share_plan(other, next));
         self.continue_from(axis, next);
     }
 
