@@ -173,6 +173,10 @@ fn a_start_beyond_the_homing_range_is_refused() {
         feedback.encoder[1] = -counts;
         controller.tick(&feedback);
     }
+    // Its filtered phase error follows.
+    for _ in 0..100 {
+        controller.tick(&feedback);
+    }
     let mut tick = |command| {
         feedback.command = command;
         controller.tick(&feedback).clone()

@@ -147,14 +147,10 @@ impl DriftMonitor {
             return None;
         }
         let axis = self.furthest(&errors);
-        let own = self
-            .phase_error
-            .get(axis)?
-            .wrapping_add(*correction.get(axis)?);
         // This is the common error of the others. The mean of all would contain the error of this axis itself.
         let others = self.watched() & !(1 << axis);
-        let others = in_common(&self.phase_error, correction, others);
-        Some((axis, nearest(own.wrapping_sub(others))))
+        let others = in_common(&errors, &[Turns::ZERO; MAX_AXES], others);
+        Some((axis, nearest(errors.get(axis)?.wrapping_sub(others))))
     }
 
     /// Phase errors with their corrections. In homing the common zero is not known, and phase errors may lie around half a turn. Then

@@ -220,3 +220,18 @@ fn an_encoder_vouches_for_its_crank() {
         .collect();
     assert_eq!(kinds, [(FaultKind::IndexMissing, true)]);
 }
+
+/// If this fails, the noise of a single reading is in the size of the fault with which a start is refused.
+#[test]
+fn a_crank_that_was_left_beyond_its_limits_has_a_filtered_size() {
+    let mut cranks = Cranks::new(monitor_with_encoders(3.0), 0.01);
+    let left = [0.0, 0.05, 0.0, 0.0, 0.0, 0.0];
+    cranks.before = left;
+    cranks.turn(300, |i, _| left[i]);
+    cranks.turn(1, |i, _| left[i] + if i == 1 { 0.004 } else { 0.0 });
+    let none = PerAxis::default();
+    let (axis, by) = cranks.monitor.left_beyond_limits(&none).expect("beyond");
+    assert_eq!(axis, 1);
+    let noise = by.to_num::<f64>() - left[1];
+    assert!(noise.abs() < 0.001, "{noise}"); // a sixteenth, and a count
+}
