@@ -85,6 +85,7 @@ impl Findings {
 
     /// Queues a finding, `all_lag` for a lag of all axes. A finding outside the limits goes to the front. Of later ones outside
     /// the limits, the queue takes only better names for the first, and faults that a stop does not reach. Those within limits are queued.
+    /// If the first has not been reported yet, it is reported by its better name alone.
     #[inline(never)]
     pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
         let mut supersedes = false;
@@ -97,12 +98,21 @@ impl Findings {
                 return; // The machine stops already.
             }
         }
-        if !within_limits || supersedes {
+        let within_limits = within_limits && !supersedes;
+        if !within_limits {
             self.open = Some((fault.axis, fault.kind, turns));
+        }
+        if supersedes
+            && let Some(unreported) = self.waiting.front_mut()
+            && !unreported.within_limits
+        {
+            // It is the fault for which the stop is requested.
+            (unreported.fault, unreported.all_lag) = (fault, all_lag);
+            return;
         }
         let finding = Finding {
             fault,
-            within_limits: within_limits && !supersedes,
+            within_limits,
             supersedes,
             all_lag,
         };
@@ -115,5 +125,36 @@ impl Findings {
         } else {
             self.waiting.push_front(finding)
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If this fails, the better name is reported first, and then the worse one as another fault.
+    #[test]
+    fn a_fault_with_a_better_name_in_the_same_tick_is_reported_once() {
+        let mut findings = Findings::new();
+        let fault = |kind| Fault::new(kind).on_axis(1);
+        findings.push(fault(FaultKind::Tilt), false, true);
+        findings.push(fault(FaultKind::EncoderGlitch), true, false);
+        findings.push(fault(FaultKind::Reversed), false, false);
+        let first = findings.next().expect("one is reported");
+        assert_eq!(first, Finding::of(fault(FaultKind::Reversed)));
+        let second = findings.next().map(|second| second.fault.kind);
+        assert_eq!(second, Some(FaultKind::EncoderGlitch));
+        assert_eq!(findings.next(), None);
+    }
+
+    /// A name that comes in a later tick replaces the one that was reported.
+    #[test]
+    fn a_fault_with_a_better_name_in_a_later_tick_is_reported_again() {
+        let mut findings = Findings::new();
+        for kind in [FaultKind::Tilt, FaultKind::Reversed] {
+            findings.push(Fault::new(kind).on_axis(1), false, false);
+            let found = findings.next().expect("it is reported");
+            assert_eq!(found.supersedes, kind == FaultKind::Reversed);
+        }
     }
 }
