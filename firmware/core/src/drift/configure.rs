@@ -1,6 +1,6 @@
 //! Configuration of the monitor from settings, in place.
 
-use super::axis_watch::AxisWatch;
+use super::axis_watch::{AxisWatch, Traits};
 use super::detection::limits::DriftLimits;
 use super::detection::modes::{Modes, Mount};
 use super::diagnosis::findings::Findings;
@@ -60,9 +60,9 @@ impl DriftMonitor {
         self.mount = Mount::with(settings.axes.len(), sensed | by_encoder);
         self.axes.clear();
         for (i, axis) in settings.axes.iter().enumerate() {
-            let watch =
-                AxisWatch::new(axis, settings, limits.reading, limits.alone(&self.mount, i));
-            let pushed = self.axes.push(watch);
+            let alone = limits.alone(&self.mount, i);
+            let traits = Traits::new(axis, settings, limits.reading, alone);
+            let pushed = self.axes.push(AxisWatch::new(axis, traits));
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
         self.limits = limits;

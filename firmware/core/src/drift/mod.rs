@@ -128,13 +128,13 @@ impl DriftMonitor {
     /// Name of a single jump of an axis, by its size alone.
     pub fn name_of(&self, axis: usize, by: Turns) -> FaultKind {
         let watch = self.axes.get(axis);
-        watch.map_or(FaultKind::Slip, |watch| watch.diagnosis.of_one(by))
+        watch.map_or(FaultKind::Slip, |watch| watch.traits.name_of_one(by))
     }
 
     /// True if every index has been detected since [`Self::reset`]. The last detection has been evaluated if the monitor is not busy.
     pub fn is_homed(&self) -> bool {
         let mut axes = self.axes.iter();
-        axes.all(|watch| !watch.has_index || watch.index.is_known())
+        axes.all(|watch| !watch.traits.has_index || watch.index.is_known())
     }
 
     /// True if the last tick had work pending, of axes without an encoder.
@@ -215,7 +215,7 @@ impl DriftMonitor {
         self.unchecked = 0;
         self.averaged = Turns::ZERO;
         for (axis, watch) in self.axes.iter_mut().enumerate() {
-            self.unchecked |= AxisSet::from(watch.has_index) << axis;
+            self.unchecked |= AxisSet::from(watch.traits.has_index) << axis;
             if let Some(encoder) = &mut watch.encoder {
                 encoder.mean = Turns::ZERO;
             }
@@ -247,18 +247,19 @@ impl DriftMonitor {
     /// Largest error of a reading of an axis, turns.
     pub fn tolerance(&self, axis: usize) -> Turns {
         let watch = self.axes.get(axis);
-        watch.map_or(Turns::ZERO, |watch| watch.diagnosis.tolerance)
+        watch.map_or(Turns::ZERO, |watch| watch.traits.tolerance)
     }
 
     /// Largest difference of two readings of a crank whose rotor only swings, turns.
     pub fn swing(&self, axis: usize) -> Turns {
-        self.axes.get(axis).map_or(Turns::MAX, AxisWatch::swing)
+        let watch = self.axes.get(axis);
+        watch.map_or(Turns::MAX, |watch| watch.traits.swing())
     }
 
     /// Turns by which one crank alone takes the platform beyond a limit.
     pub fn alone(&self, axis: usize) -> Turns {
         let watch = self.axes.get(axis);
-        watch.map_or(Turns::MAX, |watch| watch.index.place.alone)
+        watch.map_or(Turns::MAX, |watch| watch.traits.alone)
     }
 
     /// Phase error of an axis's motor by its encoder, if it has one.
@@ -269,7 +270,7 @@ impl DriftMonitor {
     /// True if the sensor of an axis that is commanded to this phase may be at an end of its flag, so that a swinging rotor makes pulses.
     pub fn is_at_flag(&self, axis: usize, phase: Phase) -> bool {
         let watch = self.axes.get(axis);
-        watch.is_some_and(|watch| watch.index.is_at_flag(phase, watch.swing()))
+        watch.is_some_and(|watch| watch.index.is_at_flag(&watch.traits, phase))
     }
 
     /// True if these phase errors keep the platform within its limits of tilt and warp.

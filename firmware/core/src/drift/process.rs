@@ -211,7 +211,14 @@ impl DriftMonitor {
         };
         self.queue.pulsed &= !(1 << axis);
         let (tick, index) = (&queued.commanded, &mut watch.index);
-        let detection = index.detect(queued.pulse, tick, tick.turns, queued.before, self.clock);
+        let detection = index.detect(
+            &watch.traits,
+            queued.pulse,
+            tick,
+            tick.turns,
+            queued.before,
+            self.clock,
+        );
         self.margin = self.margin.min(index.margin(&sensed.over(axis)));
         if detection != Detection::Nothing {
             self.take_in(axis, detection, Read::Nothing, None, sensed);

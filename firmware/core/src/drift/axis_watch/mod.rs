@@ -1,20 +1,19 @@
 //! One axis of the monitor: its index sensor, its encoder, and the events of its crank.
 
-mod gate;
 mod sorting;
 mod tracking;
+mod traits;
 
-pub use gate::place_gate;
-use gate::{cycle, gate, slow, tolerance};
 pub(super) use sorting::Report;
+pub(super) use traits::Traits;
+pub use traits::place_gate;
 
 use super::detection::angles::{angle, of_angle};
 use super::diagnosis::events::Diagnosis;
 use super::sensing::encoder_watch::{EncoderWatch, Read};
-use super::sensing::index_filter::BRIDGE_WIDTHS;
-use super::sensing::index_watch::{Detection, IndexWatch, Place};
+use super::sensing::index_watch::{Detection, IndexWatch};
 use super::sensing::tick_phase::{IndexPulse, TickClock, TickPhase};
-use crate::settings::{AxisSettings, Settings, turns};
+use crate::settings::AxisSettings;
 use crate::supervisor::FaultKind;
 use crate::units::{Phase, Turns, nearest};
 
@@ -43,17 +42,10 @@ pub(super) struct Motion {
 /// Monitor of one axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
-    /// True if it has an index sensor.
-    pub(super) has_index: bool,
-    /// Watch of that sensor. Without a sensor, pulses are ignored, and the offset stays zero.
+    pub(super) traits: Traits,
+    /// Watch of the index sensor. Without a sensor, pulses are ignored, and the offset stays zero.
     pub(super) index: IndexWatch,
     pub(super) encoder: Option<EncoderWatch>,
-    /// Turns that an encoder measured in the tick before the one that is over; none if they are not known.
-    before: Option<Turns>,
-    /// Phase error of the motor at the last detection of the index.
-    at_flag: Turns,
-    /// A crank that is further than this angle from its last place has moved.
-    gate: u32,
     /// Offset in the last round, and the offset from which drift is counted: angles.
     last: i32,
     home: i32,
@@ -62,45 +54,17 @@ pub(super) struct AxisWatch {
 
 impl AxisWatch {
     #[cold]
-    pub(super) fn new(
-        axis: &AxisSettings,
-        settings: &Settings,
-        reading: Turns,
-        alone: Turns,
-    ) -> Self {
-        let tolerance = tolerance(axis, reading);
-        let cycle = cycle(axis);
-        let gate = gate(tolerance, cycle);
-        let tick_hz = settings.tick_hz;
-        let ticks = |time_s: f64| time_s * f64::from(tick_hz) * 65_536.0;
-        // Time from a pulse's edge until the filter reports it: the bridged widths, and one width.
-        let filter_s = settings.index.width_us * 1e-6 * f64::from(BRIDGE_WIDTHS + 1);
-        let place = Place {
-            index: turns(axis.index_turns.unwrap_or_default()),
-            flag: turns(axis.index_width_turns),
-            delay: libm::round(ticks(axis.index_delay_s)) as u32,
-            covered: libm::floor(65_536.0 - ticks(axis.index_delay_s + filter_s)) as i32,
-            slow: slow(tolerance, tick_hz),
-            gate,
-            tolerance,
-            alone,
-            is_cycle_too_far: cycle > 0 && alone < cycle.saturating_sub(tolerance),
-            has_encoder: axis.encoder,
-        };
-        let jump = Turns::from_bits(tolerance.to_bits() * 4);
+    pub(super) fn new(axis: &AxisSettings, traits: Traits) -> Self {
         let encoder = axis
             .encoder
-            .then(|| EncoderWatch::new(axis.steps_per_turn, axis.reversed, jump));
+            .then(|| EncoderWatch::new(axis.steps_per_turn, axis.reversed));
         Self {
-            has_index: axis.index_turns.is_some(),
-            index: IndexWatch::new(place, Phase::ZERO),
+            traits,
+            index: IndexWatch::new(&traits, Phase::ZERO),
             encoder,
-            before: None,
-            at_flag: Turns::ZERO,
-            gate: angle(gate).unsigned_abs(),
             last: 0,
             home: 0,
-            diagnosis: Diagnosis::new(cycle, tolerance),
+            diagnosis: Diagnosis::new(),
         }
     }
 
@@ -108,7 +72,8 @@ impl AxisWatch {
     #[inline(never)] // It is rare, and a loop over all axes needs the registers.
     pub(super) fn check_timeout(&mut self, commanded: &TickPhase, is_homing: bool) -> Detection {
         let turns = commanded.turns;
-        self.index.check_timeout(commanded, turns, is_homing)
+        self.index
+            .check_timeout(&self.traits, commanded, turns, is_homing)
     }
 
     /// Processes a tick of an axis with an encoder.
@@ -126,23 +91,23 @@ impl AxisWatch {
         };
         // The phase of the motor, not of its command.
         let start = commanded.start.advanced(encoder.phase_error);
-        let (read, turns) = encoder.observe(count, commanded);
-        let before = self.before.replace(turns);
-        if !self.has_index {
+        let before = encoder.made;
+        let (read, turns) = encoder.observe(count, commanded, self.traits.jump());
+        let Self { traits, index, .. } = self;
+        if !traits.has_index {
             return (Detection::Nothing, read);
         }
-        let index = &mut self.index;
         let measured = TickPhase { start, turns };
         // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
         let commanded_turns = commanded.turns;
         let detection = match pulse {
-            Some(&pulse) => index.detect(pulse, &measured, commanded_turns, before, clock),
-            None => index.check_timeout(&measured, commanded_turns, is_homing),
+            Some(&pulse) => index.detect(traits, pulse, &measured, commanded_turns, before, clock),
+            None => index.check_timeout(traits, &measured, commanded_turns, is_homing),
         };
         if let Read::Jump { .. } = read {
             // A jump is reported a tick later.
             let before = before.unwrap_or_default();
-            index.decide_within_a_turn_of(start.advanced(before.wrapping_neg()));
+            index.decide_within_a_turn_of(traits, start.advanced(before.wrapping_neg()));
         }
         (detection, read)
     }
@@ -151,9 +116,8 @@ impl AxisWatch {
         if let Some(encoder) = &mut self.encoder {
             encoder.skip(count);
             start = start.advanced(encoder.phase_error);
-            self.before = None;
         }
-        if pulse && self.has_index {
+        if pulse && self.traits.has_index {
             self.index.disregard(start);
         }
     }
@@ -164,10 +128,10 @@ impl AxisWatch {
         let own_jump = own.jump.wrapping_sub(common.jump);
         let own_walk = own.walk.wrapping_sub(common.walk);
         self.last = angle(self.index.offset);
-        if own_jump.unsigned_abs() > self.gate {
+        if self.traits.is_beyond_gate(own_jump) {
             self.home = self.home.wrapping_add(own_jump);
             self.jump(of_angle(own_jump));
-        } else if own_walk.unsigned_abs() > self.gate {
+        } else if self.traits.is_beyond_gate(own_walk) {
             self.home = self.last.wrapping_sub(common.walk);
             self.diagnosis.drift(of_angle(own_walk));
         }
@@ -176,7 +140,7 @@ impl AxisWatch {
     /// Records that the crank jumped; returns the name.
     pub(super) fn jump(&mut self, by: Turns) -> FaultKind {
         let is_ahead = self.phase_error() > 0;
-        self.diagnosis.jump(by, is_ahead)
+        self.diagnosis.jump(&self.traits, by, is_ahead)
     }
 
     /// Motion of the crank.
@@ -191,8 +155,9 @@ impl AxisWatch {
     /// True if the crank moved by more than a gate from the `common` motion.
     pub(super) fn moves_from(&self, common: Motion) -> bool {
         let own = self.motion();
-        own.jump.wrapping_sub(common.jump).unsigned_abs() > self.gate
-            || own.walk.wrapping_sub(common.walk).unsigned_abs() > self.gate
+        let is_beyond_gate =
+            |own: i32, common| self.traits.is_beyond_gate(own.wrapping_sub(common));
+        is_beyond_gate(own.jump, common.jump) || is_beyond_gate(own.walk, common.walk)
     }
 
     /// Measured minus commanded, turns, −½ to ½.
@@ -203,7 +168,7 @@ impl AxisWatch {
         };
         let own = match measured {
             Measured::Now => encoder.phase_error,
-            Measured::AtFlag if self.has_index => self.at_flag,
+            Measured::AtFlag if self.traits.has_index => encoder.at_flag,
             Measured::Lately | Measured::AtFlag => encoder.filtered,
             Measured::OverTurn => encoder.mean,
         };
@@ -217,39 +182,38 @@ impl AxisWatch {
 
     /// True if the axis has an index sensor and no encoder.
     pub(super) const fn is_by_index(&self) -> bool {
-        self.has_index && self.encoder.is_none()
-    }
-
-    /// Largest phase error of a crank that only swings. A rotor that is half an electrical cycle from its field does not come back.
-    pub(super) fn swing(&self) -> Turns {
-        let half_cycle = Turns::from_bits(self.diagnosis.cycle.to_bits() / 2);
-        of_angle(self.gate as i32).max(half_cycle)
+        self.traits.has_index && self.encoder.is_none()
     }
 
     /// True if an axis without an encoder made no pulse in its place up to the end of a tick, or has no index sensor.
     pub(super) fn is_late(&self, commanded: &TickPhase) -> bool {
-        let is_late =
-            || self.index.is_late() || self.index.has_timed_out(commanded, commanded.turns);
-        self.encoder.is_none() && (!self.has_index || is_late())
+        let is_late = || {
+            self.index.is_late()
+                || self
+                    .index
+                    .has_timed_out(&self.traits, commanded, commanded.turns)
+        };
+        self.encoder.is_none() && (!self.traits.has_index || is_late())
     }
 
     #[inline(never)] // long, and runs only once per start
     pub(super) fn reset(&mut self, phase: Phase) {
-        self.index.reset(phase);
+        self.index = IndexWatch::new(&self.traits, phase);
         if let Some(encoder) = &mut self.encoder {
             encoder.reset();
         }
-        self.diagnosis.clear();
+        self.diagnosis = Diagnosis::new();
     }
 
     pub(super) fn settle(&mut self) {
         self.last = angle(self.index.offset);
         self.home = self.last;
-        self.diagnosis.clear();
+        self.diagnosis = Diagnosis::new();
     }
 
     pub(super) fn shift(&mut self, by: Turns) {
-        if self.has_index {
+        if self.traits.has_index {
+            self.traits.index = self.traits.index.wrapping_add(by);
             self.index.shift(by);
         }
         self.last = self.last.wrapping_add(angle(by));

@@ -62,8 +62,8 @@ impl AxisWatch {
         };
         let is_place = matches!(detection, Detection::First | Detection::InPlace { .. });
         let is_detected = is_place || has_moved.is_some();
-        if is_detected && let Some(encoder) = &self.encoder {
-            self.at_flag = encoder.filtered;
+        if is_detected && let Some(encoder) = &mut self.encoder {
+            encoder.at_flag = encoder.filtered;
         }
         Sorted {
             is_detected,
@@ -81,7 +81,7 @@ impl AxisWatch {
     fn first(&mut self) -> Option<Report> {
         self.home = angle(self.index.offset);
         let by = self.take_unconfirmed_jump()?;
-        let kind = match self.diagnosis.of_one(by) {
+        let kind = match self.traits.name_of_one(by) {
             FaultKind::LostSteps => FaultKind::LostSteps,
             _ => FaultKind::EncoderGlitch,
         };
@@ -98,7 +98,7 @@ impl AxisWatch {
         let extra = extra.map(|by| self.extra(by, is_sure));
         self.diagnosis.pass_turn();
         let walk = self.motion().walk;
-        if self.encoder.is_some() && walk.unsigned_abs() > self.gate {
+        if self.encoder.is_some() && self.traits.is_beyond_gate(walk) {
             // The crank moves away from its encoder, turn by turn.
             self.home = angle(self.index.offset);
             self.diagnosis.drift(of_angle(walk));
@@ -139,7 +139,7 @@ impl AxisWatch {
         let shown = angle(by).unsigned_abs();
         let jumped = angle(unconfirmed_jump).unsigned_abs();
         let same_sense = unconfirmed_jump != 0 && (by < 0) == (unconfirmed_jump < 0);
-        if same_sense && shown <= jumped.saturating_add(self.gate) {
+        if same_sense && shown <= jumped.saturating_add(angle(self.traits.gate).unsigned_abs()) {
             self.confirm(unconfirmed_jump, by);
             return unconfirmed_jump;
         }
@@ -152,7 +152,7 @@ impl AxisWatch {
     /// with it, and `has_moved` becomes the distance.
     fn nowhere(&mut self, has_moved: &mut Option<Turns>) -> Option<Report> {
         let unconfirmed_jump = self.take_unconfirmed_jump()?;
-        if angle(unconfirmed_jump).unsigned_abs() <= self.gate {
+        if !self.traits.is_beyond_gate(angle(unconfirmed_jump)) {
             // The reading came back, so the crank did not move.
             return Some((FaultKind::EncoderGlitch, unconfirmed_jump, true));
         }
@@ -163,7 +163,8 @@ impl AxisWatch {
 
     /// Records that the crank made the same `jump` as its encoder. The index has `shown` a part of it.
     fn confirm(&mut self, jump: Turns, shown: Turns) {
-        self.index.believe_moved(jump.wrapping_sub(shown));
+        self.index
+            .believe_moved(&self.traits, jump.wrapping_sub(shown));
         self.home = self.home.wrapping_add(angle(jump));
         self.jump(jump);
     }
@@ -171,9 +172,9 @@ impl AxisWatch {
     /// Processes an overdue pulse: the crank may be beyond its limit.
     fn overdue(&mut self, patience: Option<Turns>, is_homing: bool) -> Option<Report> {
         let index = &mut self.index;
-        let alone = index.place.alone;
+        let alone = self.traits.alone;
         if self.encoder.is_some() && index.is_known() {
-            index.pass_over();
+            index.pass_over(&self.traits);
             if self.diagnosis.is_slipping() && !is_homing {
                 // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
                 return Some((FaultKind::Slip, alone.wrapping_neg(), false));
@@ -193,7 +194,7 @@ impl AxisWatch {
         match read {
             Read::Glitch { by } => Some((FaultKind::EncoderGlitch, by, true)),
             // There is no index that could decide, so the jump counts.
-            Read::Jump { by } if !self.has_index => {
+            Read::Jump { by } if !self.traits.has_index => {
                 self.encoder.as_mut()?.believe();
                 self.jump(by);
                 None
@@ -205,13 +206,5 @@ impl AxisWatch {
     fn extra(&mut self, by: Turns, is_sure: bool) -> Report {
         let within_limits = self.diagnosis.extra(by) && is_sure;
         (FaultKind::IndexExtra, by, within_limits)
-    }
-}
-
-#[cfg(test)]
-impl AxisWatch {
-    /// Switches off the naming of slow slips, for tests of the limits alone.
-    pub(in crate::drift) fn never_walks(&mut self) {
-        self.gate = u32::MAX;
     }
 }

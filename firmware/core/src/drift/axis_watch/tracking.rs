@@ -15,17 +15,13 @@ impl AxisWatch {
     /// Name of the motor's motion, if that is the cause of its phase error.
     pub(in crate::drift) fn tracking(&self) -> Option<FaultKind> {
         let encoder = self.encoder.as_ref()?;
-        if angle(encoder.phase_error).unsigned_abs() <= self.gate {
+        let traits = &self.traits;
+        if !traits.is_beyond_gate(angle(encoder.phase_error)) {
             return None;
         }
         match encoder.tracking {
             Tracking::Ok => None,
-            // A motor that is released may spring back, and swing once to either side.
-            Tracking::Stalled
-                if encoder.has_gone_back(self.swing().saturating_add(self.swing())) =>
-            {
-                Some(FaultKind::Reversed)
-            }
+            Tracking::Stalled if encoder.has_gone_back(traits) => Some(FaultKind::Reversed),
             Tracking::Stalled => Some(FaultKind::Stuck),
             Tracking::Overspeed => Some(FaultKind::Runaway),
         }
@@ -39,6 +35,6 @@ impl AxisWatch {
     /// True if its encoder alone shows that the axis does not turn as commanded.
     pub(in crate::drift) fn is_off_track(&self) -> bool {
         self.tracking_error()
-            .is_some_and(|error| error.wrapping_abs() > self.index.place.alone)
+            .is_some_and(|error| error.wrapping_abs() > self.traits.alone)
     }
 }

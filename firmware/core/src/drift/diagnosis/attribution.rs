@@ -93,7 +93,7 @@ impl DriftMonitor {
             let by = error.get(axis).copied().unwrap_or_default();
             let others = self.encoders() & !(1 << axis);
             let from_others = by.wrapping_sub(in_common(&error, &NONE, others));
-            let is_alike = others != 0 && from_others.wrapping_abs() <= watch.index.place.alone;
+            let is_alike = others != 0 && from_others.wrapping_abs() <= watch.traits.alone;
             let fault = match watch.tracking() {
                 Some(kind) => Fault::new(kind).on_axis(axis),
                 None if is_alike => Fault::new(FaultKind::CommonLag),

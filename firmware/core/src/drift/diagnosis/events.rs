@@ -10,6 +10,7 @@
 //! No name is needed to stop the machine. Events arrive turn by turn, and a better name may replace a worse one while the machine stops. At
 //! first, the only symptom may be an overdue crank or a tilted platform.
 
+use crate::drift::axis_watch::Traits;
 use crate::drift::detection::angles::{angle, of_angle};
 use crate::supervisor::FaultKind;
 use crate::units::{Turns, nearest};
@@ -60,10 +61,6 @@ impl Event {
 /// Last events of one axis.
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct Diagnosis {
-    /// An electrical cycle, turns; zero if it has none.
-    pub(in crate::drift) cycle: Turns,
-    /// Largest difference of two readings of a crank that has not moved.
-    pub(in crate::drift) tolerance: Turns,
     /// Latest first.
     events: [Event; EVENTS],
     /// The latest move has not been reported yet.
@@ -71,17 +68,11 @@ pub(in crate::drift) struct Diagnosis {
 }
 
 impl Diagnosis {
-    pub(in crate::drift) const fn new(cycle: Turns, tolerance: Turns) -> Self {
+    pub(in crate::drift) const fn new() -> Self {
         Self {
-            cycle,
-            tolerance,
             events: [Event::NONE; EVENTS],
             is_new: false,
         }
-    }
-
-    pub(in crate::drift) const fn clear(&mut self) {
-        *self = Self::new(self.cycle, self.tolerance);
     }
 
     /// Counts a turn, as the index was detected again.
@@ -108,8 +99,13 @@ impl Diagnosis {
 
     /// Records that the crank jumped, forward if `by` is positive, and whether it is ahead of its command now; returns the name.
     #[inline(never)]
-    pub(in crate::drift) fn jump(&mut self, by: Turns, is_ahead: bool) -> FaultKind {
-        let name = self.name_of_jump(by, is_ahead);
+    pub(in crate::drift) fn jump(
+        &mut self,
+        traits: &Traits,
+        by: Turns,
+        is_ahead: bool,
+    ) -> FaultKind {
+        let name = self.name_of_jump(traits, by, is_ahead);
         self.record(What::Jump, name, by);
         name
     }
@@ -173,7 +169,7 @@ impl Diagnosis {
         self.events.iter().filter(|event| event.what == What::Jump)
     }
 
-    fn name_of_jump(&self, by: Turns, is_ahead: bool) -> FaultKind {
+    fn name_of_jump(&self, traits: &Traits, by: Turns, is_ahead: bool) -> FaultKind {
         // Jumps the same way in the turns before this one, without a break.
         let mut row = self
             .jumps()
@@ -182,14 +178,14 @@ impl Diagnosis {
             .map(|(event, _)| of_angle(event.by));
         let (before, earlier) = (row.next(), row.next());
         let Some(before) = before else {
-            return self.of_one(by);
+            return traits.name_of_one(by);
         };
         // A runaway gains more in its second turn than in the rest of its first. So does a crank that makes up for a lag, but it stays
         // behind.
         let gains = is_ahead && by > 0 && (by > before || earlier.is_some());
         // If a crank passes its index while it jumps, the index shows a part of the jump then, and the rest a turn later.
-        let whole = self.is_whole(by) && self.is_whole(before)
-            || earlier.is_none() && self.is_whole_in_two(before.wrapping_add(by));
+        let whole = traits.is_whole(by) && traits.is_whole(before)
+            || earlier.is_none() && traits.is_whole_in_two(before.wrapping_add(by));
         if gains {
             FaultKind::Runaway
         } else if whole {
@@ -198,9 +194,11 @@ impl Diagnosis {
             FaultKind::Slip
         }
     }
+}
 
+impl Traits {
     /// Name of a single jump.
-    pub(in crate::drift) fn of_one(&self, by: Turns) -> FaultKind {
+    pub(in crate::drift) fn name_of_one(&self, by: Turns) -> FaultKind {
         if self.is_whole(by) {
             FaultKind::LostSteps
         } else {
@@ -259,6 +257,7 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::sample;
 
     const CYCLE_DEG: f64 = 7.2;
 
@@ -266,14 +265,21 @@ mod tests {
         Turns::from_num(deg / 360.0)
     }
 
-    fn axis() -> Diagnosis {
-        Diagnosis::new(deg(CYCLE_DEG), deg(0.45))
+    fn traits(cycle: Turns) -> Traits {
+        let settings = sample::settings(2);
+        let tolerance = deg(0.45);
+        let of_axis = Traits::new(&settings.axes[0], &settings, Turns::ZERO, Turns::ZERO);
+        Traits {
+            tolerance,
+            cycle,
+            ..of_axis
+        }
     }
 
-    /// Name of a jump in the turn after the last event.
+    /// Name of a jump of a stepper in the turn after the last event.
     fn next(axis: &mut Diagnosis, by_deg: f64) -> FaultKind {
         axis.pass_turn();
-        axis.jump(deg(by_deg), true)
+        axis.jump(&traits(deg(CYCLE_DEG)), deg(by_deg), true)
     }
 
     #[test]
@@ -281,21 +287,25 @@ mod tests {
         for cycles in [-20.0, -3.0, -1.0, 1.0, 2.0] {
             for off in [-0.4, 0.0, 0.4] {
                 let by = cycles * CYCLE_DEG + off;
-                assert_eq!(next(&mut axis(), by), FaultKind::LostSteps, "{by}");
+                assert_eq!(
+                    next(&mut Diagnosis::new(), by),
+                    FaultKind::LostSteps,
+                    "{by}"
+                );
             }
         }
         for off in [-3.6, -2.0, 2.0, 10.0, 30.0] {
-            assert_eq!(next(&mut axis(), off), FaultKind::Slip, "{off}");
+            assert_eq!(next(&mut Diagnosis::new(), off), FaultKind::Slip, "{off}");
         }
-        let mut servo = Diagnosis::new(Turns::ZERO, deg(0.9));
-        assert_eq!(next(&mut servo, 7.2), FaultKind::Slip);
+        let servo = traits(Turns::ZERO);
+        assert_eq!(servo.name_of_one(deg(7.2)), FaultKind::Slip);
     }
 
     /// One jump of many may be whole by chance. The next one shows that it is a slip or a runaway.
     #[test]
     fn what_goes_on_is_no_loss_of_steps_and_what_gains_runs_away() {
         let names = |jumps: &[f64]| {
-            let mut axis = axis();
+            let mut axis = Diagnosis::new();
             let names = jumps.iter().map(|&by| next(&mut axis, by));
             names.collect::<std::vec::Vec<_>>()
         };
@@ -310,15 +320,18 @@ mod tests {
     /// If this fails, a machine whose cranks lag less as it stops disables its drives while it turns.
     #[test]
     fn a_crank_that_makes_up_for_a_lag_does_not_run_away() {
-        let mut axis = axis();
+        let mut axis = Diagnosis::new();
         next(&mut axis, 2.0);
         axis.pass_turn();
-        assert_eq!(axis.jump(deg(2.6), false), FaultKind::Slip);
+        assert_eq!(
+            axis.jump(&traits(deg(CYCLE_DEG)), deg(2.6), false),
+            FaultKind::Slip
+        );
     }
 
     #[test]
     fn a_turn_without_a_jump_ends_a_row() {
-        let mut axis = axis();
+        let mut axis = Diagnosis::new();
         next(&mut axis, 50.0);
         axis.pass_turn();
         assert_eq!(next(&mut axis, 83.0), FaultKind::Slip);
@@ -328,7 +341,7 @@ mod tests {
     /// If this fails, a sensor with occasional noise stops the machine, or one that has failed does not.
     #[test]
     fn extra_pulses_in_four_turns_in_a_row_are_a_failed_sensor() {
-        let mut axis = axis();
+        let mut axis = Diagnosis::new();
         for turn in 0..4 {
             assert_eq!(axis.extra(deg(90.0)), turn < 3);
             axis.pass_turn();
@@ -340,7 +353,7 @@ mod tests {
     /// If this fails, an event of years ago is named as the reason why a crank is beyond its limit.
     #[test]
     fn an_event_is_forgotten_after_some_turns() {
-        let mut axis = axis();
+        let mut axis = Diagnosis::new();
         axis.drift(deg(2.0));
         let by = of_angle(angle(deg(2.0)));
         assert_eq!(axis.take_new(), Some((FaultKind::Slip, by)));

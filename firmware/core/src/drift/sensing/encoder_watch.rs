@@ -5,6 +5,7 @@
 //! decides. If it keeps jumping, the crank really moves like this, for example because it got stuck at speed.
 
 use super::tick_phase::TickPhase;
+use crate::drift::axis_watch::Traits;
 use crate::units::Turns;
 
 /// Motion of a motor compared with its command.
@@ -44,15 +45,17 @@ pub(in crate::drift) struct EncoderWatch {
     /// Remainder of a count with 16 more fraction bits, and the sum of remainders that is not a whole unit yet.
     rest_a_count: i64,
     rest: i64,
-    /// Deviation from the command in one tick that is larger than any crank can make.
-    jump: Turns,
     last: Option<i32>,
     /// Measured minus commanded turns since the reset, and its filtered value.
     pub(in crate::drift) phase_error: Turns,
     pub(in crate::drift) filtered: Turns,
     /// Sum of phase error times share of a turn: the mean error, once the shares add up to a turn.
     pub(in crate::drift) mean: Turns,
+    /// The filtered phase error as the crank passed its flag last.
+    pub(in crate::drift) at_flag: Turns,
     deviation: Deviation,
+    /// Measured turns in the tick that was read last; none if they are not known.
+    pub(in crate::drift) made: Option<Turns>,
     /// Measured turns since the motor was last about where commanded, or moved about as commanded.
     made_since: Turns,
     /// Sum of the jumps that the index has to confirm; about zero if the reading came back.
@@ -87,13 +90,12 @@ const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {
     /// Encoder with `counts` per turn, reversed or not.
-    pub(in crate::drift) fn new(counts: u32, reversed: bool, jump: Turns) -> Self {
+    pub(in crate::drift) fn new(counts: u32, reversed: bool) -> Self {
         let counts = i64::from(counts.max(1));
         let sense = if reversed { -1 } else { 1 };
         Self {
             per_count: sense * (crate::units::ONE_TURN / counts),
             rest_a_count: sense * (((crate::units::ONE_TURN % counts) << 16) / counts),
-            jump,
             ..Self::default()
         }
     }
@@ -103,7 +105,6 @@ impl EncoderWatch {
         *self = Self {
             per_count: self.per_count,
             rest_a_count: self.rest_a_count,
-            jump: self.jump,
             ..Self::default()
         };
     }
@@ -115,25 +116,28 @@ impl EncoderWatch {
         self.mean = self.mean.wrapping_add(part);
     }
 
-    /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by over `most`. A motor that was blocked for a
-    /// time may spring back by less when it is released.
-    pub(in crate::drift) fn has_gone_back(&self, most: Turns) -> bool {
+    /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by more than a motor that was blocked for a
+    /// time. When that is released, it may spring back, and swing once to either side.
+    pub(in crate::drift) fn has_gone_back(&self, traits: &Traits) -> bool {
         let back = self.made_since.wrapping_neg();
         let behind = self.phase_error.wrapping_neg();
+        let most = traits.swing().saturating_add(traits.swing());
         // The travel must be large against the noise.
-        let is_sure = behind > 0 && back > self.about();
+        let is_sure = behind > 0 && back > about(traits.jump());
         is_sure && (back > Turns::from_bits(behind.to_bits() >> 2) || back > most)
     }
 
-    /// Phase error of a motor that is about where commanded.
-    fn about(&self) -> Turns {
-        Turns::from_bits(self.jump.to_bits() >> 1)
-    }
-
-    /// Processes a reading at the end of a tick. Returns the result, and the measured turns of the tick.
-    pub(in crate::drift) fn observe(&mut self, count: i32, commanded: &TickPhase) -> (Read, Turns) {
+    /// Processes a reading at the end of a tick. A deviation from the command by more than `jump` in a tick is held back. Returns the
+    /// result, and the measured turns of the tick.
+    pub(in crate::drift) fn observe(
+        &mut self,
+        count: i32,
+        commanded: &TickPhase,
+        jump: Turns,
+    ) -> (Read, Turns) {
         let before = self.phase_error;
         let Some(last) = self.last.replace(count) else {
+            self.made = Some(commanded.turns);
             return (Read::Nothing, commanded.turns);
         };
         // A tick has at most half a turn, which is at most 2^15 counts. A larger difference is invalid, and may wrap.
@@ -147,13 +151,13 @@ impl EncoderWatch {
         self.rest &= 0xFFFF;
         let made = Turns::from_bits(made);
         let off = made.wrapping_sub(commanded.turns);
-        let read = self.classify(off);
-        self.made_since = if self.phase_error.wrapping_abs() <= self.about() {
+        let read = self.classify(off, jump);
+        self.made_since = if self.phase_error.wrapping_abs() <= about(jump) {
             Turns::ZERO
         } else {
             self.made_since.saturating_add(made)
         };
-        self.judge(commanded.turns);
+        self.judge(commanded.turns, jump);
         let anew = self.phase_error.wrapping_sub(self.filtered);
         self.filtered = self
             .filtered
@@ -161,11 +165,12 @@ impl EncoderWatch {
         let made = commanded
             .turns
             .wrapping_add(self.phase_error.wrapping_sub(before));
+        self.made = Some(made);
         (read, made)
     }
 
-    fn classify(&mut self, off: Turns) -> Read {
-        let is_jump = |turns: Turns| turns.wrapping_abs() > self.jump || turns == Turns::MIN;
+    fn classify(&mut self, off: Turns, jump: Turns) -> Read {
+        let is_jump = |turns: Turns| turns.wrapping_abs() > jump || turns == Turns::MIN;
         if let Deviation::Held(held) = self.deviation {
             self.deviation = Deviation::Small;
             let both = held.wrapping_add(off);
@@ -193,11 +198,11 @@ impl EncoderWatch {
         Read::Nothing
     }
 
-    fn judge(&mut self, commanded: Turns) {
+    fn judge(&mut self, commanded: Turns, jump: Turns) {
         self.ticks = self.ticks.saturating_add(1);
         self.commanded = self.commanded.wrapping_add(commanded);
         // The travel must be large against the noise.
-        if self.ticks < WINDOW_TICKS || self.commanded < self.jump {
+        if self.ticks < WINDOW_TICKS || self.commanded < jump {
             return;
         }
         // In units of the commanded turns: −1 is standing, less is backwards.
@@ -219,6 +224,7 @@ impl EncoderWatch {
     /// Processes a reading after ticks whose phase is not known. It assumes that the motor followed its command.
     pub(in crate::drift) const fn skip(&mut self, count: i32) {
         self.last = Some(count);
+        self.made = None;
         if let Deviation::Held(_) = self.deviation {
             self.deviation = Deviation::Small;
         }
@@ -229,4 +235,9 @@ impl EncoderWatch {
         let jump = self.unconfirmed_jump.take().unwrap_or_default();
         self.phase_error = self.phase_error.wrapping_add(jump);
     }
+}
+
+/// Largest phase error of a motor that is about where commanded.
+fn about(jump: Turns) -> Turns {
+    Turns::from_bits(jump.to_bits() >> 1)
 }

@@ -20,7 +20,7 @@ fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
             settings.axes[3].cycle_steps = cycle_steps;
             let mut monitor = configured(&settings);
             monitor.reset(&[Phase::ZERO; MAX_AXES]);
-            let alone = monitor.axes[3].index.place.alone.to_num::<f64>();
+            let alone = monitor.axes[3].traits.alone.to_num::<f64>();
             assert!((0.006..0.018).contains(&alone), "{alone}");
             let gate = 4.0 * monitor.tolerance(3).to_num::<f64>();
             let overdue = if cycle_steps == 0 { alone } else { gate };

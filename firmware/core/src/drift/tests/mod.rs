@@ -30,7 +30,7 @@ fn monitor(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Drif
 fn true_alone(count: usize, axis: usize) -> f64 {
     let mut settings = settings(count, 3.0, 5.0, 15.0);
     settings.drift.reading_error_deg = 0.0;
-    configured(&settings).axes[axis].index.place.alone.to_num()
+    configured(&settings).axes[axis].traits.alone.to_num()
 }
 
 /// Commanded phases at the end of a tick, and the history that leads to them after a tick in which all axes made `before` turns.
@@ -256,7 +256,7 @@ fn warp_tilt_and_common_lag_have_limits_of_their_own() {
     let trips = |limits: [f64; 3], off: fn(usize) -> f64| {
         let mut monitor = monitor(4, limits[0], limits[1], limits[2]);
         for watch in &mut monitor.axes {
-            watch.never_walks(); // a named slip is not left to the limits
+            watch.traits.gate = Turns::lit("0.25"); // no slow slip is named
         }
         let mut cranks = Cranks::new(monitor, 0.01).homed();
         let from = f64::from(cranks.tick) * 0.01;

@@ -11,9 +11,10 @@
 
 mod detection;
 
-pub(in crate::drift) use detection::{Detection, Place};
+pub(in crate::drift) use detection::Detection;
 
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
+use crate::drift::axis_watch::Traits;
 use crate::units::{ONE_TURN, Phase, Turns, nearest};
 
 const ONE: Turns = Turns::from_bits(ONE_TURN);
@@ -55,7 +56,6 @@ enum Due {
 /// Watches one sensor.
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct IndexWatch {
-    pub(in crate::drift) place: Place,
     /// Offset of the last pulse that counted.
     pub(in crate::drift) offset: Turns,
     /// Number of pulses of which `offset` is the mean, with an encoder; 0 before the first.
@@ -73,9 +73,8 @@ pub(in crate::drift) struct IndexWatch {
 
 impl IndexWatch {
     /// Watch that has no pulse yet. The first is expected within a turn from `phase`, and is overdue later than that.
-    pub(in crate::drift) fn new(place: Place, phase: Phase) -> Self {
+    pub(in crate::drift) fn new(traits: &Traits, phase: Phase) -> Self {
         Self {
-            place,
             offset: Turns::ZERO,
             meant: 0,
             detected_at: phase,
@@ -83,22 +82,18 @@ impl IndexWatch {
             spacing: None,
             due: Due::Expected,
             missed: 0,
-            alert: ONE.wrapping_add(place.overdue(true)),
+            alert: ONE.wrapping_add(traits.overdue(true)),
         }
-    }
-
-    /// Discards all pulses.
-    pub(in crate::drift) fn reset(&mut self, phase: Phase) {
-        *self = Self::new(self.place, phase);
     }
 
     pub(in crate::drift) const fn is_known(&self) -> bool {
         self.meant > 0
     }
 
-    /// True if a crank at this phase, with the offset that the last pulse showed, is within `swing` of an end of its flag.
-    pub(in crate::drift) fn is_at_flag(&self, phase: Phase, swing: Turns) -> bool {
-        let Place { index, flag, .. } = self.place;
+    /// True if a crank at this phase, with the offset that the last pulse showed, may swing over an end of its flag.
+    pub(in crate::drift) fn is_at_flag(&self, traits: &Traits, phase: Phase) -> bool {
+        let Traits { index, flag, .. } = *traits;
+        let swing = traits.swing();
         let crank = phase.advanced(self.offset);
         self.is_known()
             && [index, index.wrapping_add(flag)]
@@ -127,8 +122,13 @@ impl IndexWatch {
     }
 
     /// True if it is certain that no pulse came up to `alert`.
-    pub(in crate::drift) fn has_timed_out(&self, phase: &TickPhase, commanded: Turns) -> bool {
-        let sure = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.covered));
+    pub(in crate::drift) fn has_timed_out(
+        &self,
+        traits: &Traits,
+        phase: &TickPhase,
+        commanded: Turns,
+    ) -> bool {
+        let sure = (commanded.to_bits() >> 16).wrapping_mul(i64::from(traits.covered));
         let since = phase.start.since(self.detected_at);
         since.wrapping_add(Turns::from_bits(sure)) > self.alert
     }
@@ -137,19 +137,20 @@ impl IndexWatch {
     /// noise of an encoder.
     pub(in crate::drift) fn check_timeout(
         &mut self,
+        traits: &Traits,
         phase: &TickPhase,
         commanded: Turns,
         is_homing: bool,
     ) -> Detection {
-        if !self.has_timed_out(phase, commanded) {
+        if !self.has_timed_out(traits, phase, commanded) {
             return Detection::Nothing;
         }
-        match self.time_out(is_homing) {
+        match self.time_out(traits, is_homing) {
             // The pulse may become late and overdue in the same tick. Without an encoder, the latter counts.
             Detection::Undetected
-                if !self.place.has_encoder && self.has_timed_out(phase, commanded) =>
+                if !traits.has_encoder && self.has_timed_out(traits, phase, commanded) =>
             {
-                self.time_out(is_homing)
+                self.time_out(traits, is_homing)
             }
             detection => detection,
         }
@@ -159,6 +160,7 @@ impl IndexWatch {
     #[inline(never)] // It is rare, and a loop over all axes needs the registers.
     pub(in crate::drift) fn detect(
         &mut self,
+        traits: &Traits,
         pulse: IndexPulse,
         phase: &TickPhase,
         commanded: Turns,
@@ -179,12 +181,12 @@ impl IndexWatch {
             self.detected_at = phase.start; // The pulse shows that the sensor works, but its place is not known.
             return Detection::Nothing;
         };
-        let late = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.delay));
+        let late = (commanded.to_bits() >> 16).wrapping_mul(i64::from(traits.delay));
         let at = tick
             .at(cycle.min(clock.cycles), clock)
             .advanced(Turns::from_bits(late.wrapping_neg()));
-        let begin = self.place.index;
-        let end = begin.wrapping_add(self.place.flag);
+        let begin = traits.index;
+        let end = begin.wrapping_add(traits.flag);
         // Going backward, a crank meets the flag's other end first.
         let (first, other) = if commanded < 0 {
             (end, begin)
@@ -194,50 +196,52 @@ impl IndexWatch {
         let offset_from = |end: Turns| nearest(Phase::from_turns(end).since(at));
         let offset = offset_from(first);
         // At so low a speed, a crank that has just passed its flag may swing back over the other end.
-        let may_swing =
-            commanded.abs() <= self.place.slow && at.since(self.detected_at).abs() < HALF;
-        if may_swing && !self.is_in_place(offset) && self.is_in_place(offset_from(other)) {
+        let may_swing = commanded.abs() <= traits.slow && at.since(self.detected_at).abs() < HALF;
+        if may_swing
+            && !self.is_in_place(traits, offset)
+            && self.is_in_place(traits, offset_from(other))
+        {
             return Detection::Nothing;
         }
-        self.judge(offset, at)
+        self.judge(traits, offset, at)
     }
 
     /// True if an offset is that of the last pulse, to within the gate.
-    fn is_in_place(&self, offset: Turns) -> bool {
-        nearest(offset.wrapping_sub(self.offset)).abs() <= self.place.gate
+    fn is_in_place(&self, traits: &Traits, offset: Turns) -> bool {
+        nearest(offset.wrapping_sub(self.offset)).abs() <= traits.gate
     }
 
-    fn judge(&mut self, offset: Turns, at: Phase) -> Detection {
+    fn judge(&mut self, traits: &Traits, offset: Turns, at: Phase) -> Detection {
         if !self.is_known() {
             self.meant = 1;
-            self.believe(offset, at);
+            self.believe(traits, offset, at);
             return Detection::First;
         }
         let by = nearest(offset.wrapping_sub(self.offset));
-        if by.abs() <= self.place.gate {
+        if by.abs() <= traits.gate {
             if at.since(self.detected_at) < HALF {
                 return Detection::Nothing; // the same passage
             }
             let detection = self.in_place(offset, at);
-            let filtered = self.filter(by);
-            self.believe(nearest(self.offset.wrapping_add(filtered)), at);
+            let filtered = self.filter(traits, by);
+            self.believe(traits, nearest(self.offset.wrapping_add(filtered)), at);
             return detection;
         }
         let again = self.outlier.is_some_and(|outlier| {
             let apart = nearest(offset.wrapping_sub(outlier.offset));
-            apart.abs() <= self.place.gate && at.since(outlier.at) >= HALF
+            apart.abs() <= traits.gate && at.since(outlier.at) >= HALF
         });
         // No pulse came in place, and one came elsewhere: the crank has moved to the place of that pulse.
         if self.is_late() || self.missed > 0 || again {
-            return self.moved(Outlier { offset, at });
+            return self.moved(traits, Outlier { offset, at });
         }
         // The exact place of the next pulse decides what this one was. With an encoder, the noise of two of its readings is added.
-        let sure = self.place.tolerance.to_bits() << u32::from(self.place.has_encoder);
+        let sure = traits.tolerance.to_bits() << u32::from(traits.has_encoder);
         self.alert = self.alert.min(ONE.wrapping_add(Turns::from_bits(sure)));
         let goes_on = self.spacing.take().is_some_and(|spacing| {
             let late = at.since(self.detected_at).wrapping_sub(spacing.turns).abs();
             // Noise that comes once per turn comes at the same place.
-            let is_elsewhere = nearest(by.wrapping_sub(spacing.by)).abs() > self.place.gate;
+            let is_elsewhere = nearest(by.wrapping_sub(spacing.by)).abs() > traits.gate;
             is_elsewhere && late <= spacing.turns / 4
         });
         match self.outlier.replace(Outlier { offset, at }) {
@@ -274,19 +278,19 @@ impl IndexWatch {
     }
 
     /// Records that the crank has moved to the place that a pulse showed.
-    fn moved(&mut self, to: Outlier) -> Detection {
+    fn moved(&mut self, traits: &Traits, to: Outlier) -> Detection {
         let by = nearest(to.offset.wrapping_sub(self.offset));
         self.outlier = None;
         self.spacing = None;
         self.meant = 1;
-        self.believe(to.offset, to.at);
+        self.believe(traits, to.offset, to.at);
         Detection::Moved { by }
     }
 
     /// Part of a deviation `by` that counts. It makes the offset the mean of the first pulses, and later a filtered value.
-    fn filter(&mut self, by: Turns) -> Turns {
+    fn filter(&mut self, traits: &Traits, by: Turns) -> Turns {
         // A deviation beyond noise counts in full, so the offset follows a drift to within a tolerance. Without an encoder, every one does.
-        if !self.place.has_encoder || by.abs() > self.place.tolerance {
+        if !traits.has_encoder || by.abs() > traits.tolerance {
             self.meant = 1;
             return by;
         }
@@ -297,14 +301,14 @@ impl IndexWatch {
 
     /// Processes a timeout: no pulse came up to `alert`.
     #[inline(never)]
-    fn time_out(&mut self, is_homing: bool) -> Detection {
+    fn time_out(&mut self, traits: &Traits, is_homing: bool) -> Detection {
         let waited = self.due == Due::Overdue;
         if self.is_known() && !self.is_late() {
             if let Some(outlier) = self.outlier {
-                return self.moved(outlier);
+                return self.moved(traits, outlier);
             }
             self.due = Due::Late;
-            self.alert = ONE.wrapping_add(self.place.overdue(is_homing));
+            self.alert = ONE.wrapping_add(traits.overdue(is_homing));
             return Detection::Undetected;
         }
         self.due = Due::Overdue;
@@ -312,28 +316,28 @@ impl IndexWatch {
         Detection::Overdue { waited }
     }
 
-    fn believe(&mut self, offset: Turns, at: Phase) {
+    fn believe(&mut self, traits: &Traits, offset: Turns, at: Phase) {
         self.offset = offset;
         self.detected_at = at;
         self.due = Due::Expected;
         self.missed = 0;
-        self.alert = ONE.wrapping_add(self.place.gate);
+        self.alert = ONE.wrapping_add(traits.gate);
     }
 
     /// Records that the crank may have moved at `phase`. The place of the next pulse decides within a turn from there.
-    pub(in crate::drift) fn decide_within_a_turn_of(&mut self, phase: Phase) {
+    pub(in crate::drift) fn decide_within_a_turn_of(&mut self, traits: &Traits, phase: Phase) {
         if self.is_known() && !self.is_late() {
             let went = phase.since(self.detected_at).max(Turns::ZERO);
-            self.alert = ONE.wrapping_add(went.min(self.place.gate));
+            self.alert = ONE.wrapping_add(went.min(traits.gate));
         }
     }
 
     /// Records that the crank has moved by `by`, as the encoder shows. Its next pulse is expected at that offset.
-    pub(in crate::drift) fn believe_moved(&mut self, by: Turns) {
+    pub(in crate::drift) fn believe_moved(&mut self, traits: &Traits, by: Turns) {
         self.offset = nearest(self.offset.wrapping_add(by));
         self.due = Due::Expected;
         self.alert = ONE
-            .wrapping_add(self.place.gate)
+            .wrapping_add(traits.gate)
             .wrapping_sub(by.min(Turns::ZERO));
     }
 
@@ -343,11 +347,11 @@ impl IndexWatch {
     }
 
     /// Tolerates a missing pulse. The next is expected a turn later.
-    pub(in crate::drift) fn pass_over(&mut self) {
+    pub(in crate::drift) fn pass_over(&mut self, traits: &Traits) {
         self.detected_at = self.detected_at.advanced(ONE);
         self.due = Due::Expected;
         self.missed = self.missed.saturating_add(1);
-        self.alert = ONE.wrapping_add(self.place.gate);
+        self.alert = ONE.wrapping_add(traits.gate);
     }
 
     /// Records a pulse in a tick whose phase is not known. It shows only that the sensor works.
@@ -357,7 +361,6 @@ impl IndexWatch {
 
     /// Moves the zero of all phases, so that the flag is `by` further on.
     pub(in crate::drift) fn shift(&mut self, by: Turns) {
-        self.place.index = self.place.index.wrapping_add(by);
         self.offset = nearest(self.offset.wrapping_add(by));
     }
 }
