@@ -52,15 +52,31 @@ pub type AxisSet = u8;
 /// Weights that separate the phase errors of evenly spaced axes into modes. Some or all axes have sensors.
 #[derive(Clone, Debug)]
 pub struct Mount {
-    /// Weights of the phase errors, 28 fraction bits; zero for those that are not detected.
-    common: PerAxis<i32>,
-    tilt_x: PerAxis<i32>,
-    tilt_y: PerAxis<i32>,
-    /// Cosine and sine of the angles of the axes, 30 fraction bits.
-    cosine: PerAxis<i32>,
-    sine: PerAxis<i32>,
+    axes: PerAxis<MountedAxis>,
     detected: AxisSet,
     pub(in crate::drift) count: usize,
+}
+
+/// Part of one axis in the modes.
+#[derive(Clone, Copy, Debug)]
+struct MountedAxis {
+    /// Weights of its phase error in common mode and tilt, 28 fraction bits; zero if it is not detected.
+    common: i32,
+    tilt_x: i32,
+    tilt_y: i32,
+    /// Cosine and sine of its angle, 30 fraction bits.
+    cosine: i32,
+    sine: i32,
+}
+
+impl MountedAxis {
+    const NONE: Self = Self {
+        common: 0,
+        tilt_x: 0,
+        tilt_y: 0,
+        cosine: 0,
+        sine: 0,
+    };
 }
 
 /// Fraction bits that are dropped from a phase error. ±½ turn then fits 30 bits, and so does a weighted sum of six.
@@ -90,11 +106,7 @@ pub enum Knowledge {
 impl Mount {
     /// Mount without axes.
     pub(in crate::drift) const NONE: Self = Self {
-        common: [0; MAX_AXES],
-        tilt_x: [0; MAX_AXES],
-        tilt_y: [0; MAX_AXES],
-        cosine: [0; MAX_AXES],
-        sine: [0; MAX_AXES],
+        axes: [MountedAxis::NONE; MAX_AXES],
         detected: 0,
         count: 0,
     };
@@ -141,13 +153,18 @@ impl Mount {
             weights[axis][0] = 1.0;
         }
         let fixed = |value: f64, bits: u32| libm::round(value * f64::from(1_u32 << bits)) as i32;
-        let weight = |mode: usize| core::array::from_fn(|i| fixed(weights[i][mode], WEIGHT_BITS));
         Self {
-            common: weight(0),
-            tilt_x: weight(1),
-            tilt_y: weight(2),
-            cosine: core::array::from_fn(|i| fixed(place(i).0, 30)),
-            sine: core::array::from_fn(|i| fixed(place(i).1, 30)),
+            axes: core::array::from_fn(|i| {
+                let [common, tilt_x, tilt_y] = weights[i].map(|weight| fixed(weight, WEIGHT_BITS));
+                let (cosine, sine) = place(i);
+                MountedAxis {
+                    common,
+                    tilt_x,
+                    tilt_y,
+                    cosine: fixed(cosine, 30),
+                    sine: fixed(sine, 30),
+                }
+            }),
             detected,
             count,
         }
@@ -168,11 +185,15 @@ impl Mount {
     #[cold]
     pub(in crate::drift) fn alone(&self, axis: usize) -> (f64, f64) {
         let float = |value: i32, bits: u32| f64::from(value) / f64::from(1_u32 << bits);
-        let of = |weights: &PerAxis<i32>| weights.get(axis).map_or(0.0, |&w| float(w, WEIGHT_BITS));
-        let (common, x, y) = (of(&self.common), of(&self.tilt_x), of(&self.tilt_y));
-        let at = |places: &PerAxis<i32>| places.get(axis).map_or(0.0, |&p| float(p, 30));
+        let axis = self.axes.get(axis).unwrap_or(&MountedAxis::NONE);
+        let weight = |value: i32| float(value, WEIGHT_BITS);
+        let (common, x, y) = (
+            weight(axis.common),
+            weight(axis.tilt_x),
+            weight(axis.tilt_y),
+        );
         let warp = if self.knowledge() == Knowledge::All {
-            1.0 - common - x * at(&self.cosine) - y * at(&self.sine)
+            1.0 - common - x * float(axis.cosine, 30) - y * float(axis.sine, 30)
         } else {
             0.0
         };
@@ -185,28 +206,31 @@ impl Mount {
     /// products are rounded down.
     #[inline(never)]
     pub fn modes(&self, phase_error: &PerAxis<Turns>) -> Modes {
-        let phase_error = phase_error.map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
-        let project = |weights: &PerAxis<i32>| {
-            let products = phase_error.iter().zip(weights).take(self.count);
-            let sum: i32 = products.map(|(&e, &weight)| multiply_q30(e, weight)).sum();
-            // Three neighbours of six that are all far off would be extrapolated to several turns.
-            sum.clamp(-ONE_TURN_OF_SUM, ONE_TURN_OF_SUM) << (30 - WEIGHT_BITS)
+        let axes = || {
+            let errors = phase_error
+                .iter()
+                .map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
+            errors.zip(&self.axes).take(self.count)
         };
-        let common = project(&self.common);
-        let tilt_x = project(&self.tilt_x);
-        let tilt_y = project(&self.tilt_y);
+        let (mut common, mut tilt_x, mut tilt_y) = (0, 0, 0);
+        for (e, axis) in axes() {
+            common += multiply_q30(e, axis.common);
+            tilt_x += multiply_q30(e, axis.tilt_x);
+            tilt_y += multiply_q30(e, axis.tilt_y);
+        }
+        // Three neighbours of six that are all far off would be extrapolated to several turns.
+        let sum = |of: i32| of.clamp(-ONE_TURN_OF_SUM, ONE_TURN_OF_SUM) << (30 - WEIGHT_BITS);
+        let (common, tilt_x, tilt_y) = (sum(common), sum(tilt_x), sum(tilt_y));
         let (mut warp, mut warp_axis) = (0, 0);
         if self.knowledge() == Knowledge::All {
-            let places = self.cosine.iter().zip(&self.sine);
-            let axes = phase_error.iter().zip(places).enumerate();
-            for (axis, (e, (&cosine, &sine))) in axes.take(self.count) {
-                if self.detected & 1 << axis == 0 {
+            for (number, (e, axis)) in axes().enumerate() {
+                if self.detected & 1 << number == 0 {
                     continue;
                 }
-                let plane = common + multiply_q30(tilt_x, cosine) + multiply_q30(tilt_y, sine);
-                let off = (e - plane).abs();
+                let tilt = multiply_q30(tilt_x, axis.cosine) + multiply_q30(tilt_y, axis.sine);
+                let off = (e - (common + tilt)).abs();
                 if off > warp {
-                    (warp, warp_axis) = (off, axis);
+                    (warp, warp_axis) = (off, number);
                 }
             }
         }
