@@ -206,11 +206,11 @@ impl Mount {
     /// products are rounded down.
     #[inline(never)]
     pub fn modes(&self, phase_error: &PerAxis<Turns>) -> Modes {
+        // The weights of axes that do not exist are zero.
         let axes = || {
-            let errors = phase_error
-                .iter()
-                .map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
-            errors.zip(&self.axes).take(self.count)
+            let errors = phase_error.iter();
+            let errors = errors.map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
+            errors.zip(&self.axes)
         };
         let (mut common, mut tilt_x, mut tilt_y) = (0, 0, 0);
         for (e, axis) in axes() {
@@ -223,15 +223,16 @@ impl Mount {
         let (common, tilt_x, tilt_y) = (sum(common), sum(tilt_x), sum(tilt_y));
         let (mut warp, mut warp_axis) = (0, 0);
         if self.knowledge() == Knowledge::All {
+            let mut detected = self.detected;
             for (number, (e, axis)) in axes().enumerate() {
-                if self.detected & 1 << number == 0 {
-                    continue;
+                if detected & 1 != 0 {
+                    let tilt = multiply_q30(tilt_x, axis.cosine) + multiply_q30(tilt_y, axis.sine);
+                    let off = (e - (common + tilt)).abs();
+                    if off > warp {
+                        (warp, warp_axis) = (off, number);
+                    }
                 }
-                let tilt = multiply_q30(tilt_x, axis.cosine) + multiply_q30(tilt_y, axis.sine);
-                let off = (e - (common + tilt)).abs();
-                if off > warp {
-                    (warp, warp_axis) = (off, number);
-                }
+                detected >>= 1;
             }
         }
         let turns = |value: i32| Turns::from_bits(i64::from(value) << DROPPED_BITS);
