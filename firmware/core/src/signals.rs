@@ -1,6 +1,6 @@
 //! Input and output of the control loop at a deadline.
 
-use crate::drift::{IndexPulse, Modes};
+use crate::drift::{AxisSet, IndexPulse, Modes};
 use crate::pulse::{Runs, Sharing};
 use crate::servo::Setpoint;
 use crate::shaft::Motion;
@@ -162,18 +162,22 @@ impl Telemetry {
             .wrapping_add(of(&self.steps_ahead, axis))
     }
 
-    /// Lets an axis play the plan of `first`, without a change of its steps.
-    pub(crate) fn share_plan(&mut self, axis: usize, first: usize) {
-        let steps = self.steps(axis);
-        self.sharing = self.sharing.with(axis, first);
-        if first == axis
-            && let Some(own) = self.plan_steps.get_mut(axis)
-        {
-            *own = steps;
+    /// Lets `axes`, which play the plan of the axis `from`, play that of `first`, without a change of their steps. If `first` is one of
+    /// them, it gets a plan of its own.
+    pub(crate) fn share_plan(&mut self, axes: AxisSet, from: usize, first: usize) {
+        if axes & 1 << first != 0 {
+            let steps = self.steps(first);
+            if let Some(own) = self.plan_steps.get_mut(first) {
+                *own = steps;
+            }
         }
-        let plan = self.plan_steps.get(first).copied().unwrap_or_default();
-        if let Some(ahead) = self.steps_ahead.get_mut(axis) {
-            *ahead = steps.wrapping_sub(plan);
+        let of = |plan: usize| self.plan_steps.get(plan).copied().unwrap_or_default();
+        let by = of(from).wrapping_sub(of(first));
+        for (axis, ahead) in self.steps_ahead.iter_mut().enumerate() {
+            if axes & 1 << axis != 0 {
+                self.sharing = self.sharing.with(axis, first);
+                *ahead = ahead.wrapping_add(by);
+            }
         }
     }
 

@@ -7,6 +7,7 @@
 use super::Controller;
 use super::channel::Channel;
 use crate::axes::{Follower, OffsetMotion};
+use crate::drift::AxisSet;
 use crate::signals::Output;
 use crate::supervisor::State;
 use crate::units::{MAX_AXES, Turns};
@@ -143,28 +144,24 @@ impl Controller {
         };
         let found = self.channels.iter().take(end).enumerate().find(same);
         if let Some((first, _)) = found {
-            self.output.telemetry.share_plan(axis, first);
+            self.output.telemetry.share_plan(1 << axis, axis, first);
         }
     }
 
     /// Gives an axis a plan of its own.
     fn leave(&mut self, axis: usize) {
-        let sharing = self.output.telemetry.sharing;
-        let first = sharing.first(axis);
-        if first != axis {
-            self.output.telemetry.share_plan(axis, axis);
-            return self.continue_from(first, axis);
+        let telemetry = &mut self.output.telemetry;
+        let first = telemetry.sharing.first(axis);
+        let mut leaving = 1 << axis;
+        if first == axis {
+            // The others of the group leave it, with the next of them as the first.
+            leaving ^= telemetry.sharing.group(axis) as AxisSet;
         }
-        // The next axis of the group is planned from now on.
-        let count = self.channels.len();
-        let mut others = (0..count).filter(|&other| other != axis && sharing.first(other) == axis);
-        let Some(next) = others.next() else {
+        let Some(next) = (0..MAX_AXES).find(|axis| leaving & 1 << axis != 0) else {
             return;
         };
-        let telemetry = &mut self.output.telemetry;
-        telemetry.share_plan(next, next);
-        others.for_each(|other| telemetry.share_plan(other, next));
-        self.continue_from(axis, next);
+        telemetry.share_plan(leaving, first, next);
+        self.continue_from(first, next);
     }
 
     /// Lets an axis continue the motion of the axis whose plan it shared.

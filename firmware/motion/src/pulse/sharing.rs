@@ -43,6 +43,13 @@ impl Sharing {
         Self(others | own | (first as u32) << shift)
     }
 
+    /// Axes that play the plan of `first`, a bit each.
+    pub fn group(self, first: usize) -> u32 {
+        (0..MAX_AXES).fold(0, |group, axis| {
+            group | u32::from(self.first(axis) == first) << axis
+        })
+    }
+
     /// Axes that are the first of a plan, a bit each. An axis that does not exist counts as the first of its own.
     #[inline(always)]
     pub const fn planned(self) -> u32 {
@@ -72,6 +79,10 @@ mod tests {
         let firsts: std::vec::Vec<_> = (0..MAX_AXES).map(|axis| sharing.first(axis)).collect();
         assert_eq!(firsts, [0, 1, 1, 3, 4, 0]);
         assert_eq!(sharing.planned(), 0b01_1011);
+        assert_eq!(
+            [0, 1, 2].map(|first| sharing.group(first)),
+            [0b10_0001, 0b00_0110, 0]
+        );
         assert_eq!(sharing.with(5, 5).planned(), 0b11_1011);
     }
 }
