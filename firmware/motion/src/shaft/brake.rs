@@ -16,7 +16,6 @@
 //! Everything is exact modulo 2⁶⁴, as 3, by which a sum of squares is divided, has an inverse there. So the difference of
 //! two distances is exact, and so is a distance modulo a turn. Speeds and all compared values stay below 2⁵⁰.
 
-use super::gain::Step;
 use super::limits::RampLimits;
 use crate::functions::{isqrt, multiply, multiply_long, normalised, reciprocal};
 
@@ -160,7 +159,9 @@ impl RampLimits {
         }
         // J n² alone gives an n that is at most one too high, and the approximation is off by less than one.
         let mut n = isqrt(Inverse::of(jerk).times(most, 0)) + 1;
-        n = n.min(self.gain.step(room.unsigned_abs()).number);
+        // The limit has one step less above `f` if `f` is more than what it has above its last step.
+        let last = self.limit.number - u32::from(room < self.limit.base as i64);
+        n = n.min(last);
         while times(n, times(n, jerk) + 2 * f) > most {
             n -= 1;
         }
@@ -190,7 +191,7 @@ impl RampLimits {
     fn letting_go(&self, speed: i64, b: i64) -> i64 {
         let least = (b - self.jerk).max(0);
         let most = (b + self.jerk).min(self.acceleration);
-        let mut step = Step::ZERO;
+        let mut step = self.limit;
         let first = self.gain.inverse(
             speed.unsigned_abs(),
             least.unsigned_abs(),

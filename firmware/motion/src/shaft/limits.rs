@@ -1,7 +1,7 @@
 //! Limits of the master shaft as coefficients of the tick.
 
 use super::Band;
-use super::gain::Gain;
+use super::gain::{Gain, Step};
 use crate::settings::{LimitSettings, MAX_BANDS, turns_at_most};
 use crate::units::FRACTION_BITS;
 
@@ -34,6 +34,8 @@ pub(crate) struct RampLimits {
     pub jerk: i64,
     /// Speed gained while an acceleration is released.
     pub(super) gain: Gain,
+    /// Step of the gain at or below the greatest acceleration.
+    pub(super) limit: Step,
     /// Speed gained by one tick of the greatest acceleration and its release.
     pub(super) gain_from_limit: u64,
 }
@@ -55,10 +57,12 @@ impl RampLimits {
             requested.unsigned_abs(),
             speed.unsigned_abs(),
         );
+        let limit = gain.step(acceleration.unsigned_abs());
         Self {
             acceleration,
             jerk,
-            gain_from_limit: gain.of(acceleration.unsigned_abs()),
+            gain_from_limit: gain.above(&limit, acceleration.unsigned_abs()),
+            limit,
             gain,
         }
     }
