@@ -124,7 +124,6 @@ impl<const LINES: usize> IndexFilter<LINES> {
         let mut changed = self.levels ^ levels;
         self.levels = levels;
         self.pending |= changed;
-        let bridged = self.width * BRIDGE_WIDTHS as i32;
         while let Some((number, bit)) = take_lowest(&mut changed) {
             let Some(line) = self.lines.get_mut(number) else {
                 break;
@@ -136,8 +135,8 @@ impl<const LINES: usize> IndexFilter<LINES> {
             if levels & bit != 0 {
                 if counts {
                     self.steady &= !bit;
-                }
-                if counts || cycle - line.first > bridged {
+                    line.first = cycle;
+                } else if cycle - line.first > self.width * BRIDGE_WIDTHS as i32 {
                     line.first = cycle;
                 }
             } else if counts && self.steady & bit == 0 {
