@@ -88,7 +88,7 @@ pub fn make(
             tick,
         ),
         index: Index::new(tick_us * CYCLES_PER_US, first_axis),
-        filter: IndexFilter::of_lines(width, axes, levels),
+        filter: IndexFilter::new(width, axes, levels),
         watchdog: Fed::start(watchdog, tick_us),
         button: Button::new(settings.tick_hz),
         ticks: 0,

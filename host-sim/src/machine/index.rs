@@ -79,7 +79,7 @@ pub struct Line {
 /// One index line with its filter.
 #[derive(Clone, Debug)]
 pub struct IndexSensor {
-    filter: IndexFilter,
+    filter: IndexFilter<1>,
     high_cycles: u32,
     has_length: bool,
     delay_cycles: i64,
@@ -96,7 +96,7 @@ impl IndexSensor {
     /// Creates the sensor of a flag that passes in `high_cycles`, with a filter of `width` cycles.
     pub fn new(width: u32, high_cycles: u32) -> Self {
         Self {
-            filter: IndexFilter::new(width, false),
+            filter: IndexFilter::new(width, 1, 0),
             high_cycles,
             has_length: false,
             delay_cycles: 0,
@@ -110,7 +110,7 @@ impl IndexSensor {
     /// Converts the sensor to one of a flag with a length. `is_over` is true if the flag is now in front of it.
     #[must_use]
     pub fn of_length(mut self, width: u32, is_over: bool) -> Self {
-        self.filter = IndexFilter::new(width, is_over);
+        self.filter = IndexFilter::new(width, 1, is_over.into());
         self.has_length = true;
         self
     }
@@ -154,7 +154,7 @@ impl IndexSensor {
         while let Some((at, level)) = self.changes.pop_front_if(|(at, level)| {
             *at < i64::from(cycles) || (*level && *at == i64::from(cycles))
         }) {
-            self.filter.change(at as i32, level);
+            self.filter.change(at as i32, level.into());
             if level {
                 rose = rose.or(Some(at.max(0) as u32));
             }
@@ -162,15 +162,15 @@ impl IndexSensor {
         for (at, _) in &mut self.changes {
             *at -= i64::from(cycles);
         }
-        Line {
-            rose,
-            pulse: self.filter.end_tick(cycles),
-        }
+        let mut pulses = [None];
+        self.filter.end_tick(cycles, &mut pulses);
+        let [pulse] = pulses;
+        Line { rose, pulse }
     }
 
-    /// True if a tick of `cycles` without events changes nothing, and need not be played.
-    pub fn is_quiet(&self, cycles: u32) -> bool {
-        self.changes.is_empty() && self.filter.is_quiet(cycles)
+    /// True if a tick without events changes nothing, and need not be played.
+    pub fn is_quiet(&self) -> bool {
+        self.changes.is_empty() && !self.filter.is_pending()
     }
 
     fn fall(&mut self, fall: Option<u32>, cycles: u32) {

@@ -206,7 +206,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             let line = sensor.tick(passed, tick_cycles, || self.faults.misses(i));
             detected[i] = line.pulse.or(detected[i]);
             *rose = line.rose;
-            self.awake |= u8::from(!sensor.is_quiet(tick_cycles)) << i;
+            self.awake |= u8::from(!sensor.is_quiet()) << i;
         }
     }
 

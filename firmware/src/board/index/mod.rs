@@ -99,7 +99,7 @@ impl Index {
                 break; // It belongs to the next tick.
             }
             ring.advance();
-            filter.change_lines(cycle, word >> COUNT_BITS);
+            filter.change(cycle, word >> COUNT_BITS);
         }
         self.ring = ring;
     }
@@ -109,7 +109,7 @@ impl Index {
     pub fn end_tick(&mut self, filter: &mut Filter, pulses: &mut PerAxis<Option<IndexPulse>>) {
         // In most ticks no line changed. To skip the filter then saves half the cost of reading.
         if filter.is_pending() {
-            filter.end_tick_of_lines(self.tick_cycles as u32, pulses);
+            filter.end_tick(self.tick_cycles as u32, pulses);
         }
         self.advance();
     }

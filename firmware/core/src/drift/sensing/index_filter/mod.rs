@@ -30,7 +30,7 @@ const LONG_AGO: i32 = -(1 << 29);
 /// Filter of one line, or of several lines with the same width, each a bit of a word. A change and a tick take a constant number of
 /// operations for each line that changed or is not quiet.
 #[derive(Clone, Copy, Debug)]
-pub struct IndexFilter<const LINES: usize = 1> {
+pub struct IndexFilter<const LINES: usize> {
     /// Cycles that a stretch must last to count.
     width: i32,
     /// Set of all lines.
@@ -65,42 +65,11 @@ impl Line {
     };
 }
 
-impl IndexFilter {
-    /// Creates a filter of width `width` cycles, on a line that has been at `level` for long: a crank that stands before its sensor at
-    /// power-up makes no pulse.
-    #[cold]
-    pub fn new(width: u32, level: bool) -> Self {
-        Self::of_lines(width, 1, level.into())
-    }
-
-    /// Records that the line has been at `level` since `cycle` of the present tick, as [`Self::change_lines`] does.
-    pub fn change(&mut self, cycle: i32, level: bool) {
-        self.change_lines(cycle.min(-LONG_AGO), level.into());
-    }
-
-    /// Ends a tick of `cycles`, as [`Self::end_tick_of_lines`] does. Returns the pulse that was confirmed in it, if there is one.
-    pub fn end_tick(&mut self, cycles: u32) -> Option<IndexPulse> {
-        let mut pulses = [None];
-        self.pending = self.all;
-        self.end_tick_of_lines(cycles, &mut pulses);
-        let [pulse] = pulses;
-        pulse
-    }
-
-    /// True if no stretch or pulse has been pending for [`MOST_OF_TICK`] widths, or for a tick of `cycles` if that is less. Then
-    /// [`Self::end_tick`] has nothing to report, and need not be called until the next change. A change looks back over less time:
-    /// [`BRIDGE_WIDTHS`] widths and one.
-    pub fn is_quiet(&self, cycles: u32) -> bool {
-        let [line] = &self.lines;
-        // If a pulse was not taken yet, it ended in this tick.
-        self.levels == self.steady && line.since <= self.quiet_since(cycles)
-    }
-}
-
 impl<const LINES: usize> IndexFilter<LINES> {
-    /// Creates the filter of the first `lines` lines, which have been at `levels`, a bit each, for long.
+    /// Creates a filter of width `width` cycles, on the first `lines` lines, which have been at `levels`, a bit each, for long: a crank
+    /// that stands before its sensor at power-up makes no pulse.
     #[cold]
-    pub fn of_lines(width: u32, lines: usize, levels: u32) -> Self {
+    pub fn new(width: u32, lines: usize, levels: u32) -> Self {
         const { assert!(LINES <= MAX_AXES, "`take_lowest` has a table for all axes") };
         let all = (1 << lines.min(LINES)) - 1;
         Self {
@@ -118,7 +87,7 @@ impl<const LINES: usize> IndexFilter<LINES> {
     /// most about 4 s. Changes must be in the order of their times. One that is out of order gets the time of the change before it, and a
     /// level that a line has already is no change.
     #[inline(always)]
-    pub fn change_lines(&mut self, cycle: i32, levels: u32) {
+    pub fn change(&mut self, cycle: i32, levels: u32) {
         debug_assert!(cycle <= -LONG_AGO, "differences of times fit 32 bits");
         let levels = levels & self.all;
         let mut changed = self.levels ^ levels;
@@ -145,8 +114,9 @@ impl<const LINES: usize> IndexFilter<LINES> {
         }
     }
 
-    /// True if a line is not quiet: [`Self::end_tick_of_lines`] must be called. Otherwise it need not be called until the next
-    /// change.
+    /// True if a line is not quiet: a stretch or pulse has been pending within the last [`MOST_OF_TICK`] widths, or within the last tick if
+    /// that is less. Then [`Self::end_tick`] must be called. Otherwise it need not be called until the next change. A change looks back
+    /// over less time: [`BRIDGE_WIDTHS`] widths and one.
     #[inline(always)]
     pub const fn is_pending(&self) -> bool {
         self.pending != 0
@@ -157,8 +127,10 @@ impl<const LINES: usize> IndexFilter<LINES> {
     ///
     /// If a line had several, only the first is written: no crank turns that fast.
     #[inline(never)] // It needs all registers.
-    pub fn end_tick_of_lines(&mut self, cycles: u32, pulses: &mut [Option<IndexPulse>; LINES]) {
-        let quiet_since = self.quiet_since(cycles);
+    pub fn end_tick(&mut self, cycles: u32, pulses: &mut [Option<IndexPulse>; LINES]) {
+        // Latest cycle at which the present stretch of a line that is quiet now may have begun.
+        let remembered = self.width as u32 * MOST_OF_TICK;
+        let quiet_since = -(cycles.min(remembered).min(i32::MAX as u32) as i32);
         let cycles = at_most_long(cycles);
         let mut lasting = self.levels ^ self.steady;
         while let Some((number, bit)) = take_lowest(&mut lasting) {
@@ -204,14 +176,6 @@ impl<const LINES: usize> IndexFilter<LINES> {
             self.confirmed |= bit;
             line.pulse = line.first;
         }
-    }
-
-    /// Latest cycle at which the present stretch of a quiet line may have begun, after a tick of `cycles`. A change has no effect any
-    /// more after [`MOST_OF_TICK`] widths.
-    #[inline(always)]
-    fn quiet_since(&self, cycles: u32) -> i32 {
-        let remembered = self.width as u32 * MOST_OF_TICK;
-        -(cycles.min(remembered).min(i32::MAX as u32) as i32)
     }
 }
 

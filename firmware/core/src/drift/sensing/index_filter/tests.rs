@@ -9,12 +9,38 @@ use std::vec::Vec;
 /// Stretches of a line from time 0 on, which begins low: the length of each, low and high in turn.
 type Stretches = Vec<i64>;
 
+/// Filter of one line, for ticks of any length.
+struct Single(IndexFilter<1>);
+
+impl Single {
+    fn new(width: u32, level: bool) -> Self {
+        Self(IndexFilter::new(width, 1, level.into()))
+    }
+
+    fn change(&mut self, cycle: i32, level: bool) {
+        self.0.change(cycle.min(-LONG_AGO), level.into());
+    }
+
+    fn end_tick(&mut self, cycles: u32) -> Option<IndexPulse> {
+        let mut pulses = [None];
+        self.0.pending = self.0.all;
+        self.0.end_tick(cycles, &mut pulses);
+        let [pulse] = pulses;
+        pulse
+    }
+
+    /// True if the line has been quiet for `cycles`. In a tick that is shorter than the width, a filter forgets nothing.
+    fn is_quiet(&self, cycles: u32) -> bool {
+        self.0.levels == self.0.steady && self.0.lines[0].since <= -(cycles as i32)
+    }
+}
+
 /// Plays a line through a filter, cut into ticks whose lengths repeat, until long after its end. Returns each pulse as
 /// the time of its edge and the end of the tick in which it was reported.
 ///
 /// A change on a border is reported before or after the border, as `late_border` selects in turn.
 fn play(
-    mut filter: IndexFilter,
+    mut filter: Single,
     stretches: &[i64],
     ticks: &[u32],
     late_border: &[bool],
@@ -32,7 +58,7 @@ fn play(
     let longest = ticks
         .iter()
         .copied()
-        .fold(MOST_OF_TICK * filter.width as u32, u32::max);
+        .fold(MOST_OF_TICK * filter.0.width as u32, u32::max);
     let mut is_quiet = false;
     for &tick in ticks.iter().cycle() {
         let end = start + i64::from(tick);
@@ -125,7 +151,7 @@ proptest! {
         late_border: [bool; 7],
     ) {
         let (stretches, truth) = train(w, &pulses);
-        let reported = play(IndexFilter::new(w as u32, false), &stretches, &ticks, &late_border);
+        let reported = play(Single::new(w as u32, false), &stretches, &ticks, &late_border);
         let firsts: Vec<i64> = truth.iter().map(|&(first, _)| first).collect();
         let actual: Vec<i64> = reported.iter().map(|&(at, _)| at).collect();
         prop_assert_eq!(actual, firsts);
@@ -150,7 +176,7 @@ proptest! {
             .iter()
             .flat_map(|&(steady, part)| [steady, glitch(part).min(w - 1)])
             .collect();
-        let mut filter = IndexFilter::new(w as u32, stuck);
+        let mut filter = Single::new(w as u32, stuck);
         let mut at = 0_i32;
         let mut level = stuck;
         let mut ticks = ticks.iter().cycle();
@@ -195,7 +221,7 @@ proptest! {
             expected.push((low_since, at)); // it ends high and stays high
         }
         // Ticks of one cycle: no two pulses are in one tick.
-        let reported = play(IndexFilter::new(w as u32, false), &stretches, &[1], &[false]);
+        let reported = play(Single::new(w as u32, false), &stretches, &[1], &[false]);
         prop_assert_eq!(reported.len(), expected.len());
         for (&(actual, _), &(low_until, stretch)) in reported.iter().zip(&expected) {
             prop_assert!(low_until <= actual && actual <= stretch, "{actual} of {low_until}..{stretch}");
@@ -216,22 +242,22 @@ proptest! {
         lines in 1..=MAX_AXES,
         begin: u32,
     ) {
-        let mut single: Vec<IndexFilter> =
-            (0..lines).map(|line| IndexFilter::new(w, begin >> line & 1 != 0)).collect();
-        let mut joined = IndexFilter::<MAX_AXES>::of_lines(w, lines, begin);
+        let mut single: Vec<Single> =
+            (0..lines).map(|line| Single::new(w, begin >> line & 1 != 0)).collect();
+        let mut joined = IndexFilter::<MAX_AXES>::new(w, lines, begin);
         let mut levels = begin;
         for mut changes in ticks {
             changes.sort_by_key(|&(cycle, ..)| cycle);
             for (cycle, some, others) in changes {
                 levels ^= some & others; // a quarter of the lines
-                joined.change_lines(cycle, levels);
+                joined.change(cycle, levels);
                 for (line, filter) in single.iter_mut().enumerate() {
                     filter.change(cycle, levels >> line & 1 != 0);
                 }
             }
             let mut pulses = [None; MAX_AXES];
             if joined.is_pending() {
-                joined.end_tick_of_lines(tick, &mut pulses);
+                joined.end_tick(tick, &mut pulses);
             }
             let mut expected = [None; MAX_AXES];
             for (expected, filter) in expected.iter_mut().zip(&mut single) {
@@ -248,7 +274,7 @@ proptest! {
         level: bool,
         calls in proptest::collection::vec((any::<i32>(), any::<bool>(), any::<u32>()), 0..40),
     ) {
-        let mut filter = IndexFilter::new(w, level);
+        let mut filter = Single::new(w, level);
         for (cycle, level, tick) in calls {
             filter.change(cycle, level);
             filter.end_tick(tick);
@@ -259,7 +285,7 @@ proptest! {
 /// If this fails, a tick with two pulses reports the second, or both.
 #[test]
 fn of_two_pulses_in_a_tick_the_first_is_reported() {
-    let mut filter = IndexFilter::new(10, false);
+    let mut filter = Single::new(10, false);
     for (cycle, level) in [(100, true), (120, false), (140, true), (160, false)] {
         filter.change(cycle, level);
     }
@@ -270,7 +296,7 @@ fn of_two_pulses_in_a_tick_the_first_is_reported() {
 /// A crank that is at its sensor at power-up has not passed it.
 #[test]
 fn a_line_that_is_high_from_the_start_makes_no_pulse_until_it_has_been_low() {
-    let mut filter = IndexFilter::new(10, true);
+    let mut filter = Single::new(10, true);
     assert_eq!(filter.end_tick(1000), None);
     filter.change(300, false);
     assert_eq!(filter.end_tick(1000), None);
