@@ -60,7 +60,7 @@ impl DriftMonitor {
         self.mount = Mount::with(settings.axes.len(), sensed | by_encoder);
         self.axes.clear();
         for (i, axis) in settings.axes.iter().enumerate() {
-            let alone = limits.alone(&self.mount, i);
+            let alone = limits.alone(&self.mount, i, settings.axes.len());
             let traits = Traits::new(axis, settings, limits.reading, alone);
             let pushed = self.axes.push(AxisWatch::new(axis, traits));
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");

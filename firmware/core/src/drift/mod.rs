@@ -24,7 +24,7 @@ mod process;
 mod queue;
 pub mod sensing;
 
-pub use axis_watch::place_gate;
+pub use axis_watch::{Measured, place_gate};
 pub use detection::limits::DriftLimits;
 pub use detection::modes::{AxisSet, Knowledge, Modes, Mount};
 pub use diagnosis::alternatives::alternatives;
@@ -37,7 +37,7 @@ pub use sensing::tick_phase::{IndexPulse, TickPhase};
 
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
-use axis_watch::{AxisWatch, Measured};
+use axis_watch::AxisWatch;
 use diagnosis::findings::Findings;
 use queue::Queue;
 use sensing::tick_phase::TickClock;
@@ -170,24 +170,9 @@ impl DriftMonitor {
         self.moved.take()
     }
 
-    /// Phase error of each axis, filtered: with less noise, and delayed by some ticks.
-    pub fn filtered_error(&self) -> PerAxis<Turns> {
-        self.errors(Measured::Lately)
-    }
-
-    /// Phase errors as each crank passed its flag last, to be compared with those of a turn ago.
-    pub fn errors_at_flags(&self) -> PerAxis<Turns> {
-        self.errors(Measured::AtFlag)
-    }
-
-    /// Phase errors of one turn: the mean of an encoder's, or the one at the flag. A load acts on a crank differently at each angle, so
-    /// a mean over less than a turn would depend on where it began.
-    pub fn turn_errors(&self) -> PerAxis<Turns> {
-        self.errors(Measured::OverTurn)
-    }
-
+    /// Phase error of each axis, turns, −½ to ½, as measured at this time.
     #[inline(never)]
-    fn errors(&self, measured: Measured) -> PerAxis<Turns> {
+    pub fn errors(&self, measured: Measured) -> PerAxis<Turns> {
         let mut errors = self.phase_error;
         for (error, watch) in errors.iter_mut().zip(&self.axes) {
             *error = watch.error(measured);
@@ -195,7 +180,7 @@ impl DriftMonitor {
         errors
     }
 
-    /// True if [`Self::turn_errors`] cover a whole turn since [`Self::reset`] or [`Self::start_check`].
+    /// True if errors that are measured [over a turn](Measured::OverTurn) cover a whole turn since [`Self::reset`] or [`Self::start_check`].
     pub fn is_turn_over(&self) -> bool {
         !self.has_encoders() || self.averaged >= Turns::ONE
     }

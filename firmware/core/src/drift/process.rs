@@ -111,7 +111,12 @@ impl DriftMonitor {
                 // All axes are checked before one of them is processed.
                 let patience = *patience.get_or_insert_with(|| self.patience(sensed));
                 let detection = match self.axes.get_mut(axis) {
-                    Some(watch) => watch.check_timeout(&commanded, self.is_homing),
+                    Some(watch) => watch.index.check_timeout(
+                        &watch.traits,
+                        &commanded,
+                        commanded.turns,
+                        self.is_homing,
+                    ),
                     None => Detection::Nothing,
                 };
                 if !matches!(detection, Detection::Nothing | Detection::Undetected) {

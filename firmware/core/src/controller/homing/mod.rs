@@ -17,7 +17,7 @@ mod steps;
 mod verify;
 
 use crate::axes::PhaseOffsets;
-use crate::drift::{AxisSet, DriftMonitor};
+use crate::drift::{AxisSet, DriftMonitor, Measured};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 use checks::{Deviation, Moves, When};
 
@@ -163,7 +163,7 @@ impl Homing {
         monitor: &DriftMonitor,
         offsets: &PhaseOffsets,
     ) -> Option<Deviation> {
-        let phase_error = monitor.filtered_error();
+        let phase_error = monitor.errors(Measured::Lately);
         self.moves(When::InTransit, &phase_error, &offsets.target())
             .deviation(set)
     }

@@ -3,7 +3,7 @@
 use super::verify::Verdict;
 use super::{Homing, Step, errors};
 use crate::axes::PhaseOffsets;
-use crate::drift::DriftMonitor;
+use crate::drift::{DriftMonitor, Measured};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 
@@ -80,7 +80,7 @@ impl Homing {
         monitor.settle();
         self.step = Step::Done;
         self.checks = 0;
-        self.before = monitor.errors_at_flags();
+        self.before = monitor.errors(Measured::AtFlag);
         self.from = *offsets.now();
     }
 
@@ -184,7 +184,7 @@ impl Homing {
         }
         // Both tilts are compared with the cranks before the first one. From one tilt to the other, two cranks may move alike.
         if self.proven <= 1 {
-            self.before = monitor.turn_errors();
+            self.before = monitor.errors(Measured::OverTurn);
             self.from = *offsets.now();
         }
         self.checks = 0;

@@ -3,7 +3,7 @@
 use super::checks::When;
 use super::{Homing, Step};
 use crate::axes::PhaseOffsets;
-use crate::drift::DriftMonitor;
+use crate::drift::{DriftMonitor, Measured};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Turns, nearest};
 
@@ -72,7 +72,7 @@ impl Homing {
         monitor: &DriftMonitor,
         offsets: &PhaseOffsets,
     ) -> Option<Fault> {
-        let phase_error = monitor.errors_at_flags();
+        let phase_error = monitor.errors(Measured::AtFlag);
         let swapped = self
             .moves(When::Corrected, &phase_error, offsets.now())
             .deviation(monitor.watched())
@@ -95,7 +95,7 @@ impl Homing {
         monitor: &mut DriftMonitor,
         offsets: &PhaseOffsets,
     ) -> Verdict {
-        let mut phase_error = monitor.turn_errors();
+        let mut phase_error = monitor.errors(Measured::OverTurn);
         self.checks += 1;
         for (sum, (now, &before)) in self
             .off

@@ -19,14 +19,15 @@ use crate::units::{Phase, Turns, nearest};
 
 /// Time at which a phase error is measured, on an axis whose encoder shows it all the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Measured {
+pub enum Measured {
     /// In this tick, with the noise of a reading.
     Now,
-    /// Mean over the last ticks.
+    /// Filtered over the last ticks: with less noise, and delayed by some ticks.
     Lately,
-    /// At the last passage of the flag, where loads are alike in each turn. Without an index sensor, the same as `Lately`.
+    /// At the last passage of the flag, where loads are alike in each turn, to be compared with that of a turn ago. Without an index
+    /// sensor, the same as `Lately`.
     AtFlag,
-    /// Mean over a turn.
+    /// Mean over a turn. A load acts on a crank differently at each angle, so a mean over less would depend on where it began.
     OverTurn,
 }
 
@@ -66,14 +67,6 @@ impl AxisWatch {
             home: 0,
             diagnosis: Diagnosis::new(),
         }
-    }
-
-    /// Processes a tick without a pulse of an axis by index.
-    #[inline(never)] // It is rare, and a loop over all axes needs the registers.
-    pub(super) fn check_timeout(&mut self, commanded: &TickPhase, is_homing: bool) -> Detection {
-        let turns = commanded.turns;
-        self.index
-            .check_timeout(&self.traits, commanded, turns, is_homing)
     }
 
     /// Processes a tick of an axis with an encoder.

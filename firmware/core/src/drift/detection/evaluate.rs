@@ -2,7 +2,7 @@
 
 use super::angles::{Angles, angle, in_common, middle, of_angle};
 use super::modes::AxisSet;
-use crate::drift::axis_watch::{AxisWatch, Motion};
+use crate::drift::axis_watch::{AxisWatch, Measured, Motion};
 use crate::drift::sensing::encoder_watch::Read;
 use crate::drift::sensing::index_watch::Detection;
 use crate::drift::{DriftMonitor, Sensed};
@@ -159,7 +159,7 @@ impl DriftMonitor {
     #[inline(never)]
     fn errors_to_first(&self, correction: &PerAxis<Turns>, differences: bool) -> PerAxis<Turns> {
         let mut error = if differences {
-            self.filtered_error()
+            self.errors(Measured::Lately)
         } else {
             self.phase_error
         };
@@ -206,7 +206,7 @@ impl DriftMonitor {
         // In homing a crank stays where it was left, or was moved to prove its wiring, so the true limit applies. A crank that has moved
         // may move on, and it may be beyond the true limit while its reading is not.
         let has_moved = |watch: &AxisWatch| watch.name().is_some();
-        let may_be = self.limits.read.exceeded(&self.modes, margin);
+        let may_be = self.limits.of_readings().exceeded(&self.modes, margin);
         let exceeded = may_be.and_then(|kind| {
             if !self.is_homing && (self.axes.iter().any(has_moved) || self.moves_apart()) {
                 Some(kind)

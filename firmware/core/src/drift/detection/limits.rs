@@ -41,8 +41,6 @@ impl Limits {
 pub struct DriftLimits {
     /// Limits on the cranks themselves.
     pub(in crate::drift) of_cranks: Limits,
-    /// Limits on readings of cranks that have moved: lower by a reading error.
-    pub(in crate::drift) read: Limits,
     pub(in crate::drift) common: Turns,
     /// Delay with which all axes follow, `lag_us` in ticks, 16 fraction bits.
     lag: i64,
@@ -59,7 +57,6 @@ impl DriftLimits {
         };
         Self {
             of_cranks: NONE,
-            read: NONE,
             common: Turns::ZERO,
             lag: 0,
             reading: Turns::ZERO,
@@ -76,20 +73,24 @@ impl DriftLimits {
         let tilt = turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5));
         let warp = turns(settings.warp_limit_deg / 360.0);
         let reading = turns(settings.reading_error_deg / 360.0);
-        let limits = |guard: Turns| {
-            // A limit that is narrower than two reading errors is halved, so that some of it is left.
-            let less = |limit: Turns| limit.wrapping_sub(guard).max(limit / 2);
-            Limits {
-                tilt: less(tilt),
-                warp: less(warp),
-            }
-        };
         Self {
-            of_cranks: limits(Turns::ZERO),
-            read: limits(reading),
+            of_cranks: Limits { tilt, warp },
             common: turns(settings.common_limit_deg / 360.0),
             lag: libm::round(settings.lag_s * f64::from(tick_hz) * 65_536.0) as i64,
             reading,
+        }
+    }
+
+    /// Limits on readings of cranks that have moved: lower by a reading error.
+    pub(in crate::drift) fn of_readings(&self) -> Limits {
+        // A limit that is narrower than two reading errors is halved, so that some of it is left.
+        let less = |limit: Turns| {
+            let half = Turns::from_bits(limit.to_bits() / 2);
+            limit.wrapping_sub(self.reading).max(half)
+        };
+        Limits {
+            tilt: less(self.of_cranks.tilt),
+            warp: less(self.of_cranks.warp),
         }
     }
 
@@ -108,9 +109,9 @@ impl DriftLimits {
         Turns::from_bits((speed.to_bits() >> 16).wrapping_mul(self.lag))
     }
 
-    /// Phase error with which one axis alone exceeds a limit, turns.
+    /// Phase error with which one of `count` axes alone exceeds a limit, turns.
     #[cold]
-    pub(in crate::drift) fn alone(&self, mount: &Mount, axis: usize) -> Turns {
+    pub(in crate::drift) fn alone(&self, mount: &Mount, axis: usize, count: usize) -> Turns {
         let (tilt, warp) = mount.alone(axis);
         let most = |limit: Turns, share: f64| {
             if share > 1e-6 {
@@ -119,9 +120,10 @@ impl DriftLimits {
                 f64::INFINITY
             }
         };
-        let least = most(self.read.tilt, tilt).min(most(self.read.warp, warp));
+        let limits = self.of_readings();
+        let least = most(limits.tilt, tilt).min(most(limits.warp, warp));
         // With one sensor, only the common lag is known.
-        let common = self.common.to_num::<f64>() * mount.count as f64;
+        let common = self.common.to_num::<f64>() * count as f64;
         turns(least.min(common).min(0.25))
     }
 }

@@ -54,7 +54,6 @@ pub type AxisSet = u8;
 pub struct Mount {
     axes: PerAxis<MountedAxis>,
     detected: AxisSet,
-    pub(in crate::drift) count: usize,
 }
 
 /// Part of one axis in the modes.
@@ -108,7 +107,6 @@ impl Mount {
     pub(in crate::drift) const NONE: Self = Self {
         axes: [MountedAxis::NONE; MAX_AXES],
         detected: 0,
-        count: 0,
     };
 
     /// `count` axes evenly around the circle, axis 0 at θ = 0, all of them detected.
@@ -166,7 +164,6 @@ impl Mount {
                 }
             }),
             detected,
-            count,
         }
     }
 

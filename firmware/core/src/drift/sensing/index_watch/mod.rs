@@ -135,6 +135,7 @@ impl IndexWatch {
 
     /// Processes a tick without a pulse. The delay of the line is converted by the `commanded` turns, as measured turns would multiply the
     /// noise of an encoder.
+    #[inline(never)] // It is rare, and a loop over all axes needs the registers.
     pub(in crate::drift) fn check_timeout(
         &mut self,
         traits: &Traits,
