@@ -1,7 +1,7 @@
 //! Angles in 32 bits, and the common part of several of them.
 
 use super::modes::AxisSet;
-use crate::units::{FRACTION_BITS, MAX_AXES, Turns};
+use crate::units::{FRACTION_BITS, MAX_AXES, PerAxis, Turns};
 
 /// Angle in units of 2⁻³² turn. It wraps with the turn, so no sum or difference has to be reduced.
 pub(in crate::drift) const fn angle(turns: Turns) -> i32 {
@@ -17,13 +17,13 @@ pub(in crate::drift) fn of_angle(angle: i32) -> Turns {
 /// Angles of up to all axes.
 pub(in crate::drift) type Angles = heapless::Vec<i32, MAX_AXES>;
 
-/// Common phase error of a set of axes, with their corrections. For a single axis, its own phase error.
+/// Common phase error of a set of axes. For a single axis, its own phase error.
 #[inline(never)]
-pub(in crate::drift) fn in_common(errors: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
+pub(in crate::drift) fn in_common(errors: &PerAxis<Turns>, set: AxisSet) -> Turns {
     let mut angles = Angles::new();
-    for (axis, (error, &correction)) in errors.iter().zip(corrections).enumerate() {
+    for (axis, &error) in errors.iter().enumerate() {
         if set & 1 << axis != 0 {
-            let _ = angles.push(angle(error.wrapping_add(correction))); // There is room.
+            let _ = angles.push(angle(error)); // There is room.
         }
     }
     of_angle(match angles.as_mut_slice() {

@@ -126,17 +126,10 @@ impl DriftMonitor {
     #[inline(never)]
     pub fn furthest(&self, error: &PerAxis<Turns>) -> usize {
         let watched = self.watched();
-        let axes = || {
-            let all = error.iter().map(|&error| angle(error)).enumerate();
-            all.filter(|(axis, _)| watched & 1 << axis != 0)
-        };
-        let mut angles = Angles::new();
-        for (_, error) in axes() {
-            let _ = angles.push(error); // There is room.
-        }
-        let common = middle(&mut angles);
-        axes()
-            .max_by_key(|(_, error)| error.wrapping_sub(common).unsigned_abs())
+        let common = in_common(error, watched);
+        let axes = error.iter().enumerate();
+        axes.filter(|(axis, _)| watched & 1 << axis != 0)
+            .max_by_key(|(_, error)| angle(error.wrapping_sub(common)).unsigned_abs())
             .map_or(0, |(axis, _)| axis)
     }
 
@@ -149,7 +142,7 @@ impl DriftMonitor {
         let axis = self.furthest(&errors);
         // This is the common error of the others. The mean of all would contain the error of this axis itself.
         let others = self.watched() & !(1 << axis);
-        let others = in_common(&errors, &[Turns::ZERO; MAX_AXES], others);
+        let others = in_common(&errors, others);
         Some((axis, nearest(errors.get(axis)?.wrapping_sub(others))))
     }
 

@@ -81,18 +81,17 @@ impl DriftMonitor {
     /// motor follows, and the others lag alike, the fault is a common lag.
     #[inline(never)]
     pub(in crate::drift) fn check_encoders(&mut self) {
-        const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let Some(watch) = self.axes.get(axis).filter(|watch| watch.is_off_track()) else {
                 continue;
             };
-            let mut error = NONE;
+            let mut error = [Turns::ZERO; MAX_AXES];
             for (error, watch) in error.iter_mut().zip(&self.axes) {
                 *error = watch.tracking_error().unwrap_or_default();
             }
             let by = error.get(axis).copied().unwrap_or_default();
             let others = self.encoders() & !(1 << axis);
-            let from_others = by.wrapping_sub(in_common(&error, &NONE, others));
+            let from_others = by.wrapping_sub(in_common(&error, others));
             let is_alike = others != 0 && from_others.wrapping_abs() <= watch.traits.alone;
             let fault = match watch.tracking() {
                 Some(kind) => Fault::new(kind).on_axis(axis),
