@@ -256,25 +256,18 @@ impl IndexWatch {
 
     /// Processes a pulse in its place, which showed `offset`.
     fn in_place(&mut self, offset: Turns, at: Phase) -> Detection {
-        let was_overdue = self.due == Due::Overdue;
-        let Some(outlier) = self.outlier.take() else {
-            self.spacing = None;
-            return Detection::InPlace {
-                was_overdue,
-                extra: None,
-                may_be_fast: false,
-            };
-        };
-        let by = nearest(outlier.offset.wrapping_sub(offset));
-        let after = outlier.at.since(self.detected_at);
-        self.spacing = (after >= BETWEEN.start).then_some(Spacing {
+        let outlier = self.outlier.take();
+        let extra = outlier.map(|outlier| nearest(outlier.offset.wrapping_sub(offset)));
+        let after = outlier.map(|outlier| outlier.at.since(self.detected_at));
+        let runs = outlier.filter(|_| after >= Some(BETWEEN.start)).zip(extra);
+        self.spacing = runs.map(|(outlier, by)| Spacing {
             turns: at.since(outlier.at),
             by,
         });
         Detection::InPlace {
-            was_overdue,
-            extra: Some(by),
-            may_be_fast: BETWEEN.contains(&after),
+            was_overdue: self.due == Due::Overdue,
+            extra,
+            may_be_fast: after.is_some_and(|after| BETWEEN.contains(&after)),
         }
     }
 
