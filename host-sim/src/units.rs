@@ -55,6 +55,13 @@ pub fn floor(value: f64) -> i64 {
 mod tests {
     use super::*;
 
+    /// If this fails, a bound on the tilt is too small, and a run reports a largest tilt that is too small.
+    #[test]
+    fn the_spread_is_the_largest_minus_the_smallest_value() {
+        assert_eq!(spread(&[0.5]), 0.0);
+        assert_eq!(spread(&[-1.5, 3.0, f64::NAN, 0.25]), 4.5);
+    }
+
     /// If this fails, a half, a value next to it, or a large number is rounded differently, and counts of encoders are off by
     /// one.
     #[test]

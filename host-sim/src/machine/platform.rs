@@ -4,7 +4,7 @@
 //! ([`Corners`]); with two or three it passes through them. A small difference of phases causes tilt. The part that no plane can follow is
 //! warp. It is given in degrees of crank angle, because this difference bends rods and platform.
 
-use crate::axes::{Axes, per_axis};
+use crate::axes::per_axis;
 use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
 use crate::scene::Checked;
@@ -112,10 +112,9 @@ impl Platform {
 
     /// Tilt of the plane closest to the corners, mrad: the magnitude over both directions.
     pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
-        let heights: Axes<f64> = turns
-            .iter()
-            .map(|turns| self.mechanism.x_m(turns * std::f64::consts::TAU))
-            .collect();
+        let heights = per_axis(turns.len(), |i| {
+            self.mechanism.x_m(turns[i] * std::f64::consts::TAU)
+        });
         let [_, x, y] = self.corners.plane(&heights);
         x.hypot(y) * 1e3
     }
@@ -129,12 +128,17 @@ impl Platform {
     /// slope times the lead e of its own crank, with a remainder of at most ½ R max|h| e².
     fn most_tilt_here_mrad(&self, turns: &[f64]) -> f64 {
         let first = turns[0];
-        let ahead = per_axis(turns.len(), |i| (turns[i] - first) * std::f64::consts::TAU);
-        let [_, x, y] = self.corners.plane(&ahead);
         let lever_m = self.mechanism.x_dot_mps(first * std::f64::consts::TAU, 1.0);
-        let farthest = ahead
-            .iter()
-            .fold(0.0, |most: f64, ahead| most.max(ahead.abs()));
+        let (mut x, mut y, mut farthest) = (0.0, 0.0, 0.0);
+        for (i, turns) in turns.iter().enumerate() {
+            let ahead = (turns - first) * std::f64::consts::TAU;
+            let [_, share_x, share_y] = self.corners.share(i);
+            x += share_x * ahead;
+            y += share_y * ahead;
+            if ahead.abs() > farthest {
+                farthest = ahead.abs();
+            }
+        }
         // Two remainders differ by at most twice the largest one.
         let bent_m =
             self.mechanism.crank_radius_m() * self.mechanism.greatest_h() * farthest * farthest;
@@ -154,8 +158,7 @@ impl Platform {
         if turns.len() <= 3 {
             return 0.0;
         }
-        let axes = turns.iter().zip(command_turns);
-        let errors: Axes<f64> = axes.map(|(turns, command)| turns - command).collect();
+        let errors = per_axis(turns.len(), |i| turns[i] - command_turns[i]);
         let plane = self.corners.plane(&errors);
         let off = |(i, error): (usize, &f64)| (error - self.corners.height(&plane, i)).abs();
         errors.iter().enumerate().map(off).fold(0.0, f64::max) * 360.0
