@@ -1,5 +1,7 @@
-//! Traits of an axis that are derived from its settings: the place of its index sensor, and the widths by which readings are classified.
+//! Traits of an axis: the place of its index sensor, and the widths by which readings are classified. They follow from the settings. Only
+//! the place of the sensor moves, as homing moves the common zero.
 
+use crate::drift::detection::angles::angle as to_angle;
 use crate::drift::sensing::index_filter::BRIDGE_WIDTHS;
 use crate::settings::{AxisSettings, Settings, turns};
 use crate::units::Turns;
@@ -78,7 +80,7 @@ impl Traits {
 
     /// True if an angle is wider than the gate.
     pub fn is_beyond_gate(&self, angle: i32) -> bool {
-        angle.unsigned_abs() > crate::drift::detection::angles::angle(self.gate).unsigned_abs()
+        angle.unsigned_abs() > to_angle(self.gate).unsigned_abs()
     }
 }
 

@@ -88,9 +88,10 @@ impl Findings {
     /// If the first has not been reported yet, it is reported by its better name alone.
     #[inline(never)]
     pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
+        let before = self.open;
         let mut supersedes = false;
         let mut turns = Turns::ZERO;
-        if let Some((axis, kind, since)) = self.open {
+        if let Some((axis, kind, since)) = before {
             let same = axis == fault.axis || axis.is_none();
             if same && since < NAMED_WITHIN && is_better(fault.kind, kind) {
                 (supersedes, turns) = (true, since);
@@ -103,10 +104,10 @@ impl Findings {
             self.open = Some((fault.axis, fault.kind, turns));
         }
         if supersedes
-            && let Some(unreported) = self.waiting.front_mut()
+            && let (Some((axis, kind, _)), Some(unreported)) = (before, self.waiting.front_mut())
+            && (unreported.fault.axis, unreported.fault.kind) == (axis, kind)
             && !unreported.within_limits
         {
-            // It is the fault for which the stop is requested.
             (unreported.fault, unreported.all_lag) = (fault, all_lag);
             return;
         }
@@ -145,6 +146,22 @@ mod tests {
         let second = findings.next().map(|second| second.fault.kind);
         assert_eq!(second, Some(FaultKind::EncoderGlitch));
         assert_eq!(findings.next(), None);
+    }
+
+    /// If this fails, a better name for a fault that was reported hides another fault that still waits.
+    #[test]
+    fn a_better_name_replaces_no_other_fault_that_waits() {
+        let mut findings = Findings::new();
+        findings.push(Fault::new(FaultKind::IndexTimeout).on_axis(1), false, false);
+        findings.push(Fault::new(FaultKind::Runaway).on_axis(2), false, false);
+        let next = |findings: &mut Findings| {
+            let found = findings.next().expect("it is reported");
+            (found.fault.kind, found.supersedes)
+        };
+        assert_eq!(next(&mut findings), (FaultKind::Runaway, false));
+        findings.push(Fault::new(FaultKind::Reversed).on_axis(2), false, false);
+        assert_eq!(next(&mut findings), (FaultKind::Reversed, true));
+        assert_eq!(next(&mut findings), (FaultKind::IndexTimeout, false));
     }
 
     /// A name that comes in a later tick replaces the one that was reported.

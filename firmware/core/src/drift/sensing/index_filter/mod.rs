@@ -161,7 +161,7 @@ impl<const LINES: usize> IndexFilter<LINES> {
                 quiet |= bit;
             }
         }
-        // The present stretch of a quiet line counts already, as it is at least as long as the tick.
+        // The present stretch of a quiet line counts already: it is longer than a width, as a tick has at least four widths.
         self.pending &= !quiet;
     }
 
