@@ -235,3 +235,98 @@ fn a_crank_that_was_left_beyond_its_limits_has_a_filtered_size() {
     let noise = by.to_num::<f64>() - left[1];
     assert!(noise.abs() < 0.001, "{noise}"); // a sixteenth, and a count
 }
+
+/// Turns per tick at which an encoder makes whole counts.
+const WHOLE_COUNTS: f64 = 1.0 / 64.0;
+
+/// Phase error of crank 0, degrees, `turns` after the start, if it is `off_deg(turn)` on its shaft in each turn.
+fn measured_after(turns: u32, off_deg: impl Fn(u32) -> f64) -> f64 {
+    let mut cranks = Cranks::new(monitor_with_encoders(30.0), WHOLE_COUNTS);
+    // The flag passes in the middle of a turn of this count.
+    let off = |i: usize, t: f64| match i {
+        0 => off_deg((t + 0.5) as u32) / 360.0,
+        _ => 0.0,
+    };
+    assert_eq!(cranks.turn_shafts(64 * turns + 32, off), []);
+    cranks.monitor.phase_error()[0].to_num::<f64>() * 360.0
+}
+
+/// If this fails, the noise of an index pulse is in the phase error of an axis whose encoder shows it with less.
+#[test]
+fn the_index_of_an_axis_with_an_encoder_adds_a_quarter_of_its_noise_at_most() {
+    let noise_deg = 0.4;
+    // The first of all pulses, and the last.
+    for noisy in [1, 17] {
+        let left = measured_after(17, |turn| if turn == noisy { noise_deg } else { 0.0 });
+        assert!(
+            (0.0..=noise_deg / 4.0).contains(&left),
+            "{left} of turn {noisy}"
+        );
+    }
+}
+
+/// If this fails, the mean covers more and more turns, and a crank that moves on its shaft after a long run is measured too late.
+#[test]
+fn a_small_slip_is_measured_after_as_many_turns_however_long_the_machine_ran() {
+    for before in [20, 400] {
+        let slip = |turn: u32| if turn > before { 0.4 } else { 0.0 };
+        let shown = measured_after(before + 32, slip);
+        assert!((0.3..=0.4).contains(&shown), "{shown} after {before} turns");
+    }
+}
+
+/// If this fails, the mean of sixteen turns hides a crank that slips on its shaft by more than a reading can err.
+#[test]
+fn a_slip_beyond_the_error_of_a_reading_is_measured_at_once() {
+    for a_turn_deg in [0.6, 1.2, -0.9] {
+        let mut cranks = Cranks::new(monitor_with_encoders(100.0), WHOLE_COUNTS).homed();
+        let tolerance = cranks.monitor.tolerance(0).to_num::<f64>();
+        let slip = |i: usize, t: f64| match i {
+            0 => a_turn_deg / 360.0 * (t + 0.5 - 2.0).floor().max(0.0),
+            _ => 0.0,
+        };
+        cranks.turn_shafts(64 * 8, slip);
+        let end = f64::from(cranks.tick) * WHOLE_COUNTS;
+        let off = cranks.monitor.phase_error()[0].to_num::<f64>() - slip(0, end);
+        assert!(
+            off.abs() <= tolerance,
+            "{off} turns, {a_turn_deg} degrees a turn"
+        );
+    }
+}
+
+/// If this fails, a crank that slips as its motor jumps counts as one that made only the jump. It is then stopped for a turn later.
+#[test]
+fn a_crank_that_moves_further_than_its_encoder_has_slipped() {
+    let mut cranks = encoders(10.0);
+    let jumps = |by: f64| move |i: usize, t: f64| if i == 1 && t > 1.5 { by } else { 0.0 };
+    let ticks = 105;
+    let found = cranks.turn_motors(ticks, jumps(0.1), |_, _, pulse| pulse, jumps(0.01));
+    let (_, last) = found.last().expect("it is beyond its limit");
+    assert_eq!(
+        (last.fault.kind, last.fault.axis),
+        (FaultKind::Slip, Some(1)),
+        "{found:?}"
+    );
+    assert!(!last.within_limits);
+    let shown = cranks.monitor.phase_error()[1].to_num::<f64>();
+    assert!((shown - 0.1).abs() < 0.001, "{shown}");
+}
+
+/// If this fails, a crank that does not come to rest as it was is named for what it does long after the machine began to stop.
+#[test]
+fn a_fault_gets_no_better_name_once_the_stop_has_lasted_four_turns() {
+    for (later, is_renamed) in [(2.0, true), (5.0, false)] {
+        let mut cranks = encoders(3.0);
+        // The motor lags slowly until the platform is tilted, and stands later.
+        let off = |i: usize, t: f64| match i {
+            1 => -0.2 * (t - 1.5).clamp(0.0, 0.2) - (t - 1.7 - later).max(0.0),
+            _ => 0.0,
+        };
+        let ticks = ((later + 1.0) / cranks.speed) as u32;
+        let found = cranks.turn(ticks, off);
+        let kinds: Vec<_> = found.iter().map(|(_, found)| found.fault.kind).collect();
+        assert_eq!(kinds.first(), Some(&FaultKind::Tilt), "{found:?}");
+        assert_eq!(kinds.contains(&FaultKind::Stuck), is_renamed, "{found:?}");
+    }
+}

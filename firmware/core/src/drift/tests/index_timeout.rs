@@ -117,6 +117,7 @@ fn a_crank_that_swings_where_it_was_left_says_nothing() {
         detect(&mut monitor, &pulses, &[0; MAX_AXES], &[still; MAX_AXES]),
         None
     );
+    assert_eq!(process_all(&mut monitor, &[still; MAX_AXES]), []);
     assert!(!monitor.is_homed());
     let turning = TickPhase {
         start: Phase::ZERO,
@@ -165,5 +166,33 @@ fn a_crank_that_rests_at_the_end_of_its_flag_says_nothing() {
             finding.fault.axis == Some(1) && finding.fault.kind != FaultKind::IndexTimeout
         });
         assert_eq!(slips, is_reported, "{turns}, {later}: {found:?}");
+    }
+}
+
+/// If this fails, a crank that has moved ahead is known later than the place of its next pulse shows it, or so early that a pulse in its
+/// place can still come.
+#[test]
+fn a_pulse_out_of_place_is_decided_as_the_place_of_the_next_has_passed() {
+    let filter_cycles = 3.0 * 2e-6 * f64::from(CLOCK_HZ);
+    let speed = 0.000_131;
+    for (encoder, tolerances) in [(false, 1.0), (true, 2.0)] {
+        let mut settings = settings(3, 3.0, 5.0, 15.0);
+        for axis in &mut settings.axes {
+            axis.encoder = encoder;
+        }
+        let mut cranks = Cranks::new(configured(&settings), speed).homed();
+        let sure = tolerances * cranks.monitor.tolerance(1).to_num::<f64>();
+        let ahead = |i: usize, t: f64| if i == 1 && t > 1.5 { 0.05 } else { 0.0 };
+        let found = cranks.turn_shafts((1.0 / speed) as u32, ahead);
+        let (tick, finding) = found.first().expect("it is beyond its limit");
+        assert_eq!(finding.fault.axis, Some(1));
+        let (mut decided, cycle) = tick_of(2.0 + sure, speed);
+        decided += u32::from(cycle > f64::from(TICK_CYCLES) - filter_cycles);
+        // Two ticks evaluate an index. A count of an encoder is 2.4 ticks.
+        let off = tick.abs_diff(decided);
+        assert!(
+            off <= 3,
+            "encoder {encoder}: in {tick} instead of {decided}"
+        );
     }
 }

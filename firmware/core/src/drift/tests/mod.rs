@@ -118,20 +118,21 @@ impl Cranks {
         off: impl Fn(usize, f64) -> f64,
         sensor: impl Fn(usize, f64, Option<IndexPulse>) -> Option<IndexPulse>,
     ) -> Vec<(u32, Finding)> {
-        self.turn_motors(ticks, off, sensor, true)
+        self.turn_motors(ticks, &off, sensor, &off)
     }
 
     /// Turns for `ticks`, with motors as commanded, and the phase error `off(i, turns)` of crank i on its shaft.
     fn turn_shafts(&mut self, ticks: u32, off: impl Fn(usize, f64) -> f64) -> Vec<(u32, Finding)> {
-        self.turn_motors(ticks, off, |_, _, pulse| pulse, false)
+        self.turn_motors(ticks, off, |_, _, pulse| pulse, |_, _| 0.0)
     }
 
+    /// Turns for `ticks`, with the phase error `off(i, turns)` of crank i and `motor_off(i, turns)` of its motor.
     fn turn_motors(
         &mut self,
         ticks: u32,
         off: impl Fn(usize, f64) -> f64,
         sensor: impl Fn(usize, f64, Option<IndexPulse>) -> Option<IndexPulse>,
-        motor_follows_crank: bool,
+        motor_off: impl Fn(usize, f64) -> f64,
     ) -> Vec<(u32, Finding)> {
         let mut found = Vec::new();
         for _ in 0..ticks {
@@ -163,12 +164,14 @@ impl Cranks {
                     None
                 }
             });
-            let motors = if motor_follows_crank {
-                now
-            } else {
-                [end; MAX_AXES]
-            };
-            let counts = motors.map(|turns| (turns * 3200.0).floor() as i32);
+            let counts = core::array::from_fn(|i| {
+                let own = if i < self.monitor.axes.len() {
+                    motor_off(i, end)
+                } else {
+                    0.0
+                };
+                ((end + own) * 3200.0).floor() as i32
+            });
             self.before = now;
             if let Some(finding) =
                 detect(&mut self.monitor, &pulses, &counts, &[commanded; MAX_AXES])
@@ -471,6 +474,7 @@ fn monitor_with_encoders(tilt_mrad: f64) -> DriftMonitor {
 
 mod encoders;
 mod index_timeout;
+mod rounds;
 mod runaways;
 mod slips;
 mod ticks;
