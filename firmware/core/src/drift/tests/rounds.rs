@@ -108,3 +108,22 @@ fn a_crank_that_is_overdue_in_homing_gets_its_name_as_its_pulse_comes() {
         ]
     );
 }
+
+/// If this fails, a lag that readings cannot distinguish from none widens the limits, and a crank beyond its limit is detected a turn late.
+#[test]
+fn a_lag_that_grows_by_less_than_a_reading_error_widens_no_limit() {
+    let mut cranks = apart(3.0, 0);
+    let beyond = cranks.monitor.alone(1).to_num::<f64>() + 0.25 / 360.0;
+    let off = |i: usize, t: f64| {
+        let moved = if i == 1 && t > 4.1 { beyond } else { 0.0 };
+        moved - 0.2 / 360.0 * (t - 1.2).max(0.0)
+    };
+    let found = cranks.turn(400, off);
+    let (tick, first) = found.first().expect("it is beyond its limit");
+    assert_eq!(first.fault.axis, Some(1));
+    assert!(!first.within_limits);
+    assert!(
+        *tick < 450,
+        "in tick {tick}, and the next flag comes at 450"
+    );
+}
