@@ -65,7 +65,8 @@ impl DriftMonitor {
         if self.is_homing || self.encoders() != 0 {
             self.check(Turns::ZERO, sensed);
         } else if !self.is_round_over() && self.others_are_detected(updated) {
-            // A pulse that comes during the stop names the fault before the machine stands.
+            // A pulse that comes during the stop names the fault, though it may show no limit exceeded: a crank that runs away is a whole turn
+            // ahead for a moment.
             if self.findings.has_requested_stop() && self.moves_apart() {
                 self.compare();
             }

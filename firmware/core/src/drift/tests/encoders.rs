@@ -313,7 +313,7 @@ fn a_crank_that_moves_further_than_its_encoder_has_slipped() {
     assert!((shown - 0.1).abs() < 0.001, "{shown}");
 }
 
-/// If this fails, a crank that does not come to rest as it was is named for what it does long after the machine began to stop.
+/// If this fails, a fault gets the name of what its crank does at the end of a long stop, and not of what the machine was stopped for.
 #[test]
 fn a_fault_gets_no_better_name_once_the_stop_has_lasted_four_turns() {
     for (later, is_renamed) in [(2.0, true), (5.0, false)] {

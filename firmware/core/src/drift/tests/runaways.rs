@@ -59,3 +59,28 @@ fn noise_once_a_turn_is_no_crank_that_runs() {
         );
     }
 }
+
+/// If this fails, a crank that runs away is called a slip, and its drive stays on: a flag that shows it a whole turn ahead shows no phase
+/// error, so no limit is exceeded then.
+#[test]
+fn a_runaway_that_was_stopped_for_as_a_slip_is_named_within_two_turns() {
+    for (ratio, place) in [(1.5, 0.0), (1.55, 0.16), (1.6, 0.32), (1.75, 0.66)] {
+        let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).homed();
+        let from = 2.0 + place;
+        let off = |i: usize, t: f64| {
+            if i == 2 {
+                (ratio - 1.0) * (t - from).max(0.0)
+            } else {
+                0.0
+            }
+        };
+        let found = cranks.turn(400, off);
+        let stop = found.first().expect("it is stopped for").0;
+        let named = found
+            .iter()
+            .find(|(_, finding)| finding.fault.kind == FaultKind::Runaway);
+        let (tick, named) = named.expect("it gets its name");
+        assert_eq!((named.fault.axis, named.supersedes), (Some(2), true));
+        assert!(tick - stop <= 200, "ratio {ratio}, from {place}: {found:?}");
+    }
+}
