@@ -5,7 +5,7 @@ use std::fmt;
 use super::plan::strata::sensor;
 use super::row::Row;
 use super::shards::Shard;
-use super::tally::{Tally, failed};
+use super::tally::{Failure, Tally};
 use host_sim::scene::file::FaultName;
 
 /// Run to examine alone.
@@ -34,30 +34,29 @@ impl fmt::Display for Example {
 /// Returns the run of a shard that is most worth a replay: one that is not as claimed, else a misnamed one, else the one with the latest
 /// detection. None without rows.
 pub fn example(shard: &Shard, tally: &Tally) -> Option<Example> {
+    // A clean run in which something was reported has no failure as its rank, so it is before all.
+    let tripped = tally.tripped.first().map(|&number| {
+        let example = Example {
+            number,
+            clean: true,
+            what: None,
+        };
+        (None, example)
+    });
     let entries = tally.groups.iter().flat_map(|((kind, encoder), group)| {
-        let entry = move |(&what, cases): (&&'static str, &Vec<u64>)| {
-            let number = *cases.first()?;
-            let what = Some((*kind, *encoder, what));
-            let clean = false;
-            Some(Example {
-                number,
-                clean,
-                what,
-            })
+        let entry = move |(&failure, cases): (&Failure, &Vec<u64>)| {
+            let example = Example {
+                number: *cases.first()?,
+                clean: false,
+                what: Some((*kind, *encoder, failure.name())),
+            };
+            Some((Some(failure), example))
         };
         group.failed.iter().filter_map(entry)
     });
-    let tripped = tally.tripped.first().map(|&number| Example {
-        number,
-        clean: true,
-        what: None,
-    });
-    let rank = |example: &Example| match example.what {
-        Some((_, _, what)) => failed::ALL.iter().position(|&listed| listed == what),
-        None => Some(0),
-    };
     (tripped.into_iter().chain(entries))
-        .min_by_key(rank)
+        .min_by_key(|(rank, _)| *rank)
+        .map(|(_, example)| example)
         .or_else(|| latest(&shard.rows))
 }
 
@@ -109,25 +108,25 @@ mod tests {
         assert!((0..6).all(|number| turns(number) <= turns(slowest.number)));
         assert!(turns(slowest.number).is_some(), "{slowest}");
 
-        let fails = |what: &'static str| {
+        let fails = |what: Failure| {
             let mut tally = Tally::new(&shard);
             let ((kind, encoder), mut group) = tally.groups[0].clone();
-            group.failed = [(failed::MISNAMED, vec![3]), (what, vec![4, 5])].into();
+            group.failed = [(Failure::Misnamed, vec![3]), (what, vec![4, 5])].into();
             tally.groups = vec![((kind, encoder), group)];
             tally
         };
-        let (kind, encoder) = fails(failed::LATE).groups[0].0;
+        let (kind, encoder) = fails(Failure::Late).groups[0].0;
         let named = format!("{} ({})", kind.name(), sensor(encoder));
         for (what, said) in [
-            (failed::LATE, format!("case 4: {named}, late")),
-            (failed::MISNAMED, format!("case 4: {named}, misnamed")),
-            (failed::DIVERGED, format!("case 4: {named}, diverged")),
+            (Failure::Late, format!("case 4: {named}, late")),
+            (Failure::Misnamed, format!("case 4: {named}, misnamed")),
+            (Failure::Diverged, format!("case 4: {named}, diverged")),
         ] {
             assert_eq!(offered(&fails(what)).to_string(), said);
         }
         let tripped = Tally {
             tripped: vec![2],
-            ..fails(failed::LATE)
+            ..fails(Failure::Late)
         };
         let tripped = offered(&tripped);
         assert!(tripped.clean && tripped.number == 2, "{tripped}");

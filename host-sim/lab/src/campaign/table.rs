@@ -149,15 +149,16 @@ fn failures(text: &mut String, header: &Header, tally: &Tally) {
     let (mut broken, mut within) = (Vec::new(), Vec::new());
     for ((kind, encoder), group) in &tally.groups {
         let with = sensor(*encoder);
-        for (what, cases) in &group.failed {
+        for (&what, cases) in &group.failed {
             let lines = if tally.breaks_claim(what) {
                 &mut broken
             } else {
                 &mut within
             };
             lines.push(format!(
-                "- {} ({with}), {what}: {}",
+                "- {} ({with}), {}: {}",
                 kind.name(),
+                what.name(),
                 list(cases)
             ));
         }
@@ -236,6 +237,7 @@ pub(super) fn in_columns(rows: &[Vec<String>]) -> String {
 mod tests {
     use super::*;
     use crate::campaign::plan::Plan;
+    use crate::campaign::tally::Failure;
     use host_sim::scene::file::FaultName;
 
     /// If this fails, the list of what is not as claimed contradicts the exit status of the campaign.
@@ -243,7 +245,7 @@ mod tests {
     fn misnamed_faults_within_the_claim_are_listed_separately() {
         let plan = Plan::new(5, None).unwrap();
         let header = Header::new(&plan, None, 0..100);
-        let of = |named: u64, what: &'static str| {
+        let of = |named: u64, what: Failure| {
             let mut group = Group::default();
             for number in 0..100 {
                 group.named.count(number < named);
@@ -259,11 +261,15 @@ mod tests {
             (text, tally.is_kept())
         };
         let within = "\nMisnamed, within the 1 in 100 that is claimed, by case (`cophase campaign --seed 5 --replay NUMBER` shows one):\n\n- slip (index), misnamed: 1 (7)\n";
-        assert_eq!(of(99, "misnamed"), (within.to_owned(), true));
-        for (named, what) in [(98, "misnamed"), (99, "late"), (100, "left running")] {
+        assert_eq!(of(99, Failure::Misnamed), (within.to_owned(), true));
+        for (named, what) in [
+            (98, Failure::Misnamed),
+            (99, Failure::Late),
+            (100, Failure::LeftRunning),
+        ] {
             let (text, is_kept) = of(named, what);
             assert!(text.starts_with("\nNot as claimed, by case"), "{text}");
-            assert!(!is_kept, "{what}");
+            assert!(!is_kept, "{what:?}");
         }
     }
 }

@@ -30,32 +30,45 @@ pub struct Group {
     pub tilt_over_bound: Vec<f64>,
     /// Rate of runs in which an axis was left running.
     pub left_running: Rate,
-    /// Numbers of the cases that failed, by verdict or reason. [`Tally::breaks_claim`] returns whether an entry breaks a claim.
-    pub failed: BTreeMap<&'static str, Vec<u64>>,
+    /// Numbers of the cases that failed, by the way in which they did. [`Tally::breaks_claim`] returns whether an entry breaks a claim.
+    pub failed: BTreeMap<Failure, Vec<u64>>,
 }
 
-/// Names of failures, as the list of failures shows them.
-pub(super) mod failed {
-    pub const LATE: &str = "late";
-    pub const LEFT_RUNNING: &str = "left running";
-    pub const TILTED: &str = "tilted beyond its bound";
-    pub const TILTS_ON: &str = "tilted after its stop";
-    pub const MISNAMED: &str = "misnamed";
-    pub const MISSED: &str = "missed";
-    pub const EARLY: &str = "reported before it";
-    pub const DIVERGED: &str = "diverged";
+/// Way in which a faulty run failed, the ones that are most worth a replay first. Wrong names are last, because the claim allows some.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Failure {
+    /// Detected too late.
+    Late,
+    /// Not detected.
+    Missed,
+    /// An axis was left running.
+    LeftRunning,
+    /// Tilted beyond its bound.
+    Tilted,
+    /// Tilted after its stop.
+    TiltsOn,
+    /// Something was reported before the fault.
+    Early,
+    /// The simulation diverged.
+    Diverged,
+    /// Detected under a wrong name.
+    Misnamed,
+}
 
-    /// All names. Wrong names are last, because the claim allows some.
-    pub const ALL: [&str; 8] = [
-        LATE,
-        MISSED,
-        LEFT_RUNNING,
-        TILTED,
-        TILTS_ON,
-        EARLY,
-        DIVERGED,
-        MISNAMED,
-    ];
+impl Failure {
+    /// Returns the name, as the list of failures shows it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Late => "late",
+            Self::Missed => "missed",
+            Self::LeftRunning => "left running",
+            Self::Tilted => "tilted beyond its bound",
+            Self::TiltsOn => "tilted after its stop",
+            Self::Early => "reported before it",
+            Self::Diverged => "diverged",
+            Self::Misnamed => "misnamed",
+        }
+    }
 }
 
 impl Group {
@@ -66,7 +79,7 @@ impl Group {
             self.in_time.count(in_time);
             // A fault that was not detected at all counts as missed instead.
             if !in_time && row.verdict != Verdict::Missed {
-                self.fail(failed::LATE, row);
+                self.fail(Failure::Late, row);
             }
         }
         match row.verdict {
@@ -75,10 +88,10 @@ impl Group {
             _ => {}
         }
         match row.verdict {
-            Verdict::Misnamed => self.fail(failed::MISNAMED, row),
-            Verdict::Missed => self.fail(failed::MISSED, row),
-            Verdict::FalseTrip => self.fail(failed::EARLY, row),
-            Verdict::Diverged => self.fail(failed::DIVERGED, row),
+            Verdict::Misnamed => self.fail(Failure::Misnamed, row),
+            Verdict::Missed => self.fail(Failure::Missed, row),
+            Verdict::FalseTrip => self.fail(Failure::Early, row),
+            Verdict::Diverged => self.fail(Failure::Diverged, row),
             _ => {}
         }
         self.turns.extend(row.turns_from_limit);
@@ -90,19 +103,19 @@ impl Group {
         if row.bound_mrad > 0.0 {
             self.tilt_over_bound.push(row.tilt_over_bound());
             if row.tilt_over_bound() > 1.0 {
-                self.fail(failed::TILTED, row);
+                self.fail(Failure::Tilted, row);
             }
         }
         if row.tilts_after_stop() {
-            self.fail(failed::TILTS_ON, row);
+            self.fail(Failure::TiltsOn, row);
         }
         self.left_running.count(row.left_running);
         if row.left_running {
-            self.fail(failed::LEFT_RUNNING, row);
+            self.fail(Failure::LeftRunning, row);
         }
     }
 
-    fn fail(&mut self, what: &'static str, row: &Row) {
+    fn fail(&mut self, what: Failure, row: &Row) {
         self.failed.entry(what).or_default().push(row.number);
     }
 
@@ -178,15 +191,15 @@ impl Tally {
 
     /// Returns true if all claims hold.
     pub fn is_kept(&self) -> bool {
-        let breaks = |what: &&str| self.breaks_claim(what);
+        let breaks = |&what: &Failure| self.breaks_claim(what);
         self.false_trips.hits == 0 && !self.all.failed.keys().any(breaks)
     }
 
     /// Returns true if an entry of [`Group::failed`] breaks a claim. Wrong names do so only if there are more of them than claimed. That
     /// claim is on all cases, so chosen strata cannot break it.
-    pub fn breaks_claim(&self, what: &str) -> bool {
+    pub fn breaks_claim(&self, what: Failure) -> bool {
         let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);
-        what != failed::MISNAMED || !(named || self.is_selected)
+        what != Failure::Misnamed || !(named || self.is_selected)
     }
 }
 
