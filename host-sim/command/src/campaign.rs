@@ -1,5 +1,6 @@
 //! `cophase campaign`: thousands of faults, each on its own machine, and the reactions of the loop.
 
+use std::ffi::OsStr;
 use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -40,7 +41,7 @@ pub(super) struct CampaignArgs {
     )]
     only: Vec<String>,
     /// With --only: simulate 1 in K of all other cases too, for rates over all faulty runs
-    #[arg(long, value_name = "K", requires = "only", value_parser = whole::<u64>(1..=u64::MAX), allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", conflicts_with = "join", value_parser = whole::<u64>(1..=u64::MAX), allow_negative_numbers = true)]
     others: Option<u64>,
     /// First case of this shard, to split a campaign over several computers
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
@@ -103,9 +104,11 @@ pub(super) fn campaign(
         Some(number) => replay(args, &plan, number, out, err),
         None => {
             let (numbers, selection) = (numbers(args)?, selection(args, &plan)?);
-            check_writable(&args.folder())?;
+            let folder = writable(&args.folder())?;
             let shard = run_shard(args, &plan, numbers, selection)?;
-            print_result(args, &shard, out)
+            let status = print_result(args, &shard, out)?;
+            drop(folder);
+            Ok(status)
         }
     }
 }
@@ -162,7 +165,13 @@ fn run_shard(
 /// Returns the requested strata.
 fn selection(args: &CampaignArgs, plan: &Plan) -> Result<Option<Selection>, CommandError> {
     if args.only.is_empty() {
-        return Ok(None);
+        return match args.others {
+            None => Ok(None),
+            Some(_) => Err(input(
+                "--others",
+                &"needs --only, as it is for the cases that --only leaves out; give --only, or leave --others out",
+            )),
+        };
     }
     let selection = Selection::new(plan, &args.only, args.others);
     selection.map(Some).map_err(|error| input("--only", &error))
@@ -206,11 +215,7 @@ fn print_result(
             folder.display()
         )?;
         if let Some(example) = example(shard, &tally) {
-            writeln!(
-                out,
-                "\nTo run a case again, such as {example}:\n\n    {}",
-                replay_command(args, &shard.header, &example)
-            )?;
+            writeln!(out, "\n{}", how_to_replay(args, &shard.header, &example))?;
         }
     }
     Ok(if tally.is_kept() {
@@ -220,15 +225,21 @@ fn print_result(
     })
 }
 
-/// Returns a command for the shell that runs a case again, with the program as it was called.
-fn replay_command(args: &CampaignArgs, header: &Header, example: &Example) -> String {
-    let program = std::env::args().next();
-    let mut words = vec![quoted(program.as_deref().unwrap_or("cophase"))];
+/// Returns the words on how to run a case again, with a command for the shell that calls the program as it was called.
+fn how_to_replay(args: &CampaignArgs, header: &Header, example: &Example) -> String {
+    let program = std::env::args_os().next();
+    // A path that is not UTF-8 cannot be printed as a shell has to get it.
+    let program = program.as_deref().and_then(OsStr::to_str);
+    let mut words = vec![quoted(program.unwrap_or("cophase"))];
     words.push("campaign".to_owned());
+    let mut with = "";
     match &args.scene {
         Some(scene) => words.push(quoted(scene)),
         // A shard has only the checksum of its scene.
-        None if header.scene != MACHINES => words.push("SCENE".to_owned()),
+        None if header.scene != MACHINES => {
+            words.push("SCENE".to_owned());
+            with = ", with the campaign's scene for SCENE";
+        }
         None => {}
     }
     words.push(format!(
@@ -238,7 +249,8 @@ fn replay_command(args: &CampaignArgs, header: &Header, example: &Example) -> St
     if example.clean {
         words.push("--clean".to_owned());
     }
-    words.join(" ")
+    let command = words.join(" ");
+    format!("To run a case again, such as {example}{with}:\n\n    {command}")
 }
 
 /// Returns a word as a shell has to get it.
@@ -251,12 +263,14 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// Refuses a folder that cannot be written, before hours of simulation. Leaves nothing in it.
-fn check_writable(folder: &Path) -> Result<(), CommandError> {
-    let mut files = RunFiles::create(folder).map_err(|error| unwritable(&error))?;
-    // No file of a campaign has this name, so campaigns in other processes do not collide with it.
-    files.file("probe").map_err(|error| unwritable(&error))?;
-    Ok(())
+/// Creates the folder and refuses one that cannot be written, before hours of simulation. The folder stays at least until the result is
+/// dropped: other shards that start in it need it.
+fn writable(folder: &Path) -> Result<RunFiles, CommandError> {
+    let kept = RunFiles::create(folder).map_err(|error| unwritable(&error))?;
+    // The drop of this probe removes its file, but not the folder, because `kept` has created it.
+    let mut probe = RunFiles::create(folder).map_err(|error| unwritable(&error))?;
+    probe.file("probe").map_err(|error| unwritable(&error))?;
+    Ok(kept)
 }
 
 /// Writes all of several files, or none.

@@ -167,3 +167,69 @@ fn run_campaign_and_replay_have_folders_of_their_own() {
         files("out/case-1-clean")["report.json"]
     );
 }
+
+/// If this fails, a campaign ends with a panic after its last case.
+#[test]
+fn a_program_in_a_folder_that_is_not_utf_8_prints_a_command() {
+    use std::os::unix::ffi::OsStrExt;
+
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join(std::ffi::OsStr::from_bytes(b"caf\xe9"));
+    if fs::create_dir(&folder).is_err() {
+        // Some file systems have no such names.
+        return;
+    }
+    let program = folder.join("cophase");
+    std::os::unix::fs::symlink(COPHASE, &program).unwrap();
+    let mut command = Command::new(program);
+    command.args(["campaign", "--runs", "1"]);
+    let said = read(command.current_dir(place.path()).output().unwrap());
+    assert!(
+        said.contains("\n    cophase campaign --seed 1 --replay 0"),
+        "{said}"
+    );
+}
+
+/// If this fails, the command that a join offers replaces the scene by a word without saying so.
+#[test]
+fn a_join_of_shards_of_a_scene_states_that_its_command_lacks_the_scene() {
+    let place = tempfile::tempdir().unwrap();
+    let shard = ["campaign", "patent-4", "--runs", "2", "--quiet"];
+    printed(place.path(), &[&shard[..], &["--to", "1"]].concat());
+    printed(place.path(), &[&shard[..], &["--from", "1"]].concat());
+    let said = printed(place.path(), &["campaign", "--join", "out/campaign"]);
+    let (_, again) = said.split_once("\nTo run a case again").expect(&said);
+    assert!(
+        again.contains(", with the campaign's scene for SCENE:\n\n"),
+        "{said}"
+    );
+    assert!(
+        again.contains(" campaign SCENE --seed 1 --replay "),
+        "{said}"
+    );
+}
+
+/// If this fails, shards that start together into a new folder remove it from under each other.
+#[test]
+fn shards_that_start_together_share_a_new_folder() {
+    for _ in 0..5 {
+        let place = tempfile::tempdir().unwrap();
+        let start = |number: u32| {
+            Command::new(COPHASE)
+                .args(["campaign", "--quiet", "--threads", "1", "--runs", "8"])
+                .args(["--from", &number.to_string()])
+                .args(["--to", &(number + 1).to_string()])
+                .current_dir(place.path())
+                .stderr(std::process::Stdio::piped())
+                .spawn()
+                .unwrap()
+        };
+        let children: Vec<_> = (0..8).map(start).collect();
+        for child in children {
+            read(child.wait_with_output().unwrap());
+        }
+        let files = fs::read_dir(place.path().join("out/campaign")).unwrap();
+        // A file of each shard, the picture and the table.
+        assert_eq!(files.count(), 8 + 2);
+    }
+}
