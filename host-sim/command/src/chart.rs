@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::refusal::visible;
 use super::{CommandError, Status};
 use cophase_lab::chart::{self, CHARTS, Size};
 use host_sim::scene::load;
@@ -75,7 +76,8 @@ fn unknown(name: &str) -> String {
     let known: Vec<_> = CHARTS.iter().map(|chart| chart.name).collect();
     let meant = load::nearest(name, &known).map(|near| format!("did you mean `{near}`? "));
     format!(
-        "{name}: there is no chart of that name; {}there are {}",
+        "{}: there is no chart of that name; {}there are {}",
+        visible(name),
         meant.unwrap_or_default(),
         known.join(", ")
     )

@@ -15,12 +15,13 @@ pub(super) fn sentence(
     error: &clap::Error,
     arguments: impl IntoIterator<Item = OsString>,
 ) -> Option<String> {
+    let arguments: Vec<_> = arguments.into_iter().skip(1).collect();
     let words = |kind| error.get(kind).map(list).unwrap_or_default();
     let one = |kind| words(kind).join(", ");
     let (place, value) = (one(ContextKind::InvalidArg), one(ContextKind::InvalidValue));
     // The option without the name of its value, as the user wrote it.
     let option = place.split([' ', '=', '[']).next().unwrap_or_default();
-    let (innermost, its) = subcommand(arguments.into_iter().skip(1));
+    let (innermost, its) = subcommand(arguments.iter().cloned());
     // Most errors have the usage of the command that met the problem, which may be an outer one.
     let usage = one(ContextKind::Usage);
     let usage = usage.trim_start_matches("Usage:").trim();
@@ -83,17 +84,40 @@ pub(super) fn sentence(
         }
         ErrorKind::ValueValidation => {
             let reason = std::error::Error::source(error).map(ToString::to_string);
-            let value = if value.is_empty() { "''" } else { &value };
-            format!("{option} {value}: {}", reason.unwrap_or_default())
+            format!(
+                "{option} {}: {}",
+                visible(&value),
+                reason.unwrap_or_default()
+            )
         }
         ErrorKind::MissingRequiredArgument => {
             let form = usage.lines().next().unwrap_or_default();
             format!("{place}: missing; give `{form}`, or see {help}")
         }
-        ErrorKind::ArgumentConflict => match one(ContextKind::PriorArg) {
-            prior if prior == place => format!("{place}: given twice; give it once"),
-            prior => format!("{place}: cannot be used with {prior}; leave one of the two out"),
-        },
+        ErrorKind::ArgumentConflict => {
+            // clap names no argument if the conflict is with a subcommand.
+            let place = if place.is_empty() {
+                format!("`{innermost}`")
+            } else {
+                place
+            };
+            let prior = words(ContextKind::PriorArg);
+            let all = prior.join(", ");
+            match prior.len() {
+                1 if all == place => format!("{place}: given twice; give it once"),
+                0 | 1 => format!("{place}: cannot be used with {all}; leave one of the two out"),
+                _ => format!("{place}: cannot be used with {all}; leave it, or them, out"),
+            }
+        }
+        ErrorKind::TooManyValues => {
+            format!("{option}: takes no value; leave {} out", visible(&value))
+        }
+        ErrorKind::InvalidUtf8 => {
+            // clap does not tell which argument it is.
+            let wrong = arguments.iter().filter(|word| word.to_str().is_none());
+            let wrong: Vec<_> = wrong.map(|word| word.to_string_lossy()).collect();
+            format!("{}: not UTF-8; give it in UTF-8", wrong.join(", "))
+        }
         _ => {
             let text = error.to_string();
             let problem = text.lines().next().unwrap_or_default();
@@ -101,6 +125,11 @@ pub(super) fn sentence(
         }
     };
     Some(sentence)
+}
+
+/// Returns a word, or quotation marks for an empty one.
+pub(super) fn visible(word: &str) -> &str {
+    if word.is_empty() { "''" } else { word }
 }
 
 /// Returns the words of a context.

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::output::write_file;
+use super::refusal::visible;
 use super::{CommandError, Status};
 use host_sim::scene::library::{self, BuiltIn, SCENES};
 use host_sim::scene::{Checked, load};
@@ -72,7 +73,8 @@ pub(super) fn unknown(name: &str) -> String {
     let known: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
     let meant = load::nearest(name, &known).map(|near| format!("did you mean `{near}`? "));
     format!(
-        "{name}: there is no built-in scene of that name; {}there are {}",
+        "{}: there is no built-in scene of that name; {}there are {}",
+        visible(name),
         meant.unwrap_or_default(),
         known.join(", ")
     )
@@ -80,15 +82,12 @@ pub(super) fn unknown(name: &str) -> String {
 
 /// Reads a scene: a file if there is one with this name, else a built-in scene.
 pub(super) fn read(name: &str) -> Result<Checked, String> {
-    if name.is_empty() {
-        return Err("SCENE: empty; give a scene file, or the name of a built-in scene".to_owned());
-    }
     let path = Path::new(name);
     match library::find(name) {
         Some(built_in) if !path.exists() => {
             Checked::new(built_in.scene()).map_err(|error| error.in_file(name))
         }
-        _ if !path.exists() && path.extension().is_none() && path.components().count() == 1 => {
+        _ if !path.exists() && path.extension().is_none() && path.components().count() <= 1 => {
             return Err(format!(
                 "{}; nor is there a file of that name",
                 unknown(name)

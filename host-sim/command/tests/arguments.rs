@@ -77,7 +77,27 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
         ),
         (
             &["run", ""],
-            "SCENE: empty; give a scene file, or the name of a built-in scene",
+            "'': there is no built-in scene of that name; there are default, coupling-slip, patent-1, patent-2, patent-3, patent-4, lost-steps, \
+             stiff-bearing, pulse-servo, scotch-yoke, crank-rocker, suspended, wrapper, screen, jaw-crusher, five-bar, electronic-cam; \
+             nor is there a file of that name",
+        ),
+        (
+            &["scenes", ""],
+            "'': there is no built-in scene of that name; there are default, coupling-slip, patent-1, patent-2, patent-3, patent-4, lost-steps, \
+             stiff-bearing, pulse-servo, scotch-yoke, crank-rocker, suspended, wrapper, screen, jaw-crusher, five-bar, electronic-cam",
+        ),
+        (
+            &["chart", ""],
+            "'': there is no chart of that name; there are methods, stability, energy, functions, tick-rate, fidelity, decisions, \
+             breakdown",
+        ),
+        (
+            &["run", "--quiet=3"],
+            "--quiet: takes no value; leave 3 out",
+        ),
+        (
+            &["design", "flywheel", "--nodes", "-4"],
+            "--nodes -4: give a whole number, 4 to 10000",
         ),
         (
             &["run", "--every", "-3"],
@@ -118,6 +138,26 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
         (
             &["campaign", "--replay", "3", "--join", "x"],
             "--replay <K>: cannot be used with --join <PATH>...; leave one of the two out",
+        ),
+        (
+            &["campaign", "--join", "d", "--runs", "5", "--from", "3"],
+            "--join <PATH>...: cannot be used with --runs <N>, --from <K>; leave it, or them, out",
+        ),
+        (
+            &["design", "--load-kg", "5", "crank-rocker"],
+            "`cophase design crank-rocker`: cannot be used with --load-kg <M>; leave one of the two out",
+        ),
+        (
+            &["campaign", "--others", "4", "--replay", "3"],
+            "--others: needs --only, as it is for the cases that --only leaves out; give --only, or leave --others out",
+        ),
+        (
+            &["campaign", "--others", "4", "--runs", "3"],
+            "--others: needs --only, as it is for the cases that --only leaves out; give --only, or leave --others out",
+        ),
+        (
+            &["campaign", "--others", "4", "--join", "x"],
+            "--others <K>: cannot be used with --join <PATH>...; leave one of the two out",
         ),
         (
             &["campaign", "--seed", "3", "--seed", "4"],
@@ -179,6 +219,24 @@ fn an_unusable_folder_is_refused_before_the_work() {
             "{said}"
         );
     }
+}
+
+/// If this fails, a user has to search the argument with the wrong bytes.
+#[cfg(unix)]
+#[test]
+fn an_argument_that_is_not_utf_8_is_named() {
+    use std::os::unix::ffi::OsStrExt;
+
+    let mut command = Command::new(COPHASE);
+    command.args(["run", "--every", "2"]);
+    command.arg(std::ffi::OsStr::from_bytes(b"caf\xe9.toml"));
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(
+        said,
+        "cophase: caf\u{fffd}.toml: not UTF-8; give it in UTF-8\n"
+    );
 }
 
 /// Pages of help are no refusals: those that are requested, and those of a command that needs a further word.

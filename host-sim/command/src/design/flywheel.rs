@@ -57,7 +57,7 @@ pub struct FlywheelArgs {
     #[arg(long, value_enum, default_value = "linear-rise", requires = "rock_kn")]
     pub rock: RockShape,
     /// Nodes a turn of the source's scheme, beside the converged solution: 4 to 10,000
-    #[arg(long, value_name = "COUNT", default_value_t = 18, requires = "rock_kn", value_parser = whole::<u32>(4..=10_000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 18, requires = "rock_kn", value_parser = whole::<u32>(4..=10_000), allow_negative_numbers = true)]
     pub nodes: u32,
     /// Irregularity under rock for which to find the flywheel: 0.001 to 0.5
     #[arg(
