@@ -113,7 +113,7 @@ pub(super) fn sentence(
             format!("{option}: takes no value; leave {} out", visible(&value))
         }
         ErrorKind::InvalidUtf8 => {
-            // clap does not tell which argument it is.
+            // The error of clap does not contain the argument.
             let wrong = arguments.iter().filter(|word| word.to_str().is_none());
             let wrong: Vec<_> = wrong.map(|word| word.to_string_lossy()).collect();
             format!("{}: not UTF-8; give it in UTF-8", wrong.join(", "))
