@@ -215,7 +215,7 @@ impl Phased {
         place
     }
 
-    /// Kinetic and potential energy, including the rods' J. It is constant without friction, damping and motors.
+    /// Kinetic and potential energy, J. The elastic energy of the rods is included. The sum is constant without friction, damping and motors.
     pub fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
         let body = &self.body;
         let n = body.axes();

@@ -7,7 +7,7 @@ const OVERDUE_TURNS: f64 = 2.0;
 
 /// Sensor that measures the phase error of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Measured {
+pub(super) enum PhaseSensor {
     /// An encoder, at any time.
     Always,
     /// An index sensor: commanded phase at its last pulse, turns. Before the first pulse, the phase at power-up.
@@ -16,7 +16,7 @@ pub(super) enum Measured {
     Never,
 }
 
-impl Measured {
+impl PhaseSensor {
     /// Returns the sensor of axis `i` at power-up.
     pub fn new(checked: &Checked, i: usize) -> Self {
         let axis = &checked.settings.axes[i];
@@ -51,7 +51,7 @@ mod tests {
     /// If this fails, the curve of a stuck crank goes on, or that of a sound one has gaps.
     #[test]
     fn a_measurement_is_overdue_two_turns_after_the_last_pulse() {
-        let mut index = Measured::At(None);
+        let mut index = PhaseSensor::At(None);
         assert!(!index.is_overdue(100.0, false), "power-up is at any phase");
         assert!(!index.is_overdue(100.9, true));
         assert!(!index.is_overdue(102.8, false));
@@ -60,7 +60,7 @@ mod tests {
         assert!(!index.is_overdue(103.0, true));
         // A machine that jogs backwards passes its flags too.
         assert!(index.is_overdue(100.9, false));
-        assert!(!Measured::Always.is_overdue(500.0, false));
-        assert!(Measured::Never.is_overdue(0.0, false));
+        assert!(!PhaseSensor::Always.is_overdue(500.0, false));
+        assert!(PhaseSensor::Never.is_overdue(0.0, false));
     }
 }

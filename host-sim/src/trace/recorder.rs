@@ -5,7 +5,7 @@ use std::io::{Seek, Write};
 use cophase_link::sample::Sample;
 
 use super::mcap::McapTraceError;
-use super::overdue::Measured;
+use super::overdue::PhaseSensor;
 use super::rows::Every;
 use super::traces::{TraceSetup, Traces};
 use super::window::Window;
@@ -32,7 +32,7 @@ pub struct Recorder<'a, W: Write + Seek> {
     traces: Traces<'a, W>,
     rows: ControllerRows,
     row: Row,
-    measured: Vec<Measured>,
+    sensors: Vec<PhaseSensor>,
     reversed: Vec<bool>,
     failed: Option<RecordError>,
 }
@@ -64,7 +64,7 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
             traces: Traces::new(&setup, files, udp, scope)?,
             rows: ControllerRows::new(&checked.settings),
             row: Row::of_axes(axes),
-            measured: (0..axes).map(|i| Measured::new(checked, i)).collect(),
+            sensors: (0..axes).map(|i| PhaseSensor::new(checked, i)).collect(),
             reversed,
             failed: None,
         })
@@ -88,9 +88,9 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
         let (master_turns, command_turns) = (moment.master_turns, moment.command_turns);
         self.rows
             .fill(row, moment.end_ns, &sample, master_turns, command_turns);
-        for (i, (axis, measured)) in row.axes.iter_mut().zip(&mut self.measured).enumerate() {
+        for (i, (axis, sensor)) in row.axes.iter_mut().zip(&mut self.sensors).enumerate() {
             axis.actual_turns = moment.actual_turns[i];
-            axis.is_overdue = measured.is_overdue(command_turns[i], moment.index[i].is_some());
+            axis.is_overdue = sensor.is_overdue(command_turns[i], moment.index[i].is_some());
         }
         let pose = moment.pose();
         row.tilt_x_mrad = pose.tilt_x_mrad;
