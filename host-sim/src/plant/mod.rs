@@ -144,6 +144,9 @@ pub trait Plant: Debug + Send + Sync {
     /// Supported model levels, the lowest first.
     fn levels(&self) -> &'static [Fidelity];
 
+    /// Motion that a model level gives the machine, in words.
+    fn motion(&self, model_level: Fidelity) -> &'static str;
+
     /// Effects that a model level omits, in words, for readers of the results.
     fn left_out(&self, model_level: Fidelity) -> String;
 

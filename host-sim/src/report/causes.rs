@@ -83,8 +83,13 @@ pub(super) struct Cause {
     pub probability: Option<f64>,
 }
 
-/// Returns the causes that the sensors of the fault's axis cannot distinguish, the most probable first. One of them is the name of the
-/// fault. It is empty if there is no other, and for the names of limits, which state no cause.
+/// Returns true if a kind is a cause: a campaign draws it. An index timeout is none, as it only names what a sensor shows.
+fn is_cause(kind: &str) -> bool {
+    counted().any(|row| row.cause == kind)
+}
+
+/// Returns the causes that the sensors of the fault's axis cannot distinguish, the most probable first. The name of the fault is one of
+/// them if it is a cause. It is empty if there is no other, and for the names of limits, which state no cause.
 pub(super) fn causes(fault: &Fault, axes: &[AxisSettings]) -> Vec<Cause> {
     let is_limit = matches!(
         fault.kind,
@@ -108,6 +113,7 @@ pub(super) fn causes(fault: &Fault, axes: &[AxisSettings]) -> Vec<Cause> {
     let mut causes: Vec<_> = [fault.kind.name()]
         .into_iter()
         .chain(others)
+        .filter(|kind| is_cause(kind))
         .map(|kind| Cause {
             kind,
             probability: (!known.is_empty()).then(|| probability(kind).map_or(0.0, |(_, p)| *p)),
@@ -140,6 +146,7 @@ pub(super) fn causes_in_words(causes: &[Cause]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Checked, library};
     use cophase_core::units::Turns;
 
     fn fault(kind: FaultKind, size: f64) -> Fault {
@@ -193,5 +200,19 @@ mod tests {
             .sum();
         assert!((1..LEAST_RUNS).contains(&runs), "{runs}");
         assert!(probabilities(&tilt, true, &["runaway", "swapped-wiring"]).is_empty());
+    }
+    /// If this fails, a report states that a stuck crank has a probability of 0 to be what it was named.
+    #[test]
+    fn a_name_that_no_campaign_draws_is_no_cause() {
+        let timeout = fault(FaultKind::IndexTimeout, -0.1).on_axis(0);
+        let checked = Checked::new(library::find("default").unwrap().scene()).unwrap();
+        let axes = &checked.settings.axes;
+        let kinds = causes(&timeout, axes).into_iter().map(|cause| cause.kind);
+        let mut kinds: Vec<_> = kinds.collect();
+        kinds.sort_unstable();
+        assert_eq!(
+            kinds,
+            ["index-missing", "lost-steps", "runaway", "slip", "stuck"]
+        );
     }
 }

@@ -26,6 +26,9 @@ pub(super) fn model(page: &mut String, checked: &Checked, outcome: &Outcome) -> 
 
 /// Returns the motion that the model level gives the machine, in words.
 fn motion(checked: &Checked) -> &'static str {
+    if let Some(plant) = &checked.plant {
+        return plant.motion(checked.fidelity);
+    }
     let is_cam = checked.cam.is_some();
     match checked.fidelity {
         Fidelity::Elastic if is_cam => "springs and masses between cam and pusher",
@@ -120,4 +123,26 @@ fn capital(word: &str) -> String {
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().chain(letters).collect()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::library;
+
+    /// If this fails, the summary of an arm or a crusher speaks of cranks that the machine does not have.
+    #[test]
+    fn machines_without_cranks_have_words_of_their_own() {
+        for name in ["five-bar", "jaw-crusher", "screen"] {
+            let checked = Checked::new(library::find(name).unwrap().scene()).unwrap();
+            let levels = checked.plant.as_ref().unwrap().levels();
+            let on = |&level| motion(&checked.on(level).unwrap());
+            let words: Vec<_> = levels.iter().map(on).collect();
+            assert!(
+                words.iter().all(|words| !words.contains("crank")),
+                "{words:?}"
+            );
+            assert_ne!(words[0], words[1], "{name}");
+        }
+    }
 }

@@ -14,8 +14,8 @@ const OVER_TURNS: Turns = Turns::lit("10");
 /// Detects corrections, tick by tick.
 #[derive(Clone, Debug)]
 pub(super) struct Corrections {
-    /// Smallest correction of an axis that is an event, degrees.
-    least_deg: f64,
+    /// Correction of an axis beyond which it is an event, degrees.
+    beyond_deg: f64,
     tick_s: f64,
     /// Offsets in the last tick.
     offsets: PerAxis<Turns>,
@@ -34,10 +34,10 @@ struct Current {
 }
 
 impl Corrections {
-    /// Creates the detection for a loop at power-up. Corrections of less than `least_deg` are no events.
-    pub fn new(least_deg: f64, tick_s: f64) -> Self {
+    /// Creates the detection for a loop at power-up. Corrections of at most `beyond_deg` are no events.
+    pub fn new(beyond_deg: f64, tick_s: f64) -> Self {
         Self {
-            least_deg,
+            beyond_deg,
             tick_s,
             offsets: PerAxis::default(),
             current: None,
@@ -76,6 +76,12 @@ impl Corrections {
         (current.still > OVER_TURNS).then(|| self.end(&before))?
     }
 
+    /// Takes in the end of the run. Returns the correction in progress.
+    pub fn finish(&mut self) -> Option<Event> {
+        let offsets = self.offsets;
+        self.end(&offsets)
+    }
+
     /// Ends the current correction, which took the offsets to `to`.
     fn end(&mut self, to: &PerAxis<Turns>) -> Option<Event> {
         let current = self.current.take()?;
@@ -84,10 +90,58 @@ impl Corrections {
             by_deg,
             in_s: current.moved_s - current.began_s,
         };
-        let is_event = by_deg.iter().any(|deg| deg.abs() >= self.least_deg);
+        let is_event = by_deg.iter().any(|deg| deg.abs() > self.beyond_deg);
         is_event.then_some(Event {
             t_s: current.began_s,
             what,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Checked, library};
+    use crate::sim::{Moment, Observer, simulate_first};
+
+    const ANGLE: Turns = Turns::lit("0.001");
+
+    struct Last(Option<Telemetry>);
+
+    impl Observer for Last {
+        fn tick(&mut self, moment: &Moment<'_>) {
+            self.0 = Some(moment.telemetry.clone());
+        }
+    }
+
+    /// Returns the event of a run that ends as a correction has moved axis 0 by `offset`.
+    fn ended_after(offset: Turns, beyond: Turns) -> Option<Event> {
+        let checked = Checked::new(library::find("default").unwrap().scene()).unwrap();
+        let mut last = Last(None);
+        simulate_first(10, &checked, &mut last, |_, _| {}).unwrap();
+        let mut telemetry = last.0.unwrap();
+        telemetry.state = State::Run;
+        telemetry.correction[0] = offset;
+        let mut corrections = Corrections::new(degrees(beyond), 0.001);
+        assert_eq!(corrections.tick(&telemetry, 3.0), None);
+        corrections.finish()
+    }
+
+    /// If this fails, a run that ends in state run has no line for its last correction.
+    #[test]
+    fn the_end_of_a_run_ends_a_correction() {
+        let event = ended_after(ANGLE, Turns::ZERO).expect("a correction");
+        let angle_deg = match event.what {
+            EventKind::Corrected { by_deg, .. } => by_deg[0],
+            what => panic!("{what:?}"),
+        };
+        assert_eq!((event.t_s, angle_deg), (3.0, degrees(ANGLE)));
+    }
+
+    /// If this fails, the manual states another limit.
+    #[test]
+    fn a_correction_that_equals_the_limit_is_no_event() {
+        assert_eq!(ended_after(ANGLE, ANGLE), None);
+        assert!(ended_after(ANGLE + Turns::DELTA, ANGLE).is_some());
     }
 }

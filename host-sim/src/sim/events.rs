@@ -75,7 +75,8 @@ pub enum EventKind {
     },
     /// The controller corrected phase errors in a run: it moved the offsets of axes.
     Corrected {
-        /// Angle by which each axis was moved, degrees; 0 for an axis that does not exist. The angles add up to zero.
+        /// Angle by which each axis was moved, degrees; 0 for an axis that does not exist. The angles add up
+        /// to zero to a step, as the offsets before and after do so to half a step.
         by_deg: PerAxis<f64>,
         /// Duration, s.
         in_s: f64,

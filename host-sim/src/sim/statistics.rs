@@ -444,6 +444,9 @@ impl Statistics {
         if self.running_ticks > 0 {
             self.rms_spread_deg = (self.spread_squares / self.running_ticks as f64).sqrt();
         }
+        if let Some(Event { t_s, what }) = self.corrections.finish() {
+            self.note(t_s, what);
+        }
         self.events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
     }
 

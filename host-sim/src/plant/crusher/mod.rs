@@ -125,6 +125,13 @@ impl Plant for Crusher {
         &[Fidelity::Kinematic, Fidelity::Phased]
     }
 
+    fn motion(&self, model_level: Fidelity) -> &'static str {
+        match model_level {
+            Fidelity::Phased => "torque moves the shaft",
+            _ => "only a fault moves the shaft off its command",
+        }
+    }
+
     fn left_out(&self, model_level: Fidelity) -> String {
         match model_level {
             Fidelity::Phased => {

@@ -103,6 +103,13 @@ impl Plant for Arm {
         &[Fidelity::Kinematic, Fidelity::Phased]
     }
 
+    fn motion(&self, model_level: Fidelity) -> &'static str {
+        match model_level {
+            Fidelity::Phased => "torque moves the joints of the arm",
+            _ => "only a fault moves a joint of the arm off its command",
+        }
+    }
+
     fn left_out(&self, model_level: Fidelity) -> String {
         match model_level {
             Fidelity::Phased => "elastic links and joints, and a tool that swings on its rope",

@@ -145,6 +145,15 @@ impl Plant for Screen {
         &[Fidelity::Kinematic, Fidelity::Phased]
     }
 
+    fn motion(&self, model_level: Fidelity) -> &'static str {
+        match model_level {
+            Fidelity::Phased => {
+                "torque moves each shaft on its own, and the box moves on its springs"
+            }
+            _ => "only a fault moves a shaft off its command",
+        }
+    }
+
     fn left_out(&self, model_level: Fidelity) -> String {
         match model_level {
             Fidelity::Phased => "stones that leave the deck, belts, and large pitch angles",
