@@ -1,20 +1,37 @@
 //! Warnings of injected faults that come when the machine stands for good. Nothing turns that could show them, so a run with such a
 //! fault tests nothing.
 
-use cophase_core::supervisor::State;
+use cophase_core::drift::alternatives;
+use cophase_core::supervisor::{Fault, FaultKind, State};
 
-use crate::scene::entry;
-use crate::scene::file::FaultAt;
+use crate::scene::file::{FaultAt, FaultName};
+use crate::scene::{Checked, entry};
+use crate::sim::Statistics;
 use crate::sim::events::{Event, EventKind};
 
-/// Returns a warning for each fault of a scene after which nothing happened, because the machine stood already.
-pub(super) fn faults_at_standstill(faults: &[FaultAt], events: &[Event]) -> Vec<String> {
+/// Returns a warning for each fault of a scene that comes when the machine stands for good, and that no report shows.
+pub(super) fn faults_at_standstill(checked: &Checked, statistics: &Statistics) -> Vec<String> {
+    let events = &statistics.events;
+    let Some(stopped_s) = stands_since(events) else {
+        return Vec::new();
+    };
+    // Cranks whose drives are off may turn on after the stop.
+    let coasted_s = statistics.coast.moved_until_s.unwrap_or(0.0);
+    let stood_s = stopped_s.max(coasted_s);
     let warning = |(i, fault): (usize, &FaultAt)| {
         let injected = |event: &Event| event.what == EventKind::Injected(*fault);
         let at = events.iter().position(injected)?;
-        let (before, after) = events.split_at(at);
-        let is_injection = |event: &Event| matches!(event.what, EventKind::Injected(_));
-        let stood_s = stands_since(before).filter(|_| after.iter().all(is_injection))?;
+        let is_shown = events[at..].iter().any(|event| match &event.what {
+            EventKind::Reported(report) | EventKind::Fault { fault: report, .. } => {
+                may_show(report, fault, checked)
+            }
+            // Without the enable input, a parked machine becomes idle, and drives that hold are switched off.
+            EventKind::State(_) | EventKind::LetGo => fault.kind == FaultName::EnableLoss,
+            _ => false,
+        });
+        if events[at].t_s < stood_s || is_shown {
+            return None;
+        }
         let key = entry::place(&format!("fault[{i}].at_s"), None);
         Some(format!(
             "{key}: \"{}\" comes at {} s, and the machine stood from {stood_s:.3} s to the end, so nothing showed the fault. Give a time \
@@ -23,33 +40,67 @@ pub(super) fn faults_at_standstill(faults: &[FaultAt], events: &[Event]) -> Vec<
             fault.at_s
         ))
     };
-    faults.iter().enumerate().filter_map(warning).collect()
+    let faults = checked.scene.fault.iter().enumerate();
+    faults.filter_map(warning).collect()
 }
 
-/// Returns the time since which the machine stands after some events, s.
+/// Returns the time from which the machine stands to the end, s; none if it does not.
 fn stands_since(events: &[Event]) -> Option<f64> {
-    let state = |event: &Event| match event.what {
-        EventKind::State(State::Idle | State::Parked | State::Fault)
-        | EventKind::Stopped { .. } => Some(Some(event.t_s)),
-        EventKind::State(_) | EventKind::Running { .. } => Some(None),
-        _ => None,
-    };
     // It is idle at power-up.
-    events.iter().rev().find_map(state).unwrap_or(Some(0.0))
+    events
+        .iter()
+        .fold(Some(0.0), |since, event| match event.what {
+            EventKind::State(State::Idle | State::Parked | State::Fault)
+            | EventKind::Stopped { .. } => since.or(Some(event.t_s)),
+            EventKind::State(_) | EventKind::Running { .. } => None,
+            _ => since,
+        })
+}
+
+/// True if a report may be an effect of an injected fault. Lines and deadlines state their own cause. Sensors may state any.
+fn may_show(report: &Fault, fault: &FaultAt, checked: &Checked) -> bool {
+    let axis = report.axis.and_then(|axis| checked.settings.axes.get(axis));
+    // A servo drive may raise its alarm because of another fault.
+    let has_alternatives = axis.is_some_and(|axis| alternatives(report, axis).next().is_some());
+    let states_cause = match report.kind {
+        FaultKind::DriveAlarm => !has_alternatives,
+        FaultKind::EnableLost
+        | FaultKind::StopInput
+        | FaultKind::Overrun
+        | FaultKind::StepFifoUnderrun => true,
+        _ => false,
+    };
+    !states_cause || (report.kind.name() == fault.kind.name() && report.axis == fault.axis)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Checked, library, load};
+    use crate::scene::file::Fidelity;
+    use crate::scene::{library, load};
     use crate::sim::simulate;
 
     /// Runs the scene `default` with more entries, and returns these warnings.
     fn warned(more: &str) -> Vec<String> {
+        warned_on(Fidelity::Auto, more).0
+    }
+
+    /// Returns these warnings on a model level, and the time for which cranks coasted, s.
+    fn warned_on(model_level: Fidelity, more: &str) -> (Vec<String>, f64) {
         let text = library::find("default").unwrap().text.to_owned() + more;
-        let checked = Checked::new(load::parse(&text).unwrap()).unwrap();
+        let mut scene = load::parse(&text).unwrap();
+        scene.fidelity = model_level;
+        let checked = Checked::new(scene).unwrap();
         let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
-        faults_at_standstill(&checked.scene.fault, &outcome.statistics.events)
+        let warnings = faults_at_standstill(&checked, &outcome.statistics);
+        (warnings, outcome.statistics.coast.turned_s)
+    }
+
+    /// Returns the time from which the machine stood, by the only one of these warnings, s.
+    fn stood_s(said: &[String]) -> f64 {
+        let [said] = said else { panic!("{said:?}") };
+        let (_, after) = said.split_once("stood from ").unwrap();
+        after.split_once(' ').unwrap().0.parse().unwrap()
     }
 
     fn lost_steps(at_s: f64) -> String {
@@ -75,7 +126,8 @@ mod tests {
         let swapped = "[[fault]]\nat_s = 70.0\nkind = \"swapped-wiring\"\naxis = 1\nwith = 2\nlines = \"sensors\"\n";
         let start = |at_s: f64| format!("[[command]]\nat_s = {at_s}\ndo = \"start\"\n");
         let restarted = start(0.0) + &start(75.0) + &lost_steps(70.0);
-        for more in [&lost_steps(0.5), alarm, swapped, &restarted] {
+        let cut = "[[fault]]\nat_s = 70.0\nkind = \"enable-loss\"\n";
+        for more in [&lost_steps(0.5), alarm, cut, swapped, &restarted] {
             assert_eq!(warned(more), [""; 0], "{more}");
         }
     }
@@ -91,5 +143,36 @@ mod tests {
             said.starts_with("fault[1].at_s (2nd [[fault]] entry)"),
             "{said}"
         );
+    }
+    /// If this fails, a fault of a crank that still turns seems to be harmless.
+    #[test]
+    fn cranks_that_coast_do_not_stand() {
+        let cut = "[[fault]]\nat_s = 26.0\nkind = \"enable-loss\"\n";
+        let stuck = "[[fault]]\nat_s = 26.2\nkind = \"stuck\"\naxis = 1\n";
+        let (said, coasted_s) = warned_on(Fidelity::Phased, &(cut.to_owned() + stuck));
+        assert!(coasted_s > 0.2, "{coasted_s}");
+        assert_eq!(said, [""; 0]);
+        let (said, coasted_s) = warned_on(Fidelity::Phased, &(cut.to_owned() + &lost_steps(35.0)));
+        let coasted_until_s = 26.0 + coasted_s;
+        assert!((stood_s(&said) - coasted_until_s).abs() < 0.002, "{said:?}");
+    }
+
+    /// If this fails, a warning recommends a time at which the machine stands too.
+    #[test]
+    fn a_fault_at_rest_does_not_begin_another_standstill() {
+        let alarm = "[[fault]]\nat_s = 60.0\nkind = \"drive-alarm\"\naxis = 1\n";
+        let said = warned(&(alarm.to_owned() + &lost_steps(61.0)));
+        assert_eq!(stood_s(&said), 58.502);
+    }
+
+    /// If this fails, an input or another fault hides that a fault had no effect.
+    #[test]
+    fn later_events_of_other_causes_do_not_show_a_fault() {
+        let input = "[[input]]\nat_s = 65.0\nline = \"enable\"\nactive = false\n";
+        let alarm = "[[fault]]\nat_s = 65.0\nkind = \"drive-alarm\"\naxis = 1\n";
+        for later in [input, alarm] {
+            let said = warned(&(lost_steps(62.0) + later));
+            assert_eq!(stood_s(&said), 58.502, "{later}");
+        }
     }
 }

@@ -19,7 +19,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     warnings.extend(lacking(checked));
     warnings.extend(beyond_pull_out(checked));
     warnings.extend(before_start(&scene.command));
-    warnings.extend(faults_at_standstill(&scene.fault, &statistics.events));
+    warnings.extend(faults_at_standstill(checked, statistics));
     warnings.extend(not_reached(checked, outcome));
     warnings.extend(statistics.machine_warnings.iter().cloned());
     if let Some(why) = &outcome.diverged {

@@ -17,6 +17,8 @@ pub struct Coast {
     pub worst_tilt_mrad: Option<f64>,
     /// Longest time for which cranks coasted after their drives were switched off, s.
     pub turned_s: f64,
+    /// End of the last tick in which a crank moved without its drive, s since power-up; none if all stood.
+    pub moved_until_s: Option<f64>,
     tick_s: f64,
     were_on: bool,
     places: Places,
@@ -60,7 +62,15 @@ impl Coast {
         self.off_ticks += 1;
         if self.places.take(moment.actual_turns) {
             self.moved = Some(self.off_ticks);
+            self.moved_until_s = Some(moment.end_ns as f64 * 1e-9);
             self.turned_s = self.turned_s.max(self.off_ticks as f64 * self.tick_s);
+            return;
+        }
+        // A crank that friction holds still turns a little in this model. Over a long time that is no motion either.
+        let stands_ticks = (STANDS_S / self.tick_s).ceil() as u64;
+        let still_ticks = self.off_ticks - self.moved.unwrap_or(0);
+        if still_ticks.is_multiple_of(stands_ticks) {
+            self.places = Places::at(moment.actual_turns);
         }
     }
 

@@ -102,7 +102,7 @@ impl Corrections {
 mod tests {
     use super::*;
     use crate::scene::{Checked, library};
-    use crate::sim::{Moment, Observer, simulate_first};
+    use crate::sim::{Moment, Observer, simulate, simulate_first};
 
     const ANGLE: Turns = Turns::lit("0.001");
 
@@ -127,15 +127,28 @@ mod tests {
         corrections.finish()
     }
 
+    /// Times and durations of the corrections among some events, s.
+    fn corrections(events: &[Event]) -> Vec<(f64, f64)> {
+        let times = |event: &Event| match event.what {
+            EventKind::Corrected { in_s, .. } => Some((event.t_s, in_s)),
+            _ => None,
+        };
+        events.iter().filter_map(times).collect()
+    }
+
     /// If this fails, a run that ends in state run has no line for its last correction.
     #[test]
     fn the_end_of_a_run_ends_a_correction() {
-        let event = ended_after(ANGLE, Turns::ZERO).expect("a correction");
-        let angle_deg = match event.what {
-            EventKind::Corrected { by_deg, .. } => by_deg[0],
-            what => panic!("{what:?}"),
+        let checked = Checked::new(library::find("coupling-slip").unwrap().scene()).unwrap();
+        let whole = simulate(&checked, &mut (), |_, _| {}).unwrap();
+        let (t_s, in_s) = corrections(&whole.statistics.events)[0];
+        let ticks = (t_s + in_s) * f64::from(checked.scene.control.tick_hz);
+        let cut = simulate_first(ticks as u64, &checked, &mut (), |_, _| {}).unwrap();
+        assert_eq!(cut.state, State::Run);
+        let [(cut_s, _)] = corrections(&cut.statistics.events)[..] else {
+            panic!("no correction, or more than one");
         };
-        assert_eq!((event.t_s, angle_deg), (3.0, degrees(ANGLE)));
+        assert_eq!(cut_s, t_s);
     }
 
     /// If this fails, the manual states another limit.
