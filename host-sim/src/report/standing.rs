@@ -47,14 +47,16 @@ pub(super) fn faults_at_standstill(checked: &Checked, statistics: &Statistics) -
 /// Returns the time from which the machine stands to the end, s; none if it does not.
 fn stands_since(events: &[Event]) -> Option<f64> {
     // It is idle at power-up.
-    events
-        .iter()
-        .fold(Some(0.0), |since, event| match event.what {
+    let mut since_s = Some(0.0);
+    for event in events {
+        since_s = match event.what {
             EventKind::State(State::Idle | State::Parked | State::Fault)
-            | EventKind::Stopped { .. } => since.or(Some(event.t_s)),
+            | EventKind::Stopped { .. } => since_s.or(Some(event.t_s)),
             EventKind::State(_) | EventKind::Running { .. } => None,
-            _ => since,
-        })
+            _ => since_s,
+        };
+    }
+    since_s
 }
 
 /// True if a report may be an effect of an injected fault. Lines and deadlines state their own cause. Sensors may state any.
@@ -144,6 +146,7 @@ mod tests {
             "{said}"
         );
     }
+
     /// If this fails, a fault of a crank that still turns seems to be harmless.
     #[test]
     fn cranks_that_coast_do_not_stand() {
