@@ -2,6 +2,17 @@
 
 use super::*;
 
+/// Returns the errors of cranks of which axis 2 turns at `ratio` times its speed from a time on, turns.
+fn runs_away(ratio: f64, from: f64) -> impl Fn(usize, f64) -> f64 {
+    move |i, t| {
+        if i == 2 {
+            (ratio - 1.0) * (t - from).max(0.0)
+        } else {
+            0.0
+        }
+    }
+}
+
 /// If this fails, a crank that runs at some ratio of its speed, from some place of its turn on, counts as noise. At twice its speed one
 /// pulse comes in its place, and one more between.
 #[test]
@@ -13,14 +24,7 @@ fn an_index_detects_a_runaway_at_any_speed_within_a_turn() {
         for place in [0.02, 0.1, 0.23, 0.37, 0.48, 0.55, 0.61, 0.7, 0.83, 0.97] {
             let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), speed).homed();
             let from = 2.0 + place;
-            let off = |i: usize, t: f64| {
-                if i == 2 {
-                    (ratio - 1.0) * (t - from).max(0.0)
-                } else {
-                    0.0
-                }
-            };
-            let found = cranks.turn(400, off);
+            let found = cranks.turn(400, runs_away(ratio, from));
             let stop = found.iter().find(|(_, finding)| !finding.within_limits);
             let (tick, finding) = stop.expect("reported");
             assert_eq!(finding.fault.axis, Some(2), "ratio {ratio}, from {place}");
@@ -67,14 +71,7 @@ fn a_runaway_that_was_stopped_for_as_a_slip_is_named_within_two_turns() {
     for (ratio, place) in [(1.5, 0.0), (1.55, 0.16), (1.6, 0.32), (1.75, 0.66)] {
         let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).homed();
         let from = 2.0 + place;
-        let off = |i: usize, t: f64| {
-            if i == 2 {
-                (ratio - 1.0) * (t - from).max(0.0)
-            } else {
-                0.0
-            }
-        };
-        let found = cranks.turn(400, off);
+        let found = cranks.turn(400, runs_away(ratio, from));
         let stop = found.first().expect("it is stopped for").0;
         let named = found
             .iter()
