@@ -1,4 +1,4 @@
-//! What a run reports: torque, curves, causes and corrections.
+//! Reports of a run: torque, the curves of its page, causes and corrections.
 
 use cophase_tests::{Run, record, scene};
 use host_sim::report::summary;
