@@ -2,7 +2,8 @@
 //!
 //! A crank has inertia, so its speed changes little between two ticks. A reading that jumps by more is held back for a tick. If it comes
 //! back, it was a *glitch*. If it stays, either counts were lost or a blow moved the crank: the jump is *unconfirmed* until the index
-//! decides. If it keeps jumping, the crank really moves like this, for example because it got stuck at speed.
+//! decides. If it keeps jumping, the crank really moves like this, for example because it got stuck at speed. If a deviation grows tick by
+//! tick instead, the crank swings.
 
 use super::tick_phase::TickPhase;
 use crate::drift::axis_watch::Traits;
@@ -71,15 +72,20 @@ pub(in crate::drift) struct EncoderWatch {
 }
 
 /// Deviation of a motor from its command in the tick before.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 enum Deviation {
-    /// The deviation was less than a jump.
-    #[default]
-    Small,
+    /// It was this, and less than a jump.
+    Small(Turns),
     /// The reading jumped by this distance. The next reading shows why.
     Held(Turns),
     /// The motor moves by more than a jump per tick.
     Large,
+}
+
+impl Default for Deviation {
+    fn default() -> Self {
+        Self::Small(Turns::ZERO)
+    }
 }
 
 const WINDOW_TICKS: u8 = 4;
@@ -172,7 +178,7 @@ impl EncoderWatch {
     fn classify(&mut self, off: Turns, jump: Turns) -> Read {
         let is_jump = |turns: Turns| turns.wrapping_abs() > jump || turns == Turns::MIN;
         if let Deviation::Held(held) = self.deviation {
-            self.deviation = Deviation::Small;
+            self.deviation = Deviation::default();
             let both = held.wrapping_add(off);
             if !is_jump(both) {
                 self.phase_error = self.phase_error.wrapping_add(both);
@@ -188,12 +194,14 @@ impl EncoderWatch {
             self.phase_error = self.phase_error.wrapping_add(both);
             return Read::Nothing;
         }
-        if !is_jump(off) {
-            self.deviation = Deviation::Small;
-        } else if let Deviation::Small = self.deviation {
-            self.deviation = Deviation::Held(off);
-            return Read::Nothing;
-        }
+        self.deviation = match self.deviation {
+            _ if !is_jump(off) => Deviation::Small(off),
+            Deviation::Small(before) if is_jump(off.wrapping_sub(before)) => {
+                self.deviation = Deviation::Held(off);
+                return Read::Nothing;
+            }
+            _ => Deviation::Large,
+        };
         self.phase_error = self.phase_error.wrapping_add(off);
         Read::Nothing
     }
@@ -222,11 +230,11 @@ impl EncoderWatch {
     }
 
     /// Processes a reading after ticks whose phase is not known. It assumes that the motor followed its command.
-    pub(in crate::drift) const fn skip(&mut self, count: i32) {
+    pub(in crate::drift) fn skip(&mut self, count: i32) {
         self.last = Some(count);
         self.made = None;
         if let Deviation::Held(_) = self.deviation {
-            self.deviation = Deviation::Small;
+            self.deviation = Deviation::default();
         }
     }
 

@@ -91,6 +91,25 @@ fn the_axis_that_stands_is_named_before_the_one_that_is_furthest() {
     assert_eq!((fault.kind, fault.axis), (FaultKind::Stuck, Some(0)));
 }
 
+/// If this fails, a soft servo that swings counts as an encoder with a glitch, although its speed changes little from tick to tick.
+#[test]
+fn a_swing_is_no_jump() {
+    let mut cranks = encoders(100.0);
+    let jump = cranks.monitor.axes[2].traits.jump().to_num::<f64>();
+    let (per_tick, speed) = (0.5, 0.01);
+    let size = 1.1 * jump / per_tick;
+    let from = f64::from(cranks.tick) * speed;
+    let swing = move |i: usize, t: f64| {
+        let angle = (t - from).max(0.0) / speed * per_tick;
+        if i == 2 {
+            size * (1.0 - angle.cos())
+        } else {
+            0.0
+        }
+    };
+    assert_eq!(cranks.turn(250, swing), []);
+}
+
 /// A reading that jumps is held back for a tick. A servo that stands is stuck and not reversed, wherever in a window that begins.
 #[test]
 fn a_servo_that_stands_at_speed_is_stuck_whenever_that_begins() {

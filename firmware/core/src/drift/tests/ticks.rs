@@ -72,6 +72,10 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
     process_all(&mut monitor, &phases);
     assert!(!monitor.is_homed());
+    let phases = phases.map(|tick| TickPhase {
+        start: Phase::from_turns(Turns::ONE),
+        ..tick
+    });
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
     process_all(&mut monitor, &phases);
     assert!(monitor.is_homed());

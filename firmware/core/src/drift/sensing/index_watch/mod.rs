@@ -168,10 +168,6 @@ impl IndexWatch {
         before: Option<Turns>,
         clock: TickClock,
     ) -> Detection {
-        if commanded == 0 && !self.is_known() {
-            // A crank that swings where it was left may meet its flag at either end.
-            return Detection::Nothing;
-        }
         let cycle = pulse.cycle.unsigned_abs();
         let (tick, cycle) = if pulse.cycle >= 0 {
             (*phase, cycle)
@@ -186,6 +182,10 @@ impl IndexWatch {
         let at = tick
             .at(cycle.min(clock.cycles), clock)
             .advanced(Turns::from_bits(late.wrapping_neg()));
+        if !self.is_known() && at.since(self.detected_at).abs() <= traits.tolerance {
+            // A crank that swings or trembles where it was left may meet its flag at either end.
+            return Detection::Nothing;
+        }
         let begin = traits.index;
         let end = begin.wrapping_add(traits.flag);
         // Going backward, a crank meets the flag's other end first.
