@@ -14,7 +14,7 @@ use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::board::index::Index;
 use crate::board::lines::AlarmInputs;
-use crate::board::steps::{Buffers, Steps};
+use crate::board::steps::Steps;
 use crate::board::watchdog::Fed;
 use crate::board::{CYCLES_PER_US, lines};
 use crate::control::Board;
@@ -57,7 +57,6 @@ pub fn make(
     link: LoopEnd,
 ) -> Result<(&'static mut Controller, &'static mut Board), Refusal> {
     static CONTROLLER: ConstStaticCell<Controller> = ConstStaticCell::new(Controller::new());
-    static BUFFERS: ConstStaticCell<Buffers> = ConstStaticCell::new(Buffers::new());
     static BOARD: StaticCell<Board> = StaticCell::new();
 
     board::check::<Rp2040>(settings).map_err(Refusal::Unfit)?;
@@ -80,13 +79,7 @@ pub fn make(
     });
     let width = settings.index_width_cycles();
     let board = BOARD.init(Board {
-        steps: Steps::new(
-            BUFFERS.take(),
-            &reversed[..axes],
-            first_axis,
-            settings.wiring.step,
-            tick,
-        ),
+        steps: Steps::new(&reversed[..axes], first_axis, settings.wiring.step, tick),
         index: Index::new(tick_us * CYCLES_PER_US, first_axis),
         filter: IndexFilter::new(width, axes, levels),
         watchdog: Fed::start(watchdog, tick_us),

@@ -1,7 +1,7 @@
 //! Input and output of the control loop at a deadline.
 
 use crate::drift::{AxisSet, IndexPulse, Modes};
-use crate::pulse::{Runs, Sharing};
+use crate::pulse::{Run, Runs, Sharing};
 use crate::servo::Setpoint;
 use crate::shaft::Motion;
 use crate::supervisor::{Command, Fault, SafetyInputs, State};
@@ -45,8 +45,11 @@ impl Feedback {
 /// Output of the loop, to be played from the next deadline on.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// Plans, each at the number of the first axis that plays it.
-    pub(crate) plans: PerAxis<Runs>,
+    /// Plans of the last tick and of the one before, each at the number of the first axis that plays it. Hardware may read the older ones
+    /// until it plays the newer ones.
+    plans: [PerAxis<Runs>; 2],
+    /// True if the second of them is the newer one.
+    second_is_newer: bool,
     /// Setpoints of servo axes; those of stepper axes are zero.
     pub setpoints: PerAxis<Setpoint>,
     /// True if the drives must be on.
@@ -59,16 +62,39 @@ pub struct Output {
 
 impl Output {
     /// Pulses of an axis; a servo axis that takes setpoints has one pause. An axis that is not there has no runs.
+    ///
+    /// They stay unchanged at their place in memory while the next tick is planned, so that hardware can still read them.
     #[inline]
-    pub fn runs(&self, axis: usize) -> &Runs {
-        // A static has a name, by which the linker places it in RAM.
-        static NO_RUNS: Runs = Runs::new();
-        if axis >= MAX_AXES {
-            return &NO_RUNS;
-        }
-        self.plans
-            .get(self.sharing().first(axis))
-            .unwrap_or(&NO_RUNS)
+    pub fn runs(&self, axis: usize) -> &[Run] {
+        self.all_runs().nth(axis).unwrap_or_default()
+    }
+
+    /// [`Self::runs`] of each axis.
+    #[inline]
+    pub fn all_runs(&self) -> impl Iterator<Item = &[Run]> {
+        let [first, second] = &self.plans;
+        let plans = if self.second_is_newer { second } else { first };
+        let sharing = self.sharing();
+        (0..MAX_AXES).map(move |axis| match plans.get(sharing.first(axis)) {
+            Some(runs) => &runs[..],
+            None => &[],
+        })
+    }
+
+    /// Takes the plans of the tick before the last, to be replaced by those of a new tick.
+    #[inline(always)]
+    pub(crate) const fn begin_plans(&mut self) {
+        self.second_is_newer = !self.second_is_newer;
+    }
+
+    /// Plan of the tick that was begun last, for an axis that is the first to play it.
+    #[inline(always)]
+    pub(crate) fn plan_mut(&mut self, axis: usize) -> Option<(&mut Runs, &mut i64)> {
+        let [first, second] = &mut self.plans;
+        let plans = if self.second_is_newer { second } else { first };
+        plans
+            .get_mut(axis)
+            .zip(self.telemetry.plan_steps.get_mut(axis))
     }
 
     /// Which axes have the same [`Self::runs`].
@@ -79,7 +105,8 @@ impl Output {
     /// Output of a loop that has not begun, whose axes are `lead` turns ahead of the master.
     pub(crate) const fn idle(lead: PerAxis<Turns>) -> Self {
         Self {
-            plans: [const { Runs::new() }; MAX_AXES],
+            plans: [const { [const { Runs::new() }; MAX_AXES] }; 2],
+            second_is_newer: false,
             setpoints: [Setpoint::ZERO; MAX_AXES],
             drives_enabled: false,
             sync: true,
@@ -90,7 +117,7 @@ impl Output {
     /// Resets the output to that of a loop that has not begun, whose axes are `lead` turns ahead of the master.
     #[cold]
     pub(crate) fn reset(&mut self, lead: PerAxis<Turns>) {
-        for runs in &mut self.plans {
+        for runs in self.plans.as_flattened_mut() {
             runs.clear();
         }
         self.setpoints = [Setpoint::ZERO; MAX_AXES];

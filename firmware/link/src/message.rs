@@ -151,7 +151,7 @@ pub enum Request<'a> {
 pub enum Output {
     /// STEP of an axis.
     Step(u8),
-    /// DIR of an axis.
+    /// DIR of an axis. It is active as for a motion forward.
     Dir(u8),
     /// DRIVE ENABLE. The enable input keeps its effect on it.
     DriveEnable,

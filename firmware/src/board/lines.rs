@@ -4,7 +4,7 @@
 //! the enable input, permits it.
 //!
 //! A line whose settings have another active level than [`WiringSettings::DEFAULT`] is inverted where it enters or leaves
-//! the chip, by the pin's own override. So the rest of the firmware has the default levels only.
+//! the chip, by the pin's own override. So is DIR of an axis that is reversed. So the rest of the firmware has the default levels only.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 

@@ -47,7 +47,7 @@ impl Played {
         self.sharing = output.sharing();
         for (axis, plan) in self.plans.iter_mut().enumerate() {
             if self.sharing.first(axis) == axis {
-                plan.clone_from(output.runs(axis));
+                plan.copy_from(output.runs(axis));
             }
         }
         let count = self.setpoints.len();

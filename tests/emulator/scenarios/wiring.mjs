@@ -115,6 +115,7 @@ function bringUp(outcome, wiring) {
   host.ask(requests.unlock());
   check(host.refusal(hold(OUTPUTS.step(4), true)) === REJECTED, 'an axis that is not there is refused');
   const active = (wire) => machine.level(wire);
+  const reversed = played.toml.axis.filter((axis) => axis.reversed).map(({ number }) => `dir_${number}`);
   for (let axis = 0; axis < 4; axis += 1) {
     for (const [wire, line] of [[`step_${axis}`, OUTPUTS.step(axis)], [`dir_${axis}`, OUTPUTS.dir(axis)]]) {
       const others = Object.keys(pins.outputs(4)).filter((other) => /^(step|dir)/.test(other) && other !== wire);
@@ -122,7 +123,7 @@ function bringUp(outcome, wiring) {
       const before = others.map(active).join();
       for (const level of [1, 0, 1]) {
         host.ask(hold(line, level));
-        check(active(wire) === level, `${wire} is held ${level ? 'active' : 'inactive'}`);
+        check(active(wire) === (reversed.includes(wire) ? 1 - level : level), `${wire} is held ${level ? 'active' : 'inactive'}`);
       }
       check(others.map(active).join() === before, `no other line moves with ${wire}`);
     }

@@ -46,6 +46,7 @@ impl Controller {
 
     /// Plans the pulses: one plan for all axes that share it.
     fn plan_all(&mut self, moved: Option<&OffsetMotion>) {
+        self.output.begin_plans();
         let axes = (1 << self.channels.len()) - 1;
         let mut left = self.output.telemetry.sharing.planned() & axes;
         let mut axis = 0;
@@ -68,11 +69,9 @@ impl Controller {
             }
             _ => (turns, 0),
         };
-        if let (Some(channel), Some(runs), Some(steps)) = (
-            self.channels.get_mut(axis),
-            self.output.plans.get_mut(axis),
-            self.output.telemetry.plan_steps.get_mut(axis),
-        ) {
+        if let (Some(channel), Some((runs, steps))) =
+            (self.channels.get_mut(axis), self.output.plan_mut(axis))
+        {
             *steps += i64::from(channel.plan(turns, offset, &mut self.step_rate, runs));
         }
     }

@@ -14,7 +14,7 @@ mod timing;
 
 pub use planner::{Place, Planner};
 pub use run::Run;
-pub use runs::{BLOCK, MAX_RUNS, Runs};
+pub use runs::{MAX_RUNS, Runs};
 pub use sharing::Sharing;
 pub use step_rate::StepRates;
 pub use timing::PulseTiming;

@@ -16,36 +16,12 @@ use super::{MAX_EDGES, Run};
 /// - one for the last chunk, as it is short.
 pub const MAX_RUNS: usize = (MAX_EDGES / CHUNK) as usize + 9;
 
-/// Number of runs that are copied at a time.
-pub const BLOCK: usize = 4;
-
-const _: () = assert!(MAX_RUNS.is_multiple_of(BLOCK));
-
-/// The runs of one axis over one tick, in order.
-///
-/// The whole buffer is always initialised. Runs can therefore be copied to the hardware in whole [`Self::blocks`], which
-/// takes a third less time than run by run.
+/// The runs of one axis over one tick, in order. The step hardware can read them where they are.
+#[derive(Clone)]
 #[repr(C)] // Behind the buffer its length would be out of reach of a load instruction.
 pub struct Runs {
     used: usize,
     room: [Run; MAX_RUNS],
-}
-
-impl Clone for Runs {
-    fn clone(&self) -> Self {
-        Self {
-            used: self.used,
-            room: self.room,
-        }
-    }
-
-    /// Copies the runs alone, and not the room behind them.
-    fn clone_from(&mut self, source: &Self) {
-        self.used = source.used;
-        for (place, run) in self.room.iter_mut().zip(source.iter()) {
-            *place = *run;
-        }
-    }
 }
 
 /// Runs that are being appended to; their number stays in a register meanwhile.
@@ -106,10 +82,13 @@ impl Runs {
         }
     }
 
-    /// All runs, in blocks; behind the last run the last block holds arbitrary ones.
-    pub fn blocks(&self) -> &[[Run; BLOCK]] {
-        let (blocks, _) = self.room.as_chunks();
-        blocks.get(..self.used.div_ceil(BLOCK)).unwrap_or_default()
+    /// Replaces all runs; those without room are left out.
+    pub fn copy_from(&mut self, runs: &[Run]) {
+        let runs = runs.get(..MAX_RUNS).unwrap_or(runs);
+        self.used = runs.len();
+        for (place, run) in self.room.iter_mut().zip(runs) {
+            *place = *run;
+        }
     }
 }
 
@@ -156,28 +135,26 @@ impl fmt::Debug for Runs {
 mod tests {
     use super::*;
 
-    /// If this fails, a block is left out, and the hardware misses its runs.
+    /// If this fails, the hardware misses runs, or plays those of an earlier tick.
     #[test]
-    fn all_runs_fit_in_the_fewest_blocks() {
+    fn a_buffer_holds_the_runs_that_were_added_last() {
         let mut runs = Runs::new();
         for n in 1..=MAX_RUNS {
             assert!(runs.push(Run::new(n as u32, Run::LEAST_CYCLES, true)));
             assert_eq!(runs.len(), n);
-            assert_eq!(runs.blocks().len(), n.div_ceil(BLOCK));
-            assert_eq!(runs.blocks().as_flattened()[..n], runs[..]);
         }
         assert!(!runs.push(Run::pause(Run::LEAST_CYCLES, true)));
-        let mut copy = Runs::new();
-        copy.extend(runs.iter().copied());
-        assert_eq!(copy[..], runs[..]);
         let mut other = Runs::new();
         other.push(Run::pause(Run::LEAST_CYCLES, true));
-        for runs in [&other, &copy, &other] {
-            let mut over = copy.clone();
-            over.clone_from(runs);
-            assert_eq!(over[..], runs[..]);
+        let mut copy = Runs::new();
+        for runs in [&runs, &other, &runs] {
+            copy.copy_from(runs);
+            assert_eq!(copy[..], runs[..]);
         }
+        let too_many: std::vec::Vec<_> = runs.iter().chain(&other).copied().collect();
+        copy.copy_from(&too_many);
+        assert_eq!(copy[..], runs[..]);
         runs.clear();
-        assert!(runs.is_empty() && runs.blocks().is_empty());
+        assert!(runs.is_empty());
     }
 }

@@ -8,6 +8,7 @@
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU8, Ordering};
 
+use cophase_core::pulse::Run;
 use critical_section::{CriticalSection, Mutex};
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
@@ -15,14 +16,29 @@ use embassy_rp::pac;
 use embassy_rp::pac::dma::regs::CtrlTrig;
 use embassy_rp::pac::dma::vals::{DataSize, TreqSel};
 
-use super::words::Span;
 use super::{BLOCKS, block_of, machine_of};
 use crate::board::pins::AXES;
 
 /// Axes, a bit each, whose words were too late: their machine had underrun, or the words before them were never started.
 static LATE: AtomicU8 = AtomicU8::new(0);
 
-static QUEUED: Mutex<[Cell<Option<Span>>; AXES]> = Mutex::new([const { Cell::new(None) }; AXES]);
+/// Words in memory, for a channel to move.
+#[derive(Clone, Copy)]
+struct Words {
+    address: u32,
+    /// Number of words.
+    count: u32,
+}
+
+impl Words {
+    const NONE: Self = Self {
+        address: 0,
+        count: 0,
+    };
+}
+
+/// Words that wait for the channel of each axis.
+static QUEUED: Mutex<[Cell<Words>; AXES]> = Mutex::new([const { Cell::new(Words::NONE) }; AXES]);
 
 /// Sets up the channel of an axis: channel i is axis i's.
 #[cold]
@@ -50,15 +66,20 @@ pub fn listen() {
     unsafe { interrupt::DMA_IRQ_1.enable() };
 }
 
-/// Moves `words` into an axis's FIFO: now, or when the words before them are done.
+/// Moves the words of `runs`, at least one, into an axis's FIFO: now, or when the words before them are done.
 ///
-/// The words must be [published](publish), and must not change until then. [`super::Steps`] owns them, and writes to a buffer again only
-/// when the channel has started the one after it.
+/// The words must be [published](publish), and must not change until then: [`Output::runs`](cophase_core::signals::Output::runs) keeps those
+/// of two ticks.
 #[inline(always)]
-pub fn feed(cs: CriticalSection<'_>, axis: usize, words: Span) {
+pub fn feed(cs: CriticalSection<'_>, axis: usize, runs: &[Run]) {
+    const { assert!(size_of::<Run>() == size_of::<u32>()) };
+    let words = Words {
+        address: runs.as_ptr() as u32,
+        count: runs.len() as u32,
+    };
     if is_busy(axis) {
         if let Some(queued) = QUEUED.borrow(cs).get(axis)
-            && queued.replace(Some(words)).is_some()
+            && queued.replace(words).count != 0
         {
             flag_underrun(axis);
         }
@@ -75,11 +96,7 @@ pub fn is_busy(axis: usize) -> bool {
 /// Returns true if words of an axis wait for its channel.
 pub fn is_waiting(cs: CriticalSection<'_>, axis: usize) -> bool {
     let queued = QUEUED.borrow(cs).get(axis);
-    queued.is_some_and(|queued| {
-        let words = queued.take();
-        queued.set(words);
-        words.is_some()
-    })
+    queued.is_some_and(|queued| queued.get().count != 0)
 }
 
 /// Notes that an axis is behind. To be called with interrupts disabled.
@@ -109,7 +126,7 @@ pub fn publish() {
     cortex_m::asm::dmb();
 }
 
-fn begin(axis: usize, words: Span) {
+fn begin(axis: usize, words: Words) {
     let channel = pac::DMA.ch(axis);
     channel.al3_trans_count().write_value(words.count);
     channel.al3_read_addr_trig().write_value(words.address);
@@ -121,9 +138,11 @@ fn DMA_IRQ_1() {
     pac::DMA.ints(1).write_value(done);
     critical_section::with(|cs| {
         for (axis, queued) in QUEUED.borrow(cs).iter().enumerate() {
-            if done & 1 << axis != 0
-                && let Some(words) = queued.take()
-            {
+            if done & 1 << axis == 0 {
+                continue;
+            }
+            let words = queued.replace(Words::NONE);
+            if words.count != 0 {
                 if super::has_underrun(axis) {
                     flag_underrun(axis);
                 }

@@ -18,9 +18,8 @@
 mod feed;
 mod program;
 mod release;
-mod words;
 
-use cophase_core::pulse::Sharing;
+use cophase_core::pulse::Run;
 use cophase_core::settings::{ActiveLevel, WiringSettings};
 use cophase_core::signals::Output;
 use cophase_link::board::{Board as _, Rp2040};
@@ -30,8 +29,6 @@ use embassy_rp::pac::pio::Pio;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 use embassy_time::{Duration, Instant};
 use pio::Wrap;
-pub use words::Buffers;
-use words::{Span, Words};
 
 use super::pins::{self, AXES};
 use super::{CYCLES_PER_US, GUARD_MACHINE, INDEX_MACHINE, now_us};
@@ -55,6 +52,15 @@ const LEAST_LEAD_US: u32 = Rp2040::LEAST_LEAD_US;
 const fn block_of(axis: usize) -> usize {
     static BLOCK: [u8; AXES] = [0, 0, 0, 1, 1, 1];
     BLOCK[axis] as usize
+}
+
+/// Registers of the block of an axis.
+const fn block(axis: usize) -> Pio {
+    if block_of(axis) == 0 {
+        pac::PIO0
+    } else {
+        pac::PIO1
+    }
 }
 
 /// The machine of an axis within its block.
@@ -88,21 +94,9 @@ pub enum Submission {
 
 /// The step output of all axes.
 pub struct Steps {
-    /// Buffers for the next tick's words.
-    free: &'static mut [Words; AXES],
-    /// Buffers that the channels got last.
-    given: &'static mut [Words; AXES],
     axes: usize,
     /// Machines of each block that make steps, a bit each.
     machines: [u8; 2],
-    /// Which axes share a plan, and the axis whose words the channel of each reads.
-    sharing: Option<Sharing>,
-    reads: [u8; AXES],
-    /// Axes whose words are read, and the locations of these words.
-    read: heapless::Vec<u8, AXES>,
-    spans: [Span; AXES],
-    /// Mask that inverts a word's DIR, or 0, of each axis.
-    reversed: [u32; AXES],
     tick: Duration,
     /// The deadline up to which the machines have words. None if they have stopped.
     until: Option<Instant>,
@@ -112,13 +106,7 @@ impl Steps {
     /// Sets up pins, machines and channels of as many axes as there are in `reversed`, on the lines of the board's axes from
     /// `first` on. Nothing moves yet.
     #[cold]
-    pub fn new(
-        buffers: &'static mut Buffers,
-        reversed: &[bool],
-        first: usize,
-        active: ActiveLevel,
-        tick: Duration,
-    ) -> Self {
+    pub fn new(reversed: &[bool], first: usize, active: ActiveLevel, tick: Duration) -> Self {
         let axes = reversed.len().min(AXES);
         let program = program::step_program();
         assert!(program.code.len() == PROGRAM_LENGTH);
@@ -130,25 +118,20 @@ impl Steps {
                 }
             }
         }
-        let mut turned = [0; AXES];
+        let is_inverted = active != WiringSettings::DEFAULT.step;
         for (axis, &is_reversed) in reversed.iter().enumerate().take(axes) {
-            set_up_machine(axis, first + axis, active, program.wrap);
+            let pins = [
+                (pins::STEP[first + axis], is_inverted),
+                (pins::DIR[first + axis], is_reversed),
+            ];
+            set_up_machine(axis, pins, program.wrap);
             feed::set_up(axis);
-            turned[axis] = if is_reversed { words::DIR } else { 0 };
         }
         feed::listen();
         release::set_up();
-        let [free, given] = buffers.split();
         Self {
-            free,
-            given,
             axes,
             machines: [0, 1].map(|block| machines(block, axes)),
-            sharing: None,
-            reads: [0; AXES],
-            read: heapless::Vec::new(),
-            spans: [Span::EMPTY; AXES],
-            reversed: turned,
             tick,
             until: None,
         }
@@ -159,72 +142,25 @@ impl Steps {
         self.tick
     }
 
-    /// Submits a tick's runs, to be played from `start` on: those of all axes, or of none.
+    /// Submits a tick's runs, to be played from `start` on: those of all axes, or of none. The output must be in a static, as the channels
+    /// read its runs.
     pub fn submit(&mut self, output: &Output, start: Instant) -> Submission {
-        if self.sharing != Some(output.sharing()) {
-            self.assign_words(output.sharing());
-        }
-        // Stopped machines are to start with a pause, which differs between the blocks: they share no words.
-        let is_first = self.until != Some(start);
-        if is_first {
-            self.copy_all(output);
-        } else {
-            for &axis in &self.read {
-                let axis = usize::from(axis);
-                if let (Some(words), Some(&reversed), Some(span)) = (
-                    self.free.get_mut(axis),
-                    self.reversed.get(axis),
-                    self.spans.get_mut(axis),
-                ) {
-                    words.copy(output.runs(axis), reversed);
-                    *span = words.tick();
-                }
-            }
-        }
         let submission = cortex_m::interrupt::free(|_| {
             // SAFETY: only this core runs, and its interrupts are disabled.
-            self.hand_over(unsafe { CriticalSection::new() }, start, is_first)
+            self.hand_over(unsafe { CriticalSection::new() }, output, start)
         });
         if matches!(submission, Submission::Taken | Submission::Begun(_)) {
             self.until = start.checked_add(self.tick);
-            core::mem::swap(&mut self.free, &mut self.given);
         }
         submission
     }
 
-    /// Assigns words to channels. Axes that share a plan and have the same sense of rotation read the words of the first of them.
-    #[inline(never)]
-    fn assign_words(&mut self, sharing: Sharing) {
-        self.sharing = Some(sharing);
-        self.read.clear();
-        // For each plan and sense of rotation, the first axis that has both.
-        let mut readers = [[None; 2]; AXES];
-        let axes = self.reads.iter_mut().zip(&self.reversed);
-        for (axis, (read, &reversed)) in axes.enumerate().take(self.axes) {
-            let plan = readers.get_mut(sharing.first(axis));
-            let reader = plan.map(|[forward, backward]| match reversed {
-                0 => forward,
-                _ => backward,
-            });
-            let own = axis as u8;
-            *read = reader.map_or(own, |reader| *reader.get_or_insert(own));
-            if *read == own {
-                // There is room for all axes.
-                let _ = self.read.push(own);
-            }
-        }
-    }
-
-    /// Copies the runs of every axis, including those that share a plan.
-    #[inline(never)] // once a start
-    fn copy_all(&mut self, output: &Output) {
-        let axes = self.free.iter_mut().zip(&self.reversed);
-        for (axis, (words, &reversed)) in axes.enumerate().take(self.axes) {
-            words.copy(output.runs(axis), reversed);
-        }
-    }
-
-    fn hand_over(&mut self, cs: CriticalSection<'_>, start: Instant, is_first: bool) -> Submission {
+    fn hand_over(
+        &mut self,
+        cs: CriticalSection<'_>,
+        output: &Output,
+        start: Instant,
+    ) -> Submission {
         let lead_us = (start.as_ticks() as u32).wrapping_sub(now_us());
         if (lead_us as i32) < LEAST_LEAD_US as i32 {
             return Submission::TooLate;
@@ -233,20 +169,18 @@ impl Steps {
             self.until = None;
             return Submission::Underrun(axis);
         }
-        if !is_first {
+        feed::publish();
+        if self.until == Some(start) {
             if let Some(axis) = self.underrun_axis() {
                 self.until = None;
                 return Submission::Underrun(axis);
             }
-            feed::publish();
-            for (axis, &read) in self.reads.iter().enumerate().take(self.axes) {
-                if let Some(&span) = self.spans.get(usize::from(read)) {
-                    feed::feed(cs, axis, span);
-                }
+            for (axis, runs) in output.all_runs().take(self.axes).enumerate() {
+                feed::feed(cs, axis, runs);
             }
             Submission::Taken
         } else if lead_us >= LEAST_BEGIN_US && self.all_stand(cs) {
-            Submission::Begun(self.begin(cs, start))
+            Submission::Begun(self.begin(cs, output, start))
         } else {
             Submission::TooLate
         }
@@ -254,7 +188,7 @@ impl Steps {
 
     /// Starts all machines so that their first pause ends at `start`. Returns the length of the pause in cycles.
     #[inline(never)] // once a start
-    fn begin(&mut self, cs: CriticalSection<'_>, start: Instant) -> u32 {
+    fn begin(&self, cs: CriticalSection<'_>, output: &Output, start: Instant) -> u32 {
         let enabled = |pio: Pio| pio.ctrl().read().sm_enable();
         let [first, second] = self.machines;
         pac::PIO0
@@ -266,17 +200,13 @@ impl Steps {
 
         let go_us = now_us().wrapping_add(HOLD_US);
         let pause = (start.as_ticks() as u32).wrapping_sub(go_us) * CYCLES_PER_US;
-        for (axis, words) in self.free.iter_mut().enumerate().take(self.axes) {
+        for (axis, runs) in output.all_runs().take(self.axes).enumerate() {
             let earlier = release::SKEW * block_of(axis) as u32;
-            words.begin_with_pause(pause - earlier);
-        }
-        feed::publish();
-        for (axis, words) in self.free.iter().enumerate().take(self.axes) {
-            feed::feed(cs, axis, words.with_pause());
-        }
-        for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
-            // Waits until the channels have moved a first word into every FIFO.
-            while pio.fstat().read().txempty() & machines != 0 {}
+            let forward = runs.first().is_some_and(|first| first.forward());
+            let pause = Run::pause(pause - earlier, forward);
+            let fifo = block(axis).txf(machine_of(axis));
+            fifo.write_value(pause.bits());
+            feed::feed(cs, axis, runs);
         }
         let in_time = release::release(
             go_us,
@@ -309,11 +239,7 @@ impl Steps {
     #[inline(never)] // once a start
     fn all_stand(&self, cs: CriticalSection<'_>) -> bool {
         (0..self.axes.min(AXES)).all(|axis| {
-            let pio = if block_of(axis) == 0 {
-                pac::PIO0
-            } else {
-                pac::PIO1
-            };
+            let pio = block(axis);
             let machine = machine_of(axis);
             let empty = pio.fstat().read().txempty() & 1 << machine != 0;
             empty
@@ -332,20 +258,15 @@ fn first_underrun(axes: usize) -> Option<usize> {
 
 /// Returns true if the machine of an axis has waited for words since it was started.
 fn has_underrun(axis: usize) -> bool {
-    let pio = if block_of(axis) == 0 {
-        pac::PIO0
-    } else {
-        pac::PIO1
-    };
-    pio.fdebug().read().txstall() & 1 << machine_of(axis) != 0
+    block(axis).fdebug().read().txstall() & 1 << machine_of(axis) != 0
 }
 
-/// Sets up the state machine of an axis, on the pins of the board's axis `place`. It waits at the program's first instruction,
-/// which is at address 0.
+/// Sets up the state machine of an axis, on its pins for STEP and DIR, each with true if it is inverted. The machine waits at the
+/// program's first instruction, which is at address 0.
 #[cold]
-fn set_up_machine(axis: usize, place: usize, active: ActiveLevel, wrap: Wrap) {
+fn set_up_machine(axis: usize, pins: [(u8, bool); 2], wrap: Wrap) {
     let (block, machine) = (block_of(axis), machine_of(axis));
-    let (step, dir) = (pins::STEP[place], pins::DIR[place]);
+    let [(step, _), (dir, _)] = pins;
     let sm = BLOCKS[block].sm(machine);
     sm.clkdiv().write(|w| w.set_int(1));
     sm.execctrl().write(|w| {
@@ -358,7 +279,7 @@ fn set_up_machine(axis: usize, place: usize, active: ActiveLevel, wrap: Wrap) {
         w.set_fjoin_tx(true);
         w.set_out_shiftdir(true); // right: the lowest bits come first
     });
-    for pin in [step, dir] {
+    for (pin, is_inverted) in pins {
         // SET is used only here: the machine drives the pin from here on.
         const SET_PINDIRS_1: u16 = 0xE081;
         sm.pinctrl().write(|w| {
@@ -366,7 +287,6 @@ fn set_up_machine(axis: usize, place: usize, active: ActiveLevel, wrap: Wrap) {
             w.set_set_count(1);
         });
         sm.instr().write(|w| w.set_instr(SET_PINDIRS_1));
-        let is_inverted = pin == step && active != WiringSettings::DEFAULT.step;
         super::lines::give_to_block(pin, block, is_inverted);
     }
     sm.pinctrl().write(|w| {

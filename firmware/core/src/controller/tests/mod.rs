@@ -68,6 +68,21 @@ fn play(controller: &mut Controller, command: Option<Command>, ticks: u32, detec
     }
 }
 
+/// If this fails, the next plan is written over pulses that the step hardware is still reading.
+#[test]
+fn pulses_of_a_tick_stay_in_memory_while_the_next_tick_is_planned() {
+    let mut controller = controller(&sample::settings(3), 2.0);
+    let mut place = |axis| {
+        let output = controller.tick(&Feedback::of(None));
+        assert!(!output.runs(axis).is_empty());
+        assert!(output.runs(3).is_empty() && output.runs(MAX_AXES).is_empty());
+        output.runs(axis).as_ptr()
+    };
+    let places = [place(1), place(1), place(1)];
+    assert_ne!(places[0], places[1]);
+    assert_eq!(places[0], places[2]);
+}
+
 /// Returns a controller in run, without sensors, so that a test need not simulate them.
 fn running(amax_mps2: f64) -> Controller {
     let mut settings = settings();
