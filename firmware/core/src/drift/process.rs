@@ -60,25 +60,19 @@ impl DriftMonitor {
         let own = recent.own();
         // Most axes make the master's turns.
         let (by_master, before_by_master) = recent.over_by_master(sensed.phase);
+        let before_by_master = before_is_known.then_some(before_by_master);
         let slots = self.queue.pulses.iter_mut().zip(sensed.index);
         for (axis, ((slot, pulse), &lead)) in slots.zip(sensed.lead).enumerate() {
-            if let Some(pulse) = pulse
-                && arrived & 1 << axis != 0
-            {
-                slot.pulse = *pulse;
-                slot.before = None;
-                let before = if own & 1 << axis == 0 {
-                    slot.commanded.start = by_master.start.advanced(lead);
-                    slot.commanded.turns = by_master.turns;
-                    before_by_master
-                } else {
-                    let (commanded, before) = recent.over(axis, sensed.phase.advanced(lead));
-                    slot.commanded = commanded;
-                    before
-                };
-                if before_is_known {
-                    slot.before = Some(before);
-                }
+            let (Some(pulse), true) = (pulse, arrived & 1 << axis != 0) else {
+                continue;
+            };
+            slot.pulse = *pulse;
+            slot.commanded.start = by_master.start.advanced(lead);
+            slot.commanded.turns = by_master.turns;
+            slot.before = before_by_master;
+            if own & 1 << axis != 0 {
+                let phase = sensed.phase.advanced(lead);
+                slot.command_own(axis, recent, phase, before_is_known);
             }
         }
     }

@@ -11,6 +11,7 @@
 //! while the first is queued (noise, or more than 1/(N + 2) turn a tick), the first is processed at once.
 
 use super::detection::modes::AxisSet;
+use super::sensing::history::Recent;
 use super::sensing::tick_phase::{IndexPulse, TickPhase};
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 
@@ -29,6 +30,21 @@ impl QueuedPulse {
         commanded: TickPhase::still(Phase::ZERO),
         before: None,
     };
+
+    /// Replaces the commands by those of an axis that did not make the master's turns. `phase` is its commanded phase at the end of the tick
+    /// that was planned last.
+    #[inline(never)] // Few axes do, and the master's turns then stay in registers.
+    pub(super) fn command_own(
+        &mut self,
+        axis: usize,
+        recent: Recent<'_>,
+        phase: Phase,
+        before_is_known: bool,
+    ) {
+        let (commanded, before) = recent.over(axis, phase);
+        self.commanded = commanded;
+        self.before = before_is_known.then_some(before);
+    }
 }
 
 /// Pulses that are to be processed, and the axes whose update is to be evaluated.
