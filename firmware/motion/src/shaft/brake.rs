@@ -33,15 +33,16 @@ pub(super) const fn times(n: u32, x: i64) -> i64 {
 }
 
 /// Approximate reciprocal of a divisor, to divide by it several times.
+#[derive(Clone, Debug)]
 pub(super) struct Inverse {
-    inverse: u32,
+    pub inverse: u32,
     /// Bits by which the divisor was shifted up.
-    up: u32,
+    pub up: u32,
 }
 
 impl Inverse {
     /// Reciprocal of `d`, which must be above 0.
-    pub fn of(d: i64) -> Self {
+    pub const fn of(d: i64) -> Self {
         let (d, up) = normalised(d.unsigned_abs());
         Self {
             inverse: reciprocal(d),
@@ -158,7 +159,7 @@ impl RampLimits {
             return None;
         }
         // J n² alone gives an n that is at most one too high, and the approximation is off by less than one.
-        let mut n = isqrt(Inverse::of(jerk).times(most, 0)) + 1;
+        let mut n = isqrt(self.gain.per_jerk.times(most, 0)) + 1;
         // The limit has one step less above `f` if `f` is more than what it has above its last step.
         let last = self.limit.number - u32::from(room < self.limit.base as i64);
         n = n.min(last);

@@ -9,7 +9,8 @@
 //! to find n. But the acceleration of a tick differs by at most a jerk from the one before. So n is known within one or
 //! two and is searched from that of the tick before.
 
-use crate::functions::{multiply_high, multiply_long, quotient, reciprocal};
+use super::brake::Inverse;
+use crate::functions::{multiply_high, multiply_long, quotient};
 
 /// The function g and its inverse, for one jerk limit.
 #[derive(Clone, Debug)]
@@ -17,9 +18,9 @@ pub(super) struct Gain {
     jerk: u64,
     /// Greatest acceleration that the gain and its inverse take.
     most: u64,
-    /// ⌊a/J⌋ is about `(a >> scale) · inverse / 2^(32 + down)`.
+    /// Reciprocal of the jerk. ⌊a/J⌋ is about `(a >> scale) · inverse / 2^(32 + down)`.
+    pub per_jerk: Inverse,
     scale: u32,
-    inverse: u32,
     down: u32,
 }
 
@@ -58,14 +59,14 @@ impl Gain {
     pub const fn new(jerk: u64, most: u64, speed: u64) -> Self {
         let fastest = settling(speed, jerk);
         let most = if most > fastest { most } else { fastest };
-        let zeros = jerk.leading_zeros();
+        let per_jerk = Inverse::of(jerk as i64);
         let scale = 32_u32.saturating_sub((most | jerk).leading_zeros());
         Self {
             jerk,
             most,
             scale,
-            inverse: reciprocal(((jerk << zeros) >> 32) as u32),
-            down: (63 - zeros).saturating_sub(scale),
+            down: (63 - per_jerk.up).saturating_sub(scale),
+            per_jerk,
         }
     }
 
@@ -83,7 +84,7 @@ impl Gain {
     pub const fn step(&self, acceleration: u64) -> Step {
         // The scaled acceleration and the inverse are exact to 2^-26, so that the quotient is at most one too small.
         let scaled = (acceleration >> self.scale) as u32;
-        let mut number = multiply_high(scaled, self.inverse) >> self.down;
+        let mut number = multiply_high(scaled, self.per_jerk.inverse) >> self.down;
         let mut base = multiply_long(self.jerk, number);
         if base > acceleration {
             number -= 1;
