@@ -2,7 +2,7 @@
 
 use crate::axes::AnyFollower;
 use crate::pulse::{Place, Planner, Runs, StepRates};
-use crate::servo::{FeedForward, Setpoint};
+use crate::servo::{FeedForward, ServoPart, Setpoint};
 use crate::units::{Phase, Turns};
 
 /// One axis, from the master's turns to the command of its drive.
@@ -11,7 +11,7 @@ use crate::units::{Phase, Turns};
 pub(super) struct Channel {
     pub(super) planner: Planner,
     /// Feed-forward of a servo axis; none for a stepper.
-    pub(super) feed_forward: Option<FeedForward>,
+    pub(super) feed_forward: Option<ServoPart<FeedForward>>,
     pub(super) reversed: bool,
     pub(super) follower: AnyFollower,
 }

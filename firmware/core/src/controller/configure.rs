@@ -15,7 +15,7 @@ use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
 use crate::program::{AmplitudeOverride, Cursor, Program};
 use crate::pulse::{Planner, PulseTiming, StepRates};
-use crate::servo::{Coupling, FeedForward};
+use crate::servo::{Coupling, FeedForward, servo_part};
 use crate::settings::{AxisSettings, DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Motion, Shaft, ShaftLimits, Target};
 use crate::signals::Output;
@@ -147,7 +147,7 @@ impl Controller {
         self.drift.configure(settings);
         self.offsets.configure(settings);
         self.fill_homing(settings)?;
-        self.coupling = coupling(settings)?;
+        self.coupling = servo_part(coupling(settings)?);
         self.tick_hz = settings.tick_hz;
         self.mechanism = settings.mechanism();
         self.shaft = Shaft::new(ShaftLimits::of(&settings.limits, settings.tick_hz));
@@ -197,7 +197,7 @@ impl Controller {
                 follower,
                 planner: Planner::new(timing, axis.steps_per_turn),
                 reversed: axis.reversed,
-                feed_forward,
+                feed_forward: servo_part(feed_forward),
             };
             let pushed = self.channels.push(channel);
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");

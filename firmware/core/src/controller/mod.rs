@@ -21,7 +21,7 @@ use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
 use crate::program::{AmplitudeOverride, Cursor, Program};
 use crate::pulse::StepRates;
-use crate::servo::Coupling;
+use crate::servo::{Coupling, ServoPart};
 use crate::shaft::{Motion, Shaft, Target};
 use crate::signals::Output;
 use crate::supervisor::{Fault, FaultKind, State, Supervisor};
@@ -81,7 +81,7 @@ pub struct Controller {
     hold: HoldWatch,
     /// Curves of the cam tables.
     cams: Cams,
-    coupling: Option<Coupling>,
+    coupling: Option<ServoPart<Coupling>>,
     output: Output,
 }
 

@@ -138,9 +138,7 @@ impl Controller {
         if !is_held && self.drift.has_pulse_by_index(&feedback.index) {
             self.homing.forget();
         }
-        if cfg!(feature = "servo")
-            && let Some(coupling) = &mut self.coupling
-        {
+        if let Some(coupling) = &mut self.coupling {
             // Until homing is over, phase errors show where the cranks were left, and not which load they carry.
             if self.supervisor.drives_enabled() && self.homing.is_done() {
                 coupling.advance(self.drift.phase_error());

@@ -4,9 +4,11 @@
 
 mod coupling;
 mod feed_forward;
+mod part;
 
 pub use coupling::Coupling;
 pub use feed_forward::FeedForward;
+pub(crate) use part::{ServoPart, servo_part};
 
 use crate::units::{Phase, Torque, Turns};
 

@@ -13,6 +13,7 @@ use super::diagnosis::events::Diagnosis;
 use super::sensing::encoder_watch::{EncoderWatch, Read};
 use super::sensing::index_watch::{Detection, IndexWatch};
 use super::sensing::tick_phase::{IndexPulse, TickClock, TickPhase};
+use crate::servo::{ServoPart, servo_part};
 use crate::settings::AxisSettings;
 use crate::supervisor::FaultKind;
 use crate::units::{Phase, Turns, nearest};
@@ -46,7 +47,7 @@ pub(super) struct AxisWatch {
     pub(super) traits: Traits,
     /// Watch of the index sensor. Without a sensor, pulses are ignored, and the offset stays zero.
     pub(super) index: IndexWatch,
-    pub(super) encoder: Option<EncoderWatch>,
+    pub(super) encoder: Option<ServoPart<EncoderWatch>>,
     /// Offset in the last round, and the offset from which drift is counted: angles.
     last: i32,
     home: i32,
@@ -62,7 +63,7 @@ impl AxisWatch {
         Self {
             traits,
             index: IndexWatch::new(&traits, Phase::ZERO),
-            encoder,
+            encoder: servo_part(encoder),
             last: 0,
             home: 0,
             diagnosis: Diagnosis::new(),
