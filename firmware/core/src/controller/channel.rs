@@ -35,6 +35,12 @@ impl Channel {
         self.planner.continue_from(place);
     }
 
+    /// Takes over the follower of another axis, and its position.
+    #[inline(never)] // The two references then cannot overlap, and the copy needs no `memmove`.
+    pub(super) fn follow_as(&mut self, other: &Self) {
+        self.follower = other.follower.clone();
+    }
+
     /// Plans a tick in which the axis makes `turns`, and `offset` half-steps of 2⁻⁴⁸ of its phase offset. Returns the number of whole
     /// steps.
     #[inline(always)] // Passing its arguments takes as long as a fifth of the plan.

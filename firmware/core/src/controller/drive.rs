@@ -166,21 +166,14 @@ impl Controller {
     /// Lets an axis continue the motion of the axis whose plan it shared.
     fn continue_from(&mut self, first: usize, axis: usize) {
         // A follower that makes the master's own turns does not change.
-        if self.followers & 1 << axis != 0 {
-            self.copy_follower(first, axis);
+        if self.followers & 1 << axis != 0
+            && let Ok([first, axis]) = self.channels.get_disjoint_mut([first, axis])
+        {
+            axis.follow_as(first);
         }
         let place = self.channels.get(first).map(Channel::place);
         if let (Some(channel), Some(place)) = (self.channels.get_mut(axis), place) {
             channel.continue_from(place);
-        }
-    }
-
-    /// Copies the follower of an axis to another.
-    #[inline(never)]
-    fn copy_follower(&mut self, from: usize, to: usize) {
-        let follower = self.channels.get(from).map(|from| from.follower.clone());
-        if let (Some(channel), Some(follower)) = (self.channels.get_mut(to), follower) {
-            channel.follower = follower;
         }
     }
 
