@@ -132,6 +132,54 @@ fn a_first_pulse_where_the_crank_was_left_is_ignored() {
     }
 }
 
+/// Homes two cranks, stops them after `turns`, and gives the second one a pulse in the first tick at rest. The filter confirmed the pulse
+/// `cycle` cycles from the beginning of that tick; a pulse of the last tick before it has not been confirmed yet. Then the cranks turn on
+/// for 1.5 turns, the second one ahead by `ahead`. Returns the findings, each with the phase at the end of its tick.
+fn turn_on_after_a_pulse_at_rest(turns: f64, cycle: i32, ahead: f64) -> Vec<(f64, Finding)> {
+    let mut cranks = Cranks::new(monitor(2, 3.0, 5.0, 15.0), 0.01).homed();
+    let ticks = (turns * 100.0).round() as u32 - cranks.tick;
+    let unconfirmed =
+        |i, t, pulse: Option<IndexPulse>| pulse.filter(|_| i != 1 || t < turns - 0.001);
+    assert_eq!(cranks.turn_with(ticks, |_, _| 0.0, unconfirmed), []);
+    let at_rest = [TickPhase::still(Phase::from_turns(Turns::wrapping_from_num(turns))); MAX_AXES];
+    let mut pulses = [None; MAX_AXES];
+    pulses[1] = Some(IndexPulse { cycle });
+    let before = Turns::from_num(cranks.speed);
+    let found = detect_after(
+        &mut cranks.monitor,
+        &pulses,
+        &[0; MAX_AXES],
+        &at_rest,
+        before,
+    );
+    assert_eq!(found, None);
+    assert_eq!(process_all(&mut cranks.monitor, &at_rest), []);
+    cranks.before[1] += ahead;
+    let found = cranks.turn(150, |i, _| if i == 1 { ahead } else { 0.0 });
+    let phase = |tick| f64::from(tick + 1) * 0.01;
+    found
+        .into_iter()
+        .map(|(tick, finding)| (phase(tick), finding))
+        .collect()
+}
+
+/// If this fails, a crank that came to rest as it passed its flag, so that its pulse was confirmed at rest, counts as one whose pulse is
+/// missing.
+#[test]
+fn a_pulse_that_is_confirmed_at_rest_counts() {
+    assert_eq!(turn_on_after_a_pulse_at_rest(2.0, -5, 0.0), []);
+}
+
+/// If this fails, a crank that passed its flag at rest is reported as one whose pulse is missing. It gets its name most of a turn later.
+#[test]
+fn a_crank_that_moved_at_rest_gets_its_name_as_the_place_of_its_pulse_has_passed() {
+    let found = turn_on_after_a_pulse_at_rest(1.9, 7, 0.1);
+    let (phase, finding) = found.first().expect("it is beyond its limit");
+    let fault = finding.fault;
+    assert_eq!((fault.kind, fault.axis), (FaultKind::LostSteps, Some(1)));
+    assert!((2.0..2.05).contains(phase), "at {phase}");
+}
+
 /// A crank that comes to rest at the end of its flag swings over it. If this fails, this counts as a pulse elsewhere, and a parked machine
 /// reports a crank that runs away. At speed the pulse does count as one elsewhere. A turn later it does so too, as then a crank that
 /// slipped by the length of its flag makes it.
