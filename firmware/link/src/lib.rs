@@ -1,8 +1,8 @@
 //! Data that a Cophase controller stores, or exchanges with a host.
 //!
 //! **The host link**, without any input or output of its own: [`frame`], [`message`] and [`sample`] define the bytes that are sent.
-//! [`server`] is the controller's side, and [`client`] the host's. [`program`] is the file of a program, and [`watch`] makes events of
-//! changes in the loop. `docs/link.md` describes the protocol.
+//! [`server`] is the controller's side, and [`client`] the host's. Both know by [`Condition`] in which states a request is possible.
+//! [`program`] is the file of a program, and [`watch`] makes events of changes in the loop. `docs/link.md` describes the protocol.
 //!
 //! **The settings file:** settings as bytes.
 //!
@@ -32,6 +32,7 @@ extern crate std;
 pub mod board;
 pub mod client;
 pub mod codec;
+mod condition;
 mod error;
 pub mod frame;
 pub mod header;
@@ -46,6 +47,7 @@ pub mod uf2;
 pub mod watch;
 
 pub use codec::{MAX_FILE_BYTES, decode, decode_into, encode, verify};
+pub use condition::Condition;
 pub use cophase_core::settings::Settings;
 pub use error::SettingsFileError;
 pub use header::Header;

@@ -17,9 +17,6 @@ const MAX_EVERY: u16 = 10_000;
 /// Period of a stream of statuses, ms.
 const STATUS_MS: core::ops::RangeInclusive<u16> = 10..=1000;
 
-/// States in which the machine rests and may start.
-const AT_REST: [State; 2] = [State::Idle, State::Parked];
-
 impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     /// Answers the request of a frame.
     pub(super) fn answer(&mut self, session: usize, number: u16, payload: &[u8]) {
@@ -46,6 +43,12 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     }
 
     fn act(&mut self, session: usize, request: &Request<'_>) -> Result<Answer, Refusal> {
+        let (state, drives_are_on) = (self.state(), self.drives_are_on());
+        // While the machine jogs, the request is repeated and needs no further arm.
+        let repeats_jog = *request == Request::Jog && state == State::Run;
+        if !repeats_jog {
+            request.condition().check(state, drives_are_on)?;
+        }
         match *request {
             Request::Identify { version } => {
                 if version != VERSION {
@@ -60,18 +63,13 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             }
             Request::Read { file, offset } => return Ok(Answer::Chunk { file, offset }),
             Request::Inputs => return body(ReplyBody::Inputs(self.device.inputs())),
-            Request::Unlock => {
-                self.check_drives_off()?;
-                self.access.unlock(session, self.device.now_ms())?;
-            }
+            Request::Unlock => self.access.unlock(session, self.device.now_ms())?,
             Request::Output { output, is_active } => {
                 self.access.check_unlocked(session)?;
-                self.check_state(&[State::Idle])?;
                 self.hold_output(output, is_active)?;
             }
             Request::OnlyAxis(axis) => {
                 self.access.check_unlocked(session)?;
-                self.check_drives_off()?;
                 self.device.restart(Some(axis)).map_err(Refusal::Rejected)?;
             }
             Request::Counters => return body(ReplyBody::Counters(self.counters(session))),
@@ -84,30 +82,29 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             Request::FinishWrite => self.finish_write(session)?,
             Request::Restart => {
                 self.access.check_control(session)?;
-                self.check_drives_off()?;
                 self.device.restart(None).map_err(Refusal::Rejected)?;
             }
             Request::Control(ControlRequest::Take) => self.access.take(session, false)?,
             Request::Control(ControlRequest::TakeOver) => self.access.take(session, true)?,
             Request::Control(ControlRequest::Release) => self.access.release(session),
             Request::Arm => {
-                self.check_state(&AT_REST)?;
                 let now_ms = self.device.now_ms();
                 self.access.arm(session, now_ms, &self.latest)?;
             }
             Request::Disarm => self.access.disarm(),
-            Request::Start => self.start(session, &AT_REST, Command::Start)?,
-            Request::Home => self.start(session, &[State::Idle], Command::Home)?,
-            Request::Jog => self.jog(session)?,
+            Request::Start => self.start(session, Command::Start)?,
+            Request::Home => self.start(session, Command::Home)?,
+            Request::Jog if repeats_jog => self.controlled(session, Command::Jog)?,
+            Request::Jog => self.start(session, Command::Jog)?,
             Request::Stop(StopKind::AtPhase) => self.command(Command::Stop)?,
             Request::Stop(StopKind::Now) => self.command(Command::StopNow)?,
-            Request::Hold => self.controlled(session, &[State::Run], Command::Hold)?,
-            Request::Resume => self.controlled(session, &[State::Run], Command::Resume)?,
-            Request::Reset => self.controlled(session, &[State::Fault], Command::Reset)?,
-            Request::ResetPeak => self.controlled(session, &State::ALL, Command::ResetPeak)?,
+            Request::Hold => self.controlled(session, Command::Hold)?,
+            Request::Resume => self.controlled(session, Command::Resume)?,
+            Request::Reset => self.controlled(session, Command::Reset)?,
+            Request::ResetPeak => self.controlled(session, Command::ResetPeak)?,
             Request::Override { permille } => {
                 within(permille, 0..=MAX_OVERRIDE_PERMILLE)?;
-                self.controlled(session, &State::ALL, Command::Override(permille))?;
+                self.controlled(session, Command::Override(permille))?;
             }
             Request::Stream { channels, every } => {
                 within(channels, 0..=ALL_CHANNELS)?;
@@ -130,25 +127,21 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         self.access.check_control(session)?;
         let (state, drives_are_on) = (self.state(), self.drives_are_on());
         let (file, bytes) = self.upload.finish(session)?;
+        file.condition().check(state, drives_are_on)?;
         match file {
-            File::Program if AT_REST.contains(&state) => {
-                self.device.load_program(bytes).map_err(Refusal::Rejected)
-            }
-            File::Settings if !drives_are_on => {
-                self.device
-                    .store_settings(bytes)
-                    .map_err(|refusal| match refusal {
-                        SettingsRefusal::Rejected(why) => Refusal::Rejected(why),
-                        SettingsRefusal::NotStored(why) => Refusal::NotStored(why),
-                    })
-            }
-            _ => Err(Refusal::State { state: state as u8 }),
+            File::Program => self.device.load_program(bytes).map_err(Refusal::Rejected),
+            File::Settings => self
+                .device
+                .store_settings(bytes)
+                .map_err(|refusal| match refusal {
+                    SettingsRefusal::Rejected(why) => Refusal::Rejected(why),
+                    SettingsRefusal::NotStored(why) => Refusal::NotStored(why),
+                }),
         }
     }
 
-    /// Starts a motion if the machine is in one of the given states.
-    fn start(&mut self, session: usize, states: &[State], command: Command) -> Result<(), Refusal> {
-        self.check_state(states)?;
+    /// Starts a motion.
+    fn start(&mut self, session: usize, command: Command) -> Result<(), Refusal> {
         self.access.check_armed(session, &self.latest)?;
         self.release_held();
         self.command(command)?;
@@ -157,22 +150,8 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         Ok(())
     }
 
-    /// Jogs a parked machine. While it jogs, the request is repeated and needs no further arm.
-    fn jog(&mut self, session: usize) -> Result<(), Refusal> {
-        if self.state() == State::Run {
-            return self.controlled(session, &[State::Run], Command::Jog);
-        }
-        self.start(session, &[State::Parked], Command::Jog)
-    }
-
-    fn controlled(
-        &mut self,
-        session: usize,
-        states: &[State],
-        command: Command,
-    ) -> Result<(), Refusal> {
+    fn controlled(&mut self, session: usize, command: Command) -> Result<(), Refusal> {
         self.access.check_control(session)?;
-        self.check_state(states)?;
         self.command(command)
     }
 
@@ -186,24 +165,6 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
 
     pub(super) fn state(&self) -> State {
         state_of(self.latest.state)
-    }
-
-    fn check_state(&self, states: &[State]) -> Result<(), Refusal> {
-        let state = self.state();
-        if states.contains(&state) {
-            Ok(())
-        } else {
-            Err(Refusal::State { state: state as u8 })
-        }
-    }
-
-    fn check_drives_off(&self) -> Result<(), Refusal> {
-        let state = self.state() as u8;
-        if self.drives_are_on() {
-            Err(Refusal::State { state })
-        } else {
-            Ok(())
-        }
     }
 
     pub(super) fn status(&self, session: usize) -> Status {
