@@ -172,10 +172,16 @@ fn a_run_is_held_scaled_resumed_and_stopped() {
 fn refusals_name_the_reason() {
     let served = Served::new(&scene(1.0, 5.0));
     for (args, reason) in [
-        (vec!["hold"], "not possible in state idle"),
+        (
+            vec!["hold"],
+            "not possible in state idle; it is possible in state run: first send `start`",
+        ),
         (vec!["start"], "give --yes"),
-        (vec!["jog", "--yes"], "not possible in state idle"),
-        (vec!["reset"], "not possible in state idle"),
+        (
+            vec!["jog", "--yes"],
+            "not possible in state idle; it is possible in state parked: first send `home`",
+        ),
+        (vec!["reset"], "it is possible in state fault\n"),
         (vec!["override", "121"], "0 to 120"),
         (vec!["load", "no-such-scene"], "no-such-scene"),
     ] {

@@ -353,7 +353,7 @@ fn bad_requests_are_refused_with_the_reason() {
             json!({ "request": "override", "permille": 1201 }),
             "0 to 1200",
         ),
-        (json!({ "request": "hold" }), "not possible in state idle"),
+        (json!({ "request": "hold" }), "first send `start`"),
         (
             json!({ "request": "inject", "fault": { "kind": "stuck", "axis": 7 } }),
             "fault[0].axis",

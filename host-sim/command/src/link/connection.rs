@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 
+use cophase_core::supervisor::State;
+use cophase_link::Condition;
 use cophase_link::client::Client;
 use cophase_link::frame::{FrameCounts, MAX_FRAME_BYTES};
 use cophase_link::message::{
@@ -13,6 +15,7 @@ use cophase_link::message::{
 use cophase_link::sample::{Sample, unpack};
 use host_sim::scene::file::FaultAt;
 
+use super::remedy::remedy;
 use super::transport::Transport;
 
 /// Longest wait for a reply. A flash erase takes up to 0.4 s.
@@ -37,6 +40,12 @@ pub(crate) enum LinkError {
         request: &'static str,
         refusal: Box<Refusal>,
     },
+    #[error("{request}: refused: {refusal}; it is possible {remedy}")]
+    NotNow {
+        request: &'static str,
+        refusal: Box<Refusal>,
+        remedy: String,
+    },
     #[error("{0}: no reply; check that the port is that of a controller, and the baud rate")]
     NoReply(&'static str),
     #[error(
@@ -47,6 +56,25 @@ pub(crate) enum LinkError {
     Line(#[from] io::Error),
     #[error("{0}")]
     Input(String),
+}
+
+impl LinkError {
+    /// Adds the remedy to a refusal that depends on the state of the machine.
+    fn with_remedy(self, condition: Condition) -> Self {
+        match self {
+            Self::Refused { request, refusal }
+                if let Refusal::State { state } = *refusal
+                    && let Some(&state) = State::ALL.get(usize::from(state)) =>
+            {
+                Self::NotNow {
+                    request,
+                    refusal,
+                    remedy: remedy(condition, state),
+                }
+            }
+            other => other,
+        }
+    }
 }
 
 /// Message that is not a reply.
@@ -126,7 +154,7 @@ impl Connection {
         name: &'static str,
         request: &Request<'_>,
     ) -> Result<(), LinkError> {
-        self.done(name, request, 0)
+        self.done(name, request, request.condition(), 0)
     }
 
     /// Makes a request that may be repeated.
@@ -135,18 +163,20 @@ impl Connection {
         name: &'static str,
         request: &Request<'_>,
     ) -> Result<(), LinkError> {
-        self.done(name, request, RETRIES)
+        self.done(name, request, request.condition(), RETRIES)
     }
 
     fn done(
         &mut self,
         name: &'static str,
         request: &Request<'_>,
+        condition: Condition,
         retries: u32,
     ) -> Result<(), LinkError> {
-        match self.request(name, request, retries)? {
-            Reply::Done => Ok(()),
-            _ => Err(LinkError::Unexpected(name)),
+        match self.request(name, request, retries) {
+            Ok(Reply::Done) => Ok(()),
+            Ok(_) => Err(LinkError::Unexpected(name)),
+            Err(error) => Err(error.with_remedy(condition)),
         }
     }
 
@@ -206,7 +236,7 @@ impl Connection {
             self.repeatable("load", &Request::Write { offset, bytes })?;
             offset += bytes.len() as u32;
         }
-        self.command("load", &Request::FinishWrite)
+        self.done("load", &Request::FinishWrite, file.condition(), 0)
     }
 
     pub(super) fn inputs(&mut self) -> Result<Inputs, LinkError> {
