@@ -57,11 +57,22 @@ fn controller(settings: &Settings, amax_mps2: f64) -> Controller {
     settings.controller().unwrap()
 }
 
-/// Plays ticks. If `detected`, one of them has an index pulse from every axis.
+/// Returns the feedback of motors that have made all commanded steps, with a command.
+fn followed(controller: &Controller, command: Option<Command>) -> Feedback {
+    let mut feedback = Feedback::of(command);
+    let counts = feedback.encoder.iter_mut().zip(&controller.channels);
+    for (axis, (count, channel)) in counts.enumerate() {
+        let steps = controller.output.telemetry.steps(axis) as i32;
+        *count = if channel.reversed { -steps } else { steps };
+    }
+    feedback
+}
+
+/// Plays ticks. If `detected`, there is an index pulse from every axis eight ticks before their end.
 fn play(controller: &mut Controller, command: Option<Command>, ticks: u32, detected: bool) {
     for tick in 0..ticks {
-        let mut feedback = Feedback::of(command.filter(|_| tick == 0));
-        if detected && tick == 2 {
+        let mut feedback = followed(controller, command.filter(|_| tick == 0));
+        if detected && tick + 8 == ticks {
             feedback.index = [Some(IndexPulse { cycle: 0 }); MAX_AXES];
         }
         controller.tick(&feedback);
@@ -151,7 +162,7 @@ fn the_program_continues_from_the_seek_position() {
 #[test]
 fn every_start_from_idle_homes_again() {
     let mut controller = controller(&settings(), 100.0);
-    play(&mut controller, Some(Command::Start), 10, true);
+    play(&mut controller, Some(Command::Start), 100, true);
     assert_eq!(controller.output.telemetry.state, State::Run);
     let mut lost = Feedback::of(None);
     lost.inputs.enable = false;
@@ -164,9 +175,9 @@ fn every_start_from_idle_homes_again() {
 /// Returns a controller after the enable input was lost in a run, with the drives off.
 fn lost(settings: &Settings) -> Controller {
     let mut controller = controller(settings, 100.0);
-    play(&mut controller, Some(Command::Start), 10, true);
+    play(&mut controller, Some(Command::Start), 100, true);
     assert_eq!(controller.output.telemetry.state, State::Run);
-    let mut lost = Feedback::of(None);
+    let mut lost = followed(&controller, None);
     lost.inputs.enable = false;
     controller.tick(&lost);
     assert_eq!(controller.output.telemetry.state, State::Fault);
@@ -182,10 +193,10 @@ fn a_start_beyond_the_homing_range_is_refused() {
         axis.encoder = true;
     }
     let mut controller = lost(&settings);
-    let mut feedback = Feedback::of(None);
+    let mut feedback = followed(&controller, None);
     // Its encoder counts backwards, as the axis is reversed.
-    for counts in (0..=1024).step_by(4) {
-        feedback.encoder[1] = -counts;
+    for _ in 0..256 {
+        feedback.encoder[1] -= 4;
         controller.tick(&feedback);
     }
     // Its filtered phase error follows.
