@@ -62,17 +62,13 @@ impl Faults {
         }
     }
 
-    /// Allows faults to be added, including those that touch drives: [`Self::add`].
-    pub const fn open(&mut self) {
-        self.touches_drives = true;
-    }
-
     /// Adds a checked fault, which begins at its time.
     pub fn add(&mut self, fault: &FaultAt) {
         let planned = Planned::new(fault);
         self.swapped_sensors.extend(swapped_sensors(fault));
         self.planned.push(planned);
         self.begun.push(false);
+        self.touches_drives |= fault.touches_drives();
         self.is_idle = false;
     }
 

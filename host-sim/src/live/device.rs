@@ -67,8 +67,7 @@ impl SimulatedDevice {
         Self::power_up(checked, speed, false)
     }
 
-    /// The same, with a machine that [`Self::inject`] can disturb. Its drives turn evenly within a tick, so that measured phases
-    /// differ by less than a step from those of a machine that nothing can disturb.
+    /// The same, with a machine that [`Self::inject`] can disturb.
     ///
     /// # Errors
     /// The machine or the controller of the scene cannot be made.
@@ -77,7 +76,7 @@ impl SimulatedDevice {
     }
 
     fn power_up(checked: Checked, speed: f64, is_open: bool) -> Result<Self, SceneError> {
-        let running = Running::new(&checked, speed, is_open)?;
+        let running = Running::new(&checked, speed)?;
         let mut device = Self {
             checked,
             speed,
@@ -146,7 +145,7 @@ impl SimulatedDevice {
 }
 
 impl Running {
-    fn new(checked: &Checked, speed: f64, is_open: bool) -> Result<Self, SceneError> {
+    fn new(checked: &Checked, speed: f64) -> Result<Self, SceneError> {
         let mut controller = Box::new(checked.controller()?);
         let (to_loop, from_host) = sync_channel(COMMANDS);
         let (to_host, from_loop) = sync_channel(WAITING);
@@ -158,10 +157,7 @@ impl Running {
             let inner = SimulatedIo::new(&checked, schedule, |_, _| {});
             // The creator of the thread waits for this message.
             match inner {
-                Ok(mut inner) => {
-                    if is_open {
-                        inner.open_to_faults();
-                    }
+                Ok(inner) => {
                     let _ = made.send(Ok(()));
                     let mut io = Paced::new(inner, speed, from_host, to_host);
                     virtual_time::run(control_loop::run(&mut controller, &mut io), |_| 0);
@@ -318,7 +314,7 @@ impl Device for SimulatedDevice {
         }
         let stored = self.stored.take();
         let before = stored.map(|stored| core::mem::replace(&mut self.checked.settings, *stored));
-        let running = match Running::new(&self.checked, self.speed, self.is_open) {
+        let running = match Running::new(&self.checked, self.speed) {
             Ok(running) => running,
             Err(error) => {
                 if let Some(before) = before {

@@ -1,12 +1,16 @@
 //! One motor with its crank: its response to pulses or setpoints, and the passages of its index flag.
 //!
-//! A stepper counts rising edges, as its drive does, so that its phase is a whole number of steps. Above its pull-out torque it loses the
-//! field. While the load is too large, it makes none of the commanded travel. It then locks to the field again, whole electrical cycles
+//! The command of a drive moves its *field*: the position at which the motor would hold its rotor. The crank is behind its motor by the
+//! slip on the shaft. Travel that a fault takes from the field, the rotor or the crank is kept apart from the command, so that a crank
+//! without a fault is exactly where its command is.
+//!
+//! A stepper counts rising edges, as its drive does, so that its phase is a whole number of steps. Above its pull-out torque, or while its
+//! crank is stuck, it loses the field and makes none of the commanded travel. It then locks to the field again, whole electrical cycles
 //! (four full steps) behind, or ahead if the load drives it. This is the slowest way in which a real stepper loses steps, with the
 //! smallest number of lost steps.
 //!
 //! A servo is at its setpoint, and moves evenly between setpoints. A servo that takes pulses counts them as a stepper's drive does, and
-//! never slips.
+//! never slips. A servo whose crank was stuck continues from the position at which it stands.
 
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
@@ -18,7 +22,6 @@ use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
 use super::played::Plan;
 use super::pulse_counter::PulseCounter;
-use super::rotors::DriveCommand;
 use crate::units::{nearest, nm, turns};
 
 /// One motor with its crank.
@@ -38,20 +41,49 @@ pub struct SimulatedAxis {
     pulses: PulseCounter,
     /// Last commanded position of a servo.
     commanded: Option<Phase>,
-    /// Completed slip of the motor, in steps.
-    slipped: i64,
-    /// Slip since the motor lost the field, in steps, until the field holds it again.
-    slipping: i64,
     overload: Overload,
+    /// True while the crank is stuck, and its motor with it.
+    stuck: bool,
+    /// True from the loss of the field until the field holds the rotor again.
+    is_out_of_step: bool,
     /// Largest fraction of the pull-out torque that was required, and the speed at that time, rev/s.
     torque_used: Option<(f64, f64)>,
-    /// Commanded travel of the drive, turns; only if torque moves the cranks.
+    /// Commanded travel of the drive, turns.
     commanded_turns: f64,
-    /// Part of this travel that the drive gave up while it was off, turns.
+    /// Part of this travel that the field has not made, turns: while the drive was off, or by a fault.
     cleared_turns: f64,
+    /// Travel of the field that the rotor has not made, turns; negative if the load drove it further. 0 if torque moves the cranks.
+    dropped_turns: f64,
+    /// Slip of the crank on its motor's shaft, turns: positive behind.
+    slipped_turns: f64,
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
     travelled_turns: f64,
+}
+
+/// Travel of a drive and its crank in a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Travel {
+    /// Travel of the command, turns.
+    pub commanded_turns: f64,
+    /// Travel of the field, turns. It differs from that of the command under a disturbance.
+    pub field_turns: f64,
+    /// Slip of the crank on its motor's shaft, turns: positive backward.
+    pub slip_turns: f64,
+    /// Torque that a servo is commanded to add, N·m.
+    pub torque_nm: f64,
+}
+
+impl Travel {
+    /// Returns the travel of a drive that follows its command.
+    const fn commanded(turns: f64, torque_nm: f64) -> Self {
+        Self {
+            commanded_turns: turns,
+            field_turns: turns,
+            slip_turns: 0.0,
+            torque_nm,
+        }
+    }
 }
 
 /// Motion of a crank within a tick.
@@ -59,9 +91,12 @@ pub struct SimulatedAxis {
 enum Turning<'a> {
     /// Evenly, over this number of cycles.
     Evenly(u32),
-    /// According to the runs of the tick: edge by edge, or evenly for a servo.
-    By(&'a Runs),
+    /// By the runs of the tick, which command these turns: edge by edge if the crank follows pulses, or else evenly.
+    By(&'a Runs, f64),
 }
+
+/// Difference, in steps, up to which the travel of a crank is that of its pulses.
+const ROUNDING_STEPS: f64 = 1e-6;
 
 /// Effect of the load on a motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,12 +133,14 @@ impl SimulatedAxis {
             flag,
             pulses: PulseCounter::new(),
             commanded: None,
-            slipped: 0,
-            slipping: 0,
             overload: Overload::None,
+            stuck: false,
+            is_out_of_step: false,
             torque_used: None,
             commanded_turns: 0.0,
             cleared_turns: 0.0,
+            dropped_turns: 0.0,
+            slipped_turns: 0.0,
             lost_cycles: 0,
             travelled_turns: 0.0,
         }
@@ -182,7 +219,8 @@ impl SimulatedAxis {
         plan: &mut Plan<'_>,
         setpoint: &Setpoint,
         command_turns: f64,
-    ) -> DriveCommand {
+    ) -> Travel {
+        let before = self.commanded_turns;
         let torque_nm = if self.drive.takes_pulses() {
             self.pulses.count(plan.runs, &mut plan.tally);
             let counted = self.pulses.counted() as f64;
@@ -194,50 +232,73 @@ impl SimulatedAxis {
             self.commanded_turns += self.follow(setpoint);
             nm(self.own(setpoint).torque)
         };
-        DriveCommand {
-            turns: self.origin_turns + self.field_turns(),
-            torque_nm,
-        }
+        Travel::commanded(self.commanded_turns - before, torque_nm)
     }
 
-    /// Travel of the field since power-up, turns: the commanded travel less the part that the drive gave up while it was off.
-    fn field_turns(&self) -> f64 {
-        self.commanded_turns - self.cleared_turns
+    /// Takes the command of the drive in a tick, for machines whose cranks are at the positions of their motors.
+    #[inline]
+    pub fn take(&mut self, plan: &mut Plan<'_>, setpoint: &Setpoint) -> Travel {
+        let before = self.commanded_turns;
+        if self.drive.takes_pulses() {
+            self.pulses.count(plan.runs, &mut plan.tally);
+            self.commanded_turns = self.pulses.counted() as f64 / self.steps_per_turn;
+        } else {
+            self.commanded_turns += self.follow(setpoint);
+        }
+        Travel::commanded(self.commanded_turns - before, 0.0)
+    }
+
+    /// Applies a disturbance to the field, beside its `travel` in the tick: the part of the commanded travel that it does not make, and
+    /// the travel by which it and its rotor fall back at once, turns.
+    pub fn disturb(&mut self, travel: &Travel, lost_turns: f64, stuck: bool) {
+        self.cleared_turns += travel.commanded_turns - travel.field_turns + lost_turns;
+        if lost_turns > 0.0 {
+            // The sensor does not detect this motion.
+            self.travelled_turns -= lost_turns;
+        }
+        self.stuck = stuck;
+    }
+
+    /// Slips the crank on its motor's shaft, for machines whose cranks are moved by torque.
+    pub fn slip(&mut self, turns: f64) {
+        self.slipped_turns += turns;
+    }
+
+    /// Slip of the crank on its motor's shaft, turns: positive behind.
+    pub fn slipped_turns(&self) -> f64 {
+        self.slipped_turns
+    }
+
+    /// Position at which the field would hold the crank, turns since power-up.
+    pub fn field_turns(&self) -> f64 {
+        self.origin_turns + self.field_travel_turns()
+    }
+
+    fn field_travel_turns(&self) -> f64 {
+        self.commanded_turns - self.cleared_turns - self.slipped_turns
     }
 
     /// Takes over the position that the crank has reached in a tick of `cycles`. Returns the events at its index sensor, if there are
     /// any. Their times are those of a crank that turns evenly.
     pub fn moved(&mut self, turns: f64, cycles: u32, energised: bool) -> Option<Passed> {
-        let passed = self.moved_under(turns, self.field_turns(), cycles, energised);
-        if self.drive.follows_rotor(energised) {
-            self.cleared_turns = self.commanded_turns - self.travelled_turns;
-        }
-        passed
-    }
-
-    /// Does the same as [`Self::moved`] for a field that has travelled `field_turns` since power-up, whatever the drive's command was.
-    pub fn moved_under(
-        &mut self,
-        turns: f64,
-        field_turns: f64,
-        cycles: u32,
-        energised: bool,
-    ) -> Option<Passed> {
         let before = self.turns();
         self.travelled_turns = turns - self.origin_turns;
-        if let Some(cycle_steps) = self.drive.cycle_steps() {
-            let behind = (self.travelled_turns - field_turns) * self.steps_per_turn;
-            self.lost_cycles = nearest(behind / cycle_steps as f64);
-        }
+        let behind_turns = self.field_travel_turns() - self.travelled_turns;
+        self.count_lost_cycles(behind_turns);
         if let Some(error) = self.drive.following_error() {
-            error.update(field_turns - self.travelled_turns, energised);
+            error.update(behind_turns, energised);
+        }
+        if self.drive.follows_rotor(energised) {
+            self.cleared_turns = self.commanded_turns - (self.travelled_turns + self.slipped_turns);
         }
         self.pass(before, Turning::Evenly(cycles))
     }
 
-    /// Moves the crank back at once, without its sensor detecting the motion.
-    pub fn fall_back(&mut self, turns: f64) {
-        self.travelled_turns -= turns;
+    /// Counts the electrical cycles of a stepper in the travel by which its rotor is behind the field.
+    fn count_lost_cycles(&mut self, behind_turns: f64) {
+        if let Some(cycle_turns) = self.cycle_turns() {
+            self.lost_cycles = nearest(-behind_turns / cycle_turns);
+        }
     }
 
     /// Adds index pulses that no flag causes.
@@ -278,12 +339,7 @@ impl SimulatedAxis {
         Some(cycle_steps as f64 / self.steps_per_turn)
     }
 
-    /// Effect of the load on the motor, from the last comparison of torques.
-    pub fn overload(&self) -> Overload {
-        self.overload
-    }
-
-    /// Travel of a servo's setpoint, turns. The first setpoint gives the position at which the loop assumes the crank.
+    /// Returns the travel of a servo's setpoint, turns. The first setpoint gives the position at which the loop assumes the crank.
     fn follow(&mut self, setpoint: &Setpoint) -> f64 {
         let position = self.own(setpoint).position;
         let commanded = self.commanded.replace(position).unwrap_or(position);
@@ -299,31 +355,26 @@ impl SimulatedAxis {
         }
     }
 
-    /// Plays one tick. Returns the events at the index sensor in it, if there are any.
+    /// Moves the crank in a tick with its motor. Returns the events at the index sensor in it, if there are any.
     #[inline(always)] // Inlined, because axes are independent of each other and the division is slow.
-    pub fn play(
-        &mut self,
-        plan: &mut Plan<'_>,
-        setpoint: &Setpoint,
-        drives_enabled: bool,
-    ) -> Option<Passed> {
+    pub fn play(&mut self, travel: &Travel, runs: &Runs, energised: bool) -> Option<Passed> {
         let before = self.turns();
-        if self.drive.takes_pulses() {
-            let counted = self.pulses.count(plan.runs, &mut plan.tally);
-            if !drives_enabled {
-                self.slipped -= counted; // the field is off: the crank keeps its position
-            } else if self.overload != Overload::None || self.slipping != 0 {
-                self.slip(counted);
-            }
-            let made = self.pulses.counted() + self.slipped;
-            self.travelled_turns = made as f64 / self.steps_per_turn;
+        if !energised {
+            // A drive that is off has no field: its crank stands, and its command is discarded.
+            self.cleared_turns += travel.field_turns;
+            self.slipped_turns += travel.slip_turns;
+            self.travelled_turns -= travel.slip_turns;
         } else {
-            let commanded_turns = self.follow(setpoint);
-            if drives_enabled {
-                self.travelled_turns += commanded_turns;
+            if self.overload != Overload::None || self.stuck || self.is_out_of_step {
+                self.drop_travel(travel.field_turns);
             }
+            self.slipped_turns += travel.slip_turns;
+            self.travelled_turns = self.field_travel_turns() - self.dropped_turns;
         }
-        self.pass(before, Turning::By(plan.runs))
+        if let Some(error) = self.drive.following_error() {
+            error.update(self.dropped_turns, energised);
+        }
+        self.pass(before, Turning::By(runs, travel.commanded_turns))
     }
 
     /// Returns the events at the sensor on the travel from `before`, if there are any. If pulses moved the crank forward, a rise is at the
@@ -340,9 +391,11 @@ impl SimulatedAxis {
         let after = self.turns();
         let (cycles, edges) = match turning {
             Turning::Evenly(cycles) => (cycles, None),
-            Turning::By(runs) => {
+            Turning::By(runs, turns) => {
                 let cycles = runs.iter().map(|run| run.cycles()).sum();
-                (cycles, self.drive.takes_pulses().then_some(runs))
+                let off_steps = (after - before - turns) * self.steps_per_turn;
+                let by_pulses = self.drive.takes_pulses() && off_steps.abs() < ROUNDING_STEPS;
+                (cycles, by_pulses.then_some(runs))
             }
         };
         let evenly = |place: f64| {
@@ -359,40 +412,30 @@ impl SimulatedAxis {
         }
     }
 
-    /// Applies a slip to `counted` steps of the field.
+    /// Moves a field that does not hold its rotor, or makes it hold the rotor again.
     #[cold]
-    fn slip(&mut self, counted: i64) {
-        let Some(cycle_steps) = self.drive.cycle_steps() else {
-            return;
+    fn drop_travel(&mut self, field_turns: f64) {
+        let overload = if self.stuck {
+            Overload::Driving
+        } else {
+            self.overload
         };
-        match self.overload {
-            Overload::Driving => self.slipping -= counted,
-            Overload::Driven => self.slipping += counted,
-            Overload::None => {
-                // The nearest position at which the field holds the rotor again.
-                let rest = self.slipping.rem_euclid(cycle_steps);
-                let nearest = if 2 * rest >= cycle_steps {
-                    cycle_steps - rest
-                } else {
-                    -rest
-                };
-                self.slipping += nearest;
-                self.lost_cycles += self.slipping / cycle_steps;
-                self.slipped += self.slipping;
-                self.slipping = 0;
-                return;
+        match (overload, self.cycle_turns()) {
+            (Overload::Driving, _) => self.dropped_turns += field_turns,
+            (Overload::Driven, _) => self.dropped_turns -= field_turns,
+            // Equivalent positions of a stepper's field are whole cycles apart. It locks to the nearest one.
+            (Overload::None, Some(cycle_turns)) => {
+                self.dropped_turns = (self.dropped_turns / cycle_turns).round() * cycle_turns;
             }
+            (Overload::None, None) => self.cleared_turns += std::mem::take(&mut self.dropped_turns),
         }
-        // While it slips, the rotor stands against the field, or runs at twice the speed. Only complete cycles are counted.
-        let whole = self.slipping / cycle_steps * cycle_steps;
-        self.lost_cycles += whole / cycle_steps;
-        self.slipped += whole;
-        self.slipping -= whole;
+        self.is_out_of_step = overload != Overload::None;
+        self.count_lost_cycles(self.dropped_turns);
     }
 
     /// Returns the cycle of the rising edge that took the crank to `place`, or beyond it.
     fn when(&self, runs: &Runs, place: f64) -> u32 {
-        let beyond = ((self.turns() - place) * self.steps_per_turn + 1e-6).floor() as i64;
+        let beyond = ((self.turns() - place) * self.steps_per_turn + ROUNDING_STEPS).floor() as i64;
         self.pulses.cycle_before(runs, beyond)
     }
 }

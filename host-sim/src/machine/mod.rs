@@ -27,7 +27,7 @@ mod sensors;
 mod step;
 mod torque;
 
-pub use axis::{Overload, SimulatedAxis};
+pub use axis::{SimulatedAxis, Travel};
 pub use broken::{Broken, Cause};
 pub use cam::{Followers, Peaks, Pusher, Turned, draw_follower};
 pub use drive::{AxisDrive, FollowingError};
@@ -49,7 +49,7 @@ use crate::faults::Disturbance;
 use crate::plant::{Record, Recorder, Tick};
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
-use faulted_drive::FaultedDrives;
+use faulted_drive::{disturb, disturb_rotors};
 
 /// Time for which an index line stays high, s: a typical flag width. A machine whose index filter needs longer levels gets wider
 /// flags.
@@ -78,8 +78,6 @@ pub struct Machine {
     recorder: Option<Recorder>,
     /// Motors whose encoders are read, one bit each.
     has_encoder: u8,
-    /// State of drives and cranks under disturbances; none if the scene has no disturbance.
-    faulted_drives: Option<FaultedDrives>,
 }
 
 impl Machine {
@@ -140,10 +138,6 @@ impl Machine {
         Ok(Self {
             has_encoder: (settings.axes.iter().rev())
                 .fold(0, |bits, axis| bits << 1 | u8::from(axis.encoder)),
-            faulted_drives: checked
-                .scene
-                .touches_drives()
-                .then(|| FaultedDrives::new(&axes, tick_s, tick_cycles)),
             followers: Followers::new(checked, &turns)?,
             recorder: checked.plant.as_ref().map(Recorder::new),
             rotors,
@@ -156,13 +150,6 @@ impl Machine {
             omega_before: 0.0,
             required_nm: None,
         })
-    }
-
-    /// Allows later disturbances of drives and cranks in a scene that plans none. To be called at power-up.
-    pub fn open_to_faults(&mut self) {
-        let (tick_s, tick_cycles) = (self.tick_s, self.tick_cycles);
-        self.faulted_drives
-            .get_or_insert_with(|| FaultedDrives::new(&self.axes, tick_s, tick_cycles));
     }
 
     /// Cycles of the step clock per control tick.
@@ -370,25 +357,28 @@ impl Machine {
         disturbance: Option<&[Disturbance]>,
         passages: &mut Passages,
     ) {
+        let mut plans = played.plans();
+        let (tick_s, count) = (self.tick_s, self.axes.len());
         if let Some(rotors) = &mut self.rotors {
-            let commanded = command(&mut self.axes, played, command_turns);
-            if let (Some(faulted_drives), Some(disturbance)) =
-                (&mut self.faulted_drives, disturbance)
-            {
-                faulted_drives.turn(
-                    &mut self.axes,
-                    rotors,
-                    &commanded,
-                    disturbance,
-                    drives_enabled,
-                    passages,
-                );
-                return;
+            let axes = &mut self.axes;
+            let mut travel = per_axis(count, |i| {
+                axes[i].command(plans.of(i), &played.setpoints[i], command_turns[i])
+            });
+            if let Some(disturbance) = disturbance {
+                disturb(axes, &mut travel, disturbance, tick_s, drives_enabled);
+                disturb_rotors(rotors, axes, disturbance, drives_enabled);
             }
-            rotors.play(&commanded, drives_enabled);
-            let cycles = self.tick_cycles;
-            for (i, axis) in self.axes.iter_mut().enumerate() {
-                passages.put(i, axis.moved(rotors.turns(i), cycles, drives_enabled));
+            let commands = per_axis(count, |i| {
+                axes[i].slip(travel[i].slip_turns);
+                DriveCommand {
+                    turns: axes[i].field_turns(),
+                    torque_nm: travel[i].torque_nm,
+                }
+            });
+            rotors.play(&commands, drives_enabled);
+            for (i, axis) in axes.iter_mut().enumerate() {
+                let passed = axis.moved(rotors.turns(i), self.tick_cycles, drives_enabled);
+                passages.put(i, passed);
                 if axis.drive().follows_rotor(drives_enabled) {
                     rotors.clear(i);
                 }
@@ -405,22 +395,21 @@ impl Machine {
         if self.torques {
             self.compare_torques(omega, acceleration, drives_enabled);
         }
-        if let (Some(faulted_drives), Some(disturbance)) = (&mut self.faulted_drives, disturbance) {
-            let commanded = command(&mut self.axes, played, command_turns);
-            faulted_drives.place(
-                &mut self.axes,
-                &commanded,
-                disturbance,
-                drives_enabled,
-                passages,
-            );
+        if let Some(disturbance) = disturbance {
+            let axes = &mut self.axes;
+            let mut travel = per_axis(count, |i| axes[i].take(plans.of(i), &played.setpoints[i]));
+            disturb(axes, &mut travel, disturbance, tick_s, drives_enabled);
+            for (i, axis) in axes.iter_mut().enumerate() {
+                let passed = axis.play(&travel[i], played.runs(i), drives_enabled);
+                passages.put(i, passed);
+            }
             return;
         }
-        let mut plans = played.plans();
         let Some(followers) = &mut self.followers else {
             for (i, (axis, setpoint)) in self.axes.iter_mut().zip(&played.setpoints).enumerate() {
-                let passed = axis.play(plans.of(i), setpoint, drives_enabled);
-                passages.put(i, passed);
+                let plan = plans.of(i);
+                let travel = axis.take(plan, setpoint);
+                passages.put(i, axis.play(&travel, plan.runs, drives_enabled));
             }
             return;
         };
@@ -429,8 +418,9 @@ impl Machine {
         let turned = per_axis(self.axes.len(), |i| {
             let axis = &mut self.axes[i];
             let from = axis.turns();
-            let passed = axis.play(plans.of(i), &played.setpoints[i], drives_enabled);
-            passages.put(i, passed);
+            let plan = plans.of(i);
+            let travel = axis.take(plan, &played.setpoints[i]);
+            passages.put(i, axis.play(&travel, plan.runs, drives_enabled));
             Turned {
                 from,
                 to: axis.turns(),
@@ -440,16 +430,4 @@ impl Machine {
         });
         followers.play(&turned, master_turns, command_turns);
     }
-}
-
-/// Returns the commands of the drives in a tick.
-fn command(
-    axes: &mut [SimulatedAxis],
-    played: &Played,
-    command_turns: &[f64],
-) -> Axes<DriveCommand> {
-    let mut plans = played.plans();
-    per_axis(axes.len(), |i| {
-        axes[i].command(plans.of(i), &played.setpoints[i], command_turns[i])
-    })
 }

@@ -33,12 +33,9 @@ impl Machine {
         /// Rounding error of a count, in counts: a crank within it counts as on the next count.
         const ROUNDING: f64 = 1e-6;
         let axis = &self.axes[i];
-        let slipped = self
-            .faulted_drives
-            .as_ref()
-            .map_or(0.0, |faulted_drives| faulted_drives.slipped_turns(i));
         let sense = if axis.is_reversed() { -1.0 } else { 1.0 };
-        let counts = sense * (axis.travelled_turns() + slipped) * axis.steps_per_turn();
+        let counts =
+            sense * (axis.travelled_turns() + axis.slipped_turns()) * axis.steps_per_turn();
         floor(counts + ROUNDING) as i32
     }
 

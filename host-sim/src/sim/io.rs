@@ -144,12 +144,6 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         self.is_over = self.machine.broken().is_some();
     }
 
-    /// Allows faults to be injected while the machine runs: [`Self::inject`]. To be called at power-up.
-    pub fn open_to_faults(&mut self) {
-        self.faults.open();
-        self.machine.open_to_faults();
-    }
-
     /// Adds a fault, which was checked against the scene. It begins at its time.
     pub fn inject(&mut self, fault: &FaultAt) {
         self.faults.add(fault);
