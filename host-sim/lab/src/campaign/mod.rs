@@ -58,7 +58,7 @@ pub fn run(case: &Case, clean: bool) -> Result<Row, SceneError> {
     Ok(if clean { clean_row } else { faulty_row })
 }
 
-/// Runs the faulty and the clean run of a case. Both are one run up to the fault, unless the kind of fault needs another machine.
+/// Runs the faulty and the clean run of a case. Both are one run up to the fault.
 ///
 /// # Errors
 /// The scene cannot be run.
@@ -73,20 +73,12 @@ pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
     let watch = |checked: &Checked| Watch::new(geometry.as_ref(), checked, cranks_count(checked));
     let mut clean_watch = watch(&clean);
     let mut twin = Twin::default();
-    let start = |checked| Simulation::new(u64::MAX, checked, |_, _| {});
-
-    let mut clean_run = start(&clean)?;
-    let (mut faulty_run, faulty_watch) =
-        if clean.scene.touches_drives() == faulty.scene.touches_drives() {
-            let fault_us = Planned::new(case.fault()).from_us;
-            clean_run.run_until(fault_us, &mut (&mut clean_watch, &mut twin));
-            let mut faulty_run = clean_run.clone();
-            faulty_run.go_on_in(&faulty);
-            let faulty_watch = clean_watch.go_on_in(&faulty, cranks_count(&faulty));
-            (faulty_run, faulty_watch)
-        } else {
-            (start(&faulty)?, watch(&faulty))
-        };
+    let mut clean_run = Simulation::new(u64::MAX, &clean, |_, _| {})?;
+    let fault_us = Planned::new(case.fault()).from_us;
+    clean_run.run_until(fault_us, &mut (&mut clean_watch, &mut twin));
+    let mut faulty_run = clean_run.clone();
+    faulty_run.go_on_in(&faulty);
+    let faulty_watch = clean_watch.go_on_in(&faulty, cranks_count(&faulty));
     clean_run.run(&mut (&mut clean_watch, &mut twin));
     let mut faulty_watch = faulty_watch.compared_with(&twin);
     faulty_run.run(&mut faulty_watch);
