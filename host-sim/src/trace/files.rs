@@ -100,25 +100,31 @@ impl RunFiles {
     /// # Errors
     /// The folder cannot be created, or a file is in its place.
     pub fn create(dir: impl AsRef<Path>) -> Result<Self, RunFilesError> {
-        let dir = dir.as_ref().to_path_buf();
-        let missing = dir
-            .ancestors()
-            .take_while(|above| !above.as_os_str().is_empty() && !above.exists());
         // Created first, so that its drop removes the folders that were made before a failure.
-        let files = Self {
-            made: missing.map(Path::to_path_buf).collect(),
-            dir,
+        let mut files = Self {
+            dir: dir.as_ref().to_path_buf(),
+            made: Vec::new(),
             names: Vec::new(),
             left_out: Vec::new(),
         };
-        let mut unfinished = Unfinished::lock();
-        unfinished.folders.extend(files.made.iter().cloned());
-        fs::create_dir_all(&files.dir).map_err(|source| RunFilesError::Io {
-            operation: "create the folder",
-            path: files.dir.clone(),
-            source,
-        })?;
+        files.make_folder(&mut Unfinished::lock())?;
         Ok(files)
+    }
+
+    /// Creates the folder and its parents as far as they are missing.
+    fn make_folder(&mut self, unfinished: &mut Unfinished) -> Result<(), RunFilesError> {
+        let missing = (self.dir.ancestors())
+            .take_while(|above| !above.as_os_str().is_empty() && !above.exists())
+            .map(Path::to_path_buf)
+            .filter(|folder| !self.made.contains(folder));
+        let missing: Vec<_> = missing.collect();
+        unfinished.folders.extend(missing.iter().cloned());
+        self.made.extend(missing);
+        fs::create_dir_all(&self.dir).map_err(|source| RunFilesError::Io {
+            operation: "create the folder",
+            path: self.dir.clone(),
+            source,
+        })
     }
 
     /// Opens the temporary of file `name`, which must be a plain file name.
@@ -139,7 +145,13 @@ impl RunFiles {
         }
         let path = self.temporary(name);
         let mut unfinished = Unfinished::lock();
-        let file = File::create(&path).map_err(|source| RunFilesError::Io {
+        let mut file = File::create(&path);
+        if matches!(&file, Err(error) if error.kind() == io::ErrorKind::NotFound) {
+            // Another process had created the folder, and has removed it since.
+            self.make_folder(&mut unfinished)?;
+            file = File::create(&path);
+        }
+        let file = file.map_err(|source| RunFilesError::Io {
             operation: "create",
             path: path.clone(),
             source,
@@ -268,6 +280,21 @@ mod tests {
         fs::write(dir.join("notes.txt"), "mine").unwrap();
         drop(files);
         assert_eq!(names_in(&dir), ["notes.txt"]);
+    }
+
+    /// If this fails, a shard of a campaign that is interrupted removes the new folder in which another shard is about to begin, and that
+    /// one fails.
+    #[test]
+    fn a_folder_that_another_run_removed_is_created_again() {
+        let scratch = tempfile::tempdir().unwrap();
+        let dir = scratch.path().join("a/b");
+        let interrupted = RunFiles::create(&dir).unwrap();
+        let mut files = RunFiles::create(&dir).unwrap();
+        drop(interrupted);
+        assert!(names_in(scratch.path()).is_empty());
+        drop(files.file("one").unwrap());
+        drop(files);
+        assert!(names_in(scratch.path()).is_empty());
     }
 
     #[test]
