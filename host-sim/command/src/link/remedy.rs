@@ -1,7 +1,7 @@
 //! Remedy for a request that is not possible in the present state of the machine.
 //!
 //! The controller's own rules decide: the link has the condition of each request, and a search on the core's supervisor finds the shortest
-//! way from the present state to one that meets it.
+//! path from the present state to one that meets it.
 
 use std::collections::VecDeque;
 
@@ -10,10 +10,10 @@ use cophase_core::supervisor::{
 };
 use cophase_link::Condition;
 
-/// Length of the longest search, in steps. Every state is nearer to every other one.
-const MOST_STEPS: usize = 5;
+/// Limit on the length of a path. No state is as far from another one.
+const MAX_STEPS: usize = 5;
 
-/// Step on the way from one state to another.
+/// Step on the path from one state to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     /// Whatever the machine does now is over: homing, or a stop.
@@ -51,7 +51,7 @@ impl Step {
     }
 }
 
-/// Returns the shortest way from a supervisor to one that is a goal, and that supervisor. Of ways of the same length, it is the one whose
+/// Returns the shortest path from a supervisor to one that is a goal, and that supervisor. Of paths of the same length, it is the one whose
 /// steps come first.
 fn search(
     from: Supervisor,
@@ -59,18 +59,18 @@ fn search(
     is_goal: impl Fn(&Supervisor) -> bool,
 ) -> Option<(Supervisor, Vec<Step>)> {
     let mut open = VecDeque::from([(from, Vec::new())]);
-    while let Some((supervisor, way)) = open.pop_front() {
+    while let Some((supervisor, path)) = open.pop_front() {
         if is_goal(&supervisor) {
-            return Some((supervisor, way));
+            return Some((supervisor, path));
         }
-        if way.len() == MOST_STEPS {
+        if path.len() == MAX_STEPS {
             continue;
         }
         for &step in steps {
             let after = step.after(&supervisor);
             // A fault is no remedy.
             if step == Step::Fail || supervisor.has_fault() || !after.has_fault() {
-                open.push_back((after, [&way[..], &[step]].concat()));
+                open.push_back((after, [&path[..], &[step]].concat()));
             }
         }
     }
@@ -86,17 +86,17 @@ fn supervisor_in(state: State) -> Option<Supervisor> {
 
 /// Returns the condition of a request that was refused in a state, and how to meet it.
 pub(super) fn remedy(condition: Condition, state: State) -> String {
-    let way = supervisor_in(state).and_then(|from| {
+    let path = supervisor_in(state).and_then(|from| {
         let steps = [Step::Wait, HOME, START, STOP, RESET, Step::OpenEnable];
         search(from, &steps, |supervisor| {
             let drives_are_on = supervisor.drives_enabled();
             condition.check(supervisor.state(), drives_are_on).is_ok()
         })
     });
-    let Some((_, way)) = way else {
+    let Some((_, path)) = path else {
         return condition.to_string();
     };
-    let parts: Vec<String> = way
+    let parts: Vec<String> = path
         .iter()
         .filter_map(|step| match step {
             Step::Send(name, _) => Some(format!("send `{name}`")),
