@@ -72,7 +72,8 @@ pub(in crate::drift) struct IndexWatch {
 }
 
 impl IndexWatch {
-    /// Watch that has no pulse yet. The first is expected within a turn from `phase`, and is overdue later than that.
+    /// Watch that has no pulse yet. The first is expected within a turn from `phase`, and is overdue later than that. A pulse within a
+    /// tolerance of `phase` does not count, and its next one may be late by another tolerance.
     pub(in crate::drift) fn new(traits: &Traits, phase: Phase) -> Self {
         Self {
             offset: Turns::ZERO,
@@ -82,7 +83,11 @@ impl IndexWatch {
             spacing: None,
             due: Due::Expected,
             missed: 0,
-            alert: ONE.wrapping_add(traits.overdue(true)),
+            alert: ONE.wrapping_add(
+                traits
+                    .overdue(true)
+                    .max(Turns::from_bits(traits.tolerance.to_bits() * 2)),
+            ),
         }
     }
 
@@ -182,7 +187,8 @@ impl IndexWatch {
         let at = tick
             .at(cycle.min(clock.cycles), clock)
             .advanced(Turns::from_bits(late.wrapping_neg()));
-        if !self.is_known() && at.since(self.detected_at).abs() <= traits.tolerance {
+        let is_where_left = || at.since(self.detected_at).abs() <= traits.tolerance;
+        if !self.is_known() && (commanded == 0 || is_where_left()) {
             // A crank that swings or trembles where it was left may meet its flag at either end.
             return Detection::Nothing;
         }
