@@ -90,7 +90,7 @@ pub struct RunFiles {
     made: Vec<PathBuf>,
     /// Names whose temporaries are not yet in place, in the order requested.
     names: Vec<String>,
-    /// Names of files that this run does not have, and an earlier run may have.
+    /// Names of files that this run does not have.
     left_out: Vec<String>,
 }
 
@@ -161,19 +161,14 @@ impl RunFiles {
         Ok(BufWriter::with_capacity(1 << 16, file))
     }
 
-    /// Discards a file that was begun. Removes its temporary.
-    pub fn discard(&mut self, name: &str) {
+    /// Discards a file that was begun: removes its temporary now, and a file of that name of an earlier run at the commit. So a
+    /// folder never has files of two runs.
+    pub fn leave_out(&mut self, name: &str) {
         if let Some(place) = self.names.iter().position(|known| known == name) {
             let temporary = self.temporary(name);
             Unfinished::lock().take_away(&[temporary], &[]);
-            self.names.remove(place);
+            self.left_out.push(self.names.remove(place));
         }
-    }
-
-    /// Removes, at the commit, files of an earlier run that have one of these names and that this run does not write. So a folder never
-    /// has files of two runs. Folders of these names are left.
-    pub fn replace<'a>(&mut self, names: impl IntoIterator<Item = &'a str>) {
-        self.left_out.extend(names.into_iter().map(str::to_owned));
     }
 
     /// Puts every file in place, replaces existing ones, and returns their paths in the order in which they were requested.
@@ -197,9 +192,6 @@ impl RunFiles {
         }
         for name in &self.left_out {
             let path = self.dir.join(name);
-            if written.contains(&path) || path.is_dir() {
-                continue;
-            }
             if let Err(source) = fs::remove_file(&path)
                 && source.kind() != io::ErrorKind::NotFound
             {
@@ -303,21 +295,6 @@ mod tests {
         drop(files.file("one").unwrap());
         drop(files);
         assert!(names_in(scratch.path()).is_empty());
-    }
-
-    #[test]
-    fn files_of_an_earlier_run_are_replaced_and_others_stay() {
-        let scratch = tempfile::tempdir().unwrap();
-        for name in ["one", "two", "notes"] {
-            fs::write(scratch.path().join(name), "earlier").unwrap();
-        }
-        fs::create_dir(scratch.path().join("three")).unwrap();
-        let mut files = RunFiles::create(scratch.path()).unwrap();
-        files.replace(["one", "two", "three", "four"]);
-        drop(files.file("one").unwrap());
-        files.commit().unwrap();
-        assert_eq!(names_in(scratch.path()), ["notes", "one", "three"]);
-        assert!(fs::read(scratch.path().join("one")).unwrap().is_empty());
     }
 
     #[test]

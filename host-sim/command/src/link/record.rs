@@ -18,7 +18,7 @@ use super::connection::{Connection, LinkError};
 use super::operate::{begin, confirm};
 use super::session::Session;
 use crate::Status;
-use crate::run::{PAGE, REPORT, file_names, refuse_folders};
+use crate::run::{PAGE, REPORT, refuse_folders};
 
 /// Channel of a sample, as `--channels` names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -162,9 +162,8 @@ pub(super) fn record(
     write_page(&mut report, &mut svg, &written, &recorded).map_err(|e| input(e.to_string()))?;
     drop((report, svg));
     if recorded.no_edges.is_some() {
-        files.discard(FILES[2]);
+        files.leave_out(FILES[2]);
     }
-    files.replace(file_names());
     let written_files = files.commit().map_err(|e| input(e.to_string()))?;
     if !args.quiet {
         out.write_all(recorded_summary(identity, &recorded, lost_line.as_deref()).as_bytes())?;

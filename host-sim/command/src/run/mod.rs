@@ -187,12 +187,6 @@ const RANGE: &str = "torque.svg";
 /// Name of the layout with which GTKWave shows steps.fst.
 const LAYOUT: &str = "steps.gtkw";
 
-/// Returns the names of all files that a run, or a recording of one, may write.
-pub(super) fn file_names() -> impl Iterator<Item = &'static str> {
-    let traces = Format::ALL.into_iter().map(Format::file_name);
-    traces.chain([REPORT, PAGE, RANGE, LAYOUT])
-}
-
 /// Runs a scene and writes all of its files, or none. Returns the scene with the answers to its questions.
 fn record(
     args: &RunArgs,
@@ -243,7 +237,6 @@ fn record(
             .and_then(|()| file.flush())
             .map_err(|e| place(&e))?;
     }
-    files.replace(file_names());
     files.commit().map_err(|e| place(&e))?;
     Ok((checked, outcome, written))
 }
