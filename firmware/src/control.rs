@@ -117,7 +117,8 @@ impl Io for Board {
     #[inline(never)] // as `Controller::tick`
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
         lines::drives(output.drives_enabled, output.telemetry.state);
-        match self.steps.submit(output, start) {
+        // SAFETY: the controller is in a static, and plans into its other buffer until the next submission is taken.
+        match unsafe { self.steps.submit(output, start) } {
             Submission::TooLate => return SubmissionResult::TooLate,
             Submission::Underrun(axis) => {
                 self.fifo_underrun = Some(axis);

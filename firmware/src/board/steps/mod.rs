@@ -142,9 +142,12 @@ impl Steps {
         self.tick
     }
 
-    /// Submits a tick's runs, to be played from `start` on: those of all axes, or of none. The output must be in a static, as the channels
-    /// read its runs.
-    pub fn submit(&mut self, output: &Output, start: Instant) -> Submission {
+    /// Submits a tick's runs, to be played from `start` on: those of all axes, or of none.
+    ///
+    /// # Safety
+    /// The channels read the runs of the output until the end of that tick. Until then they must not move, and only the planner's
+    /// other buffer may be written.
+    pub unsafe fn submit(&mut self, output: &Output, start: Instant) -> Submission {
         let submission = cortex_m::interrupt::free(|_| {
             // SAFETY: only this core runs, and its interrupts are disabled.
             self.hand_over(unsafe { CriticalSection::new() }, output, start)
