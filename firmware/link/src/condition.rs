@@ -1,7 +1,5 @@
 //! Conditions of requests: the states of the machine in which each request is possible.
 
-use core::fmt;
-
 use cophase_core::supervisor::State;
 
 use crate::message::{File, Refusal, Request};
@@ -36,22 +34,6 @@ impl Condition {
             Ok(())
         } else {
             Err(Refusal::State { state: state as u8 })
-        }
-    }
-}
-
-/// For example "in state idle or parked".
-impl fmt::Display for Condition {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::In(states) => {
-                for (i, state) in states.iter().enumerate() {
-                    let before = if i == 0 { "in state" } else { " or" };
-                    write!(f, "{before} {}", state.name())?;
-                }
-                Ok(())
-            }
-            Self::DrivesOff => f.write_str("while the drives are off"),
         }
     }
 }

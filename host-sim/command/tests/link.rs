@@ -174,12 +174,12 @@ fn refusals_name_the_reason() {
     for (args, reason) in [
         (
             vec!["hold"],
-            "not possible in state idle; it is possible in state run: first send `start`",
+            "not possible in state idle; it is possible in state run (after `start`, once homing is over)",
         ),
         (vec!["start"], "give --yes"),
         (
             vec!["jog", "--yes"],
-            "not possible in state idle; it is possible in state parked: first send `home`",
+            "not possible in state idle; it is possible in state parked (once `home` or `stop` is done)",
         ),
         (vec!["reset"], "it is possible in state fault\n"),
         (vec!["override", "121"], "0 to 120"),

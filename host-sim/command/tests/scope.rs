@@ -353,7 +353,10 @@ fn bad_requests_are_refused_with_the_reason() {
             json!({ "request": "override", "permille": 1201 }),
             "0 to 1200",
         ),
-        (json!({ "request": "hold" }), "first send `start`"),
+        (
+            json!({ "request": "hold" }),
+            "after `start`, once homing is over",
+        ),
         (
             json!({ "request": "inject", "fault": { "kind": "stuck", "axis": 7 } }),
             "fault[0].axis",

@@ -4,7 +4,6 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 
-use cophase_core::supervisor::State;
 use cophase_link::Condition;
 use cophase_link::client::Client;
 use cophase_link::frame::{FrameCounts, MAX_FRAME_BYTES};
@@ -62,14 +61,11 @@ impl LinkError {
     /// Adds the remedy to a refusal that depends on the state of the machine.
     fn with_remedy(self, condition: Condition) -> Self {
         match self {
-            Self::Refused { request, refusal }
-                if let Refusal::State { state } = *refusal
-                    && let Some(&state) = State::ALL.get(usize::from(state)) =>
-            {
+            Self::Refused { request, refusal } if matches!(*refusal, Refusal::State { .. }) => {
                 Self::NotNow {
                     request,
                     refusal,
-                    remedy: remedy(condition, state),
+                    remedy: remedy(condition),
                 }
             }
             other => other,

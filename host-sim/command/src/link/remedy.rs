@@ -1,209 +1,132 @@
 //! Remedy for a request that is not possible in the present state of the machine.
-//!
-//! The controller's own rules decide: the link has the condition of each request, and a search on the core's supervisor finds the shortest
-//! path from the present state to one that meets it.
 
-use std::collections::VecDeque;
-
-use cophase_core::supervisor::{
-    Command, Fault, FaultKind, SafetyInputs, State, Supervisor, SupervisorInput,
-};
+use cophase_core::supervisor::State;
 use cophase_link::Condition;
 
-/// Limit on the length of a path. No state is as far from another one.
-const MAX_STEPS: usize = 5;
-
-/// Step on the path from one state to another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
-    /// Whatever the machine does now is over: homing, or a stop.
-    Wait,
-    Send(&'static str, Command),
-    OpenEnable,
-    Fail,
-}
-
-const HOME: Step = Step::Send("home", Command::Home);
-const START: Step = Step::Send("start", Command::Start);
-const STOP: Step = Step::Send("stop", Command::Stop);
-const RESET: Step = Step::Send("reset", Command::Reset);
-
-impl Step {
-    /// Returns the supervisor after this step.
-    fn after(self, before: &Supervisor) -> Supervisor {
-        let inputs = SafetyInputs {
-            enable: self != Self::OpenEnable,
-            stop: false,
-        };
-        let command = match self {
-            Self::Send(_, command) => Some(command),
-            _ => None,
-        };
-        let input = SupervisorInput {
-            fault: (self == Self::Fail).then(|| Fault::new(FaultKind::Tilt)),
-            at_rest: true,
-            homed: true,
-            ..SupervisorInput::default()
-        };
-        let mut after = before.clone();
-        after.step(inputs, command, &input);
-        after
+/// Returns how a machine gets into a state; empty where no request leads there.
+const fn begins(state: State) -> &'static str {
+    match state {
+        State::Idle => {
+            "after `reset`, or when the enable input of a parked machine opens and closes"
+        }
+        State::Homing => "after `home` or `start`",
+        State::Run => "after `start`, once homing is over",
+        State::Stop => "after `stop`",
+        State::Parked => "once `home` or `stop` is done",
+        State::Fault => "",
     }
 }
 
-/// Returns the shortest path from a supervisor to one that is a goal, and that supervisor. Of paths of the same length, it is the one whose
-/// steps come first.
-fn search(
-    from: Supervisor,
-    steps: &[Step],
-    is_goal: impl Fn(&Supervisor) -> bool,
-) -> Option<(Supervisor, Vec<Step>)> {
-    let mut open = VecDeque::from([(from, Vec::new())]);
-    while let Some((supervisor, path)) = open.pop_front() {
-        if is_goal(&supervisor) {
-            return Some((supervisor, path));
-        }
-        if path.len() == MAX_STEPS {
-            continue;
-        }
-        for &step in steps {
-            let after = step.after(&supervisor);
-            // A fault is no remedy.
-            if step == Step::Fail || supervisor.has_fault() || !after.has_fault() {
-                open.push_back((after, [&path[..], &[step]].concat()));
-            }
-        }
-    }
-    None
-}
-
-/// Returns the supervisor of a machine in a state. After a fault, its drives hold.
-fn supervisor_in(state: State) -> Option<Supervisor> {
-    let begin = Supervisor::new(0, 1, false);
-    let steps = [Step::Wait, START, STOP, Step::Fail];
-    search(begin, &steps, |supervisor| supervisor.state() == state).map(|(found, _)| found)
-}
-
-/// Returns the condition of a request that was refused in a state, and how to meet it.
-pub(super) fn remedy(condition: Condition, state: State) -> String {
-    let path = supervisor_in(state).and_then(|from| {
-        let steps = [Step::Wait, HOME, START, STOP, RESET, Step::OpenEnable];
-        search(from, &steps, |supervisor| {
-            let drives_are_on = supervisor.drives_enabled();
-            condition.check(supervisor.state(), drives_are_on).is_ok()
-        })
-    });
-    let Some((_, path)) = path else {
-        return condition.to_string();
+/// Returns when a request of this condition is possible, and how the machine gets there.
+pub(super) fn remedy(condition: Condition) -> String {
+    let (before, states) = match condition {
+        Condition::In(states) => ("", states),
+        Condition::DrivesOff => ("while the drives are off: ", &[State::Idle][..]),
     };
-    let parts: Vec<String> = path
-        .iter()
-        .filter_map(|step| match step {
-            Step::Send(name, _) => Some(format!("send `{name}`")),
-            Step::OpenEnable => Some("open and close the enable input".to_owned()),
-            Step::Wait | Step::Fail => None,
-        })
-        .collect();
-    if parts.is_empty() {
-        format!("{condition}: wait for it")
-    } else {
-        format!("{condition}: first {}", parts.join(", then "))
-    }
+    let reached = |state: &State| match begins(*state) {
+        "" => state.name().to_owned(),
+        begins => format!("{} ({begins})", state.name()),
+    };
+    let states: Vec<_> = states.iter().map(reached).collect();
+    format!("{before}in state {}", states.join(" or "))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cophase_core::supervisor::{
+        Command, Fault, FaultKind, SafetyInputs, Supervisor, SupervisorInput,
+    };
     use cophase_link::message::{File, Request};
 
-    const STOP_AND_OPEN: &str = "first send `stop`, then open and close the enable input";
-    const OPEN: &str = "first open and close the enable input";
+    const CLOSED: SafetyInputs = SafetyInputs {
+        enable: true,
+        stop: false,
+    };
+    const OPEN: SafetyInputs = SafetyInputs {
+        enable: false,
+        stop: false,
+    };
 
-    /// Every condition in every state in which it is not met: a wrong remedy moves a machine in vain, or makes a fault.
+    fn at_rest() -> SupervisorInput {
+        SupervisorInput {
+            at_rest: true,
+            homed: true,
+            ..SupervisorInput::default()
+        }
+    }
+
+    /// Supervisor of a machine in a state. After a fault, its drives hold.
+    fn supervisor_in(state: State) -> Supervisor {
+        let mut supervisor = Supervisor::new(0, 1, false);
+        let start = (Some(Command::Start), at_rest());
+        let wait = (None, at_rest());
+        let stop = (Some(Command::Stop), at_rest());
+        let fault = SupervisorInput {
+            fault: Some(Fault::new(FaultKind::Tilt)),
+            ..at_rest()
+        };
+        let steps = match state {
+            State::Idle => vec![],
+            State::Homing => vec![start],
+            State::Run => vec![start, wait],
+            State::Stop => vec![start, wait, stop],
+            State::Parked => vec![start, wait, stop, wait],
+            State::Fault => vec![start, wait, (None, fault), wait],
+        };
+        for (command, input) in steps {
+            supervisor.step(CLOSED, command, &input);
+        }
+        assert_eq!(supervisor.state(), state);
+        supervisor
+    }
+
     #[test]
-    fn remedies_lead_to_the_request() {
-        let at_rest = "in state idle or parked";
-        let table: [(Condition, &str, [&str; 6]); 6] = [
+    fn a_remedy_names_the_states_and_what_leads_to_them() {
+        let idle =
+            "idle (after `reset`, or when the enable input of a parked machine opens and closes)";
+        let parked = "parked (once `home` or `stop` is done)";
+        for (condition, expected) in [
             (
                 Request::Start.condition(),
-                at_rest,
-                [
-                    "",
-                    "first send `stop`",
-                    "first send `stop`",
-                    "wait for it",
-                    "",
-                    "first send `reset`",
-                ],
+                format!("in state {idle} or {parked}"),
             ),
-            (
-                Request::Home.condition(),
-                "in state idle",
-                [
-                    "",
-                    STOP_AND_OPEN,
-                    STOP_AND_OPEN,
-                    OPEN,
-                    OPEN,
-                    "first send `reset`",
-                ],
-            ),
-            (
-                Request::Jog.condition(),
-                "in state parked",
-                [
-                    "first send `home`",
-                    "first send `stop`",
-                    "first send `stop`",
-                    "wait for it",
-                    "",
-                    "first send `reset`, then send `home`",
-                ],
-            ),
+            (Request::Jog.condition(), format!("in state {parked}")),
             (
                 Request::Hold.condition(),
-                "in state run",
-                [
-                    "first send `start`",
-                    "wait for it",
-                    "",
-                    "first send `start`",
-                    "first send `start`",
-                    "first send `reset`, then send `start`",
-                ],
+                "in state run (after `start`, once homing is over)".to_owned(),
             ),
-            (
-                Request::Reset.condition(),
-                "in state fault",
-                ["", "", "", "", "", ""],
-            ),
+            (Request::Reset.condition(), "in state fault".to_owned()),
             (
                 File::Settings.condition(),
-                "while the drives are off",
-                [
-                    "",
-                    STOP_AND_OPEN,
-                    STOP_AND_OPEN,
-                    OPEN,
-                    OPEN,
-                    "first send `reset`",
-                ],
+                format!("while the drives are off: in state {idle}"),
             ),
-        ];
-        for (condition, place, remedies) in table {
-            for (state, expected) in State::ALL.into_iter().zip(remedies) {
-                let is_on = !matches!(state, State::Idle);
-                if condition.check(state, is_on).is_ok() {
-                    continue;
-                }
-                let expected = if expected.is_empty() {
-                    place.to_owned()
-                } else {
-                    format!("{place}: {expected}")
-                };
-                assert_eq!(remedy(condition, state), expected, "{state:?}");
-            }
+        ] {
+            assert_eq!(remedy(condition), expected);
         }
+    }
+
+    /// If this fails, a remedy does not lead to the state of which it is said.
+    #[test]
+    fn states_are_reached_as_remedies_say() {
+        let step = |from: State, inputs: SafetyInputs, command: Option<Command>| {
+            let mut supervisor = supervisor_in(from);
+            supervisor.step(inputs, command, &at_rest());
+            supervisor.state()
+        };
+        assert_eq!(
+            step(State::Fault, CLOSED, Some(Command::Reset)),
+            State::Idle
+        );
+        assert_eq!(step(State::Parked, OPEN, None), State::Idle);
+        for command in [Command::Home, Command::Start] {
+            assert_eq!(step(State::Idle, CLOSED, Some(command)), State::Homing);
+        }
+        assert_eq!(step(State::Homing, CLOSED, None), State::Run);
+        for from in [State::Homing, State::Run] {
+            assert_eq!(step(from, CLOSED, Some(Command::Stop)), State::Stop);
+        }
+        assert_eq!(step(State::Stop, CLOSED, None), State::Parked);
     }
 
     /// If this fails, the link refuses a command that the supervisor would obey, or lets one pass that it ignores.
@@ -217,10 +140,12 @@ mod tests {
             (Request::Reset, Command::Reset),
         ] {
             for state in State::ALL {
-                let supervisor = supervisor_in(state).unwrap();
-                assert_eq!(supervisor.state(), state);
-                let after = |step: Step| format!("{:?}", step.after(&supervisor));
-                let is_obeyed = after(Step::Send("", command)) != after(Step::Wait);
+                let after = |command: Option<Command>| {
+                    let mut supervisor = supervisor_in(state);
+                    supervisor.step(CLOSED, command, &at_rest());
+                    format!("{supervisor:?}")
+                };
+                let is_obeyed = after(Some(command)) != after(None);
                 let is_possible = request.condition().check(state, true).is_ok();
                 assert_eq!(is_obeyed, is_possible, "{request:?} in {state:?}");
             }
