@@ -153,7 +153,9 @@ fn a_fifo_underrun_costs_half_a_tick_of_steps() {
     let tick = samples.at(AT_TICK).command[1] - samples.at(AT_TICK - 1).command[1];
     for after in [0, 5] {
         let ahead = samples.ahead(1, AT_TICK + after);
-        assert!((ahead + tick / 2.0).abs() < 1e-9, "{ahead}");
+        // The pulses of the tick, and those made until now, differ from the phase by less than a step. The drive misses half of the former.
+        assert!((ahead + tick / 2.0).abs() < 1.5 * STEP, "{ahead}");
+        assert!(tick > 20.0 * STEP, "{tick}");
     }
     assert!(latched(&samples, FaultKind::StepFifoUnderrun));
 }
