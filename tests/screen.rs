@@ -110,6 +110,14 @@ fn capture_is_reported_and_stopped() {
         assert!(fault["axis"].is_null(), "{fault}");
     }
 
+    // Motors that are too weak for homing are stopped there.
+    for (changes, kind) in [
+        (&[weak, run_on, long][..], "index-timeout"),
+        (&[weaker, run_on, gently, long, encoder], "common-lag"),
+    ] {
+        assert_eq!(kinds(&with(changes)), [kind]);
+    }
+
     // A motor with enough torque passes.
     let run = with(&[]);
     assert!(kinds(&run).is_empty());

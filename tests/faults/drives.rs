@@ -150,12 +150,18 @@ fn swapped_drive_lines_move_the_other_crank() {
 #[test]
 fn a_fifo_underrun_costs_half_a_tick_of_steps() {
     let samples = with(KINEMATIC, "kind = \"step-fifo-underrun\"\naxis = 1\n");
-    let tick = samples.at(AT_TICK).command[1] - samples.at(AT_TICK - 1).command[1];
+    let without = observe(&scene(KINEMATIC));
+    // Both runs are equal until the fault, and the crank moves by the whole pulses of the tick without it.
+    let before = without.at(AT_TICK - 1).actual[1];
+    let lost = without.distance(1, AT_TICK) / 2.0;
+    assert!(lost > 10.0 * STEP, "{lost}");
+    assert!((samples.distance(1, AT_TICK) - lost).abs() < 1e-9);
     for after in [0, 5] {
-        let ahead = samples.ahead(1, AT_TICK + after);
-        // The pulses of the tick, and those made until now, differ from the phase by less than a step. The drive misses half of the former.
-        assert!((ahead + tick / 2.0).abs() < 1.5 * STEP, "{ahead}");
-        assert!(tick > 20.0 * STEP, "{tick}");
+        let sample = samples.at(AT_TICK + after);
+        let whole = sample.actual[1] + lost;
+        let steps = (whole - before) / STEP;
+        assert!((steps - steps.round()).abs() * STEP < 1e-9, "{steps}");
+        assert!((whole - sample.command[1]).abs() < STEP, "{whole}");
     }
     assert!(latched(&samples, FaultKind::StepFifoUnderrun));
 }
