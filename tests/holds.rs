@@ -64,7 +64,8 @@ fn holds(trace: &Trace) -> Vec<std::ops::Range<usize>> {
 fn the_patent_machines_hold_their_amax() {
     for name in ["patent-1", "patent-2", "patent-3", "patent-4"] {
         let checked = built_in(name);
-        let radius_m = checked.settings.machine.crank_radius_m;
+        let platform = checked.settings.machine.platform().unwrap();
+        let radius_m = platform.crank_radius_m;
         let mechanism = Mechanism {
             radius_m,
             rod_m: radius_m / checked.scene.machine.as_ref().unwrap().lambda.unwrap(),

@@ -10,7 +10,7 @@ use crate::header::{HEADER_BYTES, Header};
 use crate::{CRC, SettingsFileError};
 
 /// Format version of the payload that is written and read here. Every change to the bytes of a [`Settings`] changes it.
-pub const VERSION: u16 = 6;
+pub const VERSION: u16 = 7;
 
 /// Length of the longest payload, bytes: the longest name, full lists, and the greatest numbers of variable length.
 pub const MAX_PAYLOAD_BYTES: usize = {
@@ -18,7 +18,9 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     const U32: usize = 5; // Seven bits a byte.
     const SMALL: usize = 1; // A flag, a variant, or a length below 128.
     let name = SMALL + NAME_BYTES;
-    let machine = 5 * F64 + 2 * SMALL;
+    let platform = 6 * F64 + 3 * SMALL;
+    let shafts = F64;
+    let machine = SMALL + if platform > shafts { platform } else { shafts };
     let limits = 6 * F64 + SMALL + MAX_BANDS * 2 * F64;
     let pulse = 3 * F64;
     let index_width = F64;
@@ -32,7 +34,7 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     let table = U32 + SMALL + MAX_CAM_POINTS * F64;
     let cams = SMALL + MAX_CAMS * table;
     let trims = SMALL + MAX_AXES * F64;
-    let drift = 5 * F64;
+    let drift = 4 * F64;
     let correction = 3 * F64 + SMALL;
     let park_settle = 2 * F64;
     let brake = SMALL;

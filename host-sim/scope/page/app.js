@@ -72,10 +72,11 @@ function begin(hello) {
     plots: configs.map((config, i) => new Plot(find('plots'), config, view, i === configs.length - 1)),
     timeline: new Timeline(find('timeline'), find('event-list'), view, hello.states),
     circle: new Circle(find('circle'), find('needle-scale'), axes),
-    level: new Level(find('level'), find('tilt-value'), hello.limits.tilt_mrad),
+    level: hello.limits.tilt_mrad === null ? undefined : new Level(find('level'), find('tilt-value'), hello.limits.tilt_mrad),
     cursors: new Cursors(find('cursors'), view, axes),
     toolbar: new Toolbar(document, view, trigger, configs),
   };
+  find('level').closest('figure').hidden = parts.level === undefined; // A machine without a platform tilts nothing.
   find('connection').title = `This page is ${hello.name}.`;
   find('machine').textContent = `${hello.settings} · ${axes} axes · ${hello.tick_hz} ticks/s · ${hello.board}`;
   find('connection').textContent = hello.simulated ? 'simulated' : 'connected';
@@ -196,7 +197,7 @@ function draw() {
     const at = view.isPaused ? shown.nearest(view.cursors[0] ?? view.to) : history.end - 1;
     const value = (name) => shown.value(name, at);
     circle.draw(Array.from({ length: parts.hello.axes }, (_, i) => value(`phase_error_deg_${i}`)), value('phase_turns'));
-    level.draw(value('tilt_x_mrad'), value('tilt_y_mrad'));
+    level?.draw(value('tilt_x_mrad'), value('tilt_y_mrad'));
   }
   parts.toolbar.draw();
   requestAnimationFrame(draw);

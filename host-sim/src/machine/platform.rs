@@ -4,6 +4,8 @@
 //! ([`Corners`]); with two or three it passes through them. A small difference of phases causes tilt. The part that no plane can follow is
 //! warp. It is given in degrees of crank angle, because this difference bends rods and platform.
 
+use cophase_core::settings::MachineSettings;
+
 use crate::axes::per_axis;
 use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
@@ -40,26 +42,44 @@ pub struct Pose {
 }
 
 impl Platform {
-    /// Creates the platform of a scene. For cams, the platform on the equivalent crank, which the core is given.
+    /// Creates the platform of a scene. Without a platform it is a light one on cranks of the same relation of amplitude and speed.
     pub fn new(checked: &Checked) -> Self {
-        let machine = &checked.settings.machine;
         let mechanism = checked.mechanism;
+        let (load, mount_radius_m) = match &checked.settings.machine {
+            MachineSettings::Platform(platform) => (
+                Load {
+                    mass_kg: platform.load_kg,
+                    gravity_mps2: platform.gravity_mps2,
+                    platform: platform.platform,
+                },
+                platform.mount_radius_m,
+            ),
+            MachineSettings::Shafts(_) => (
+                Load {
+                    mass_kg: 1e-3,
+                    gravity_mps2: 0.0,
+                    platform: cophase_core::settings::Platform::Above,
+                },
+                (20.0 * mechanism.crank_radius_m()).clamp(0.01, 5.0),
+            ),
+        };
         Self {
             most_lever_m: mechanism.crank_radius_m() * mechanism.greatest_s(),
             mechanism,
-            load: Load {
-                mass_kg: machine.load_kg,
-                gravity_mps2: machine.gravity_mps2,
-                platform: machine.platform,
-            },
-            corners: Corners::new(checked.settings.axes.len(), machine.mount_radius_m),
-            mount_radius_m: machine.mount_radius_m,
+            load,
+            corners: Corners::new(checked.settings.axes.len(), mount_radius_m),
+            mount_radius_m,
         }
     }
 
     /// Mechanism that lifts the platform.
     pub fn mechanism(&self) -> &AnyMechanism {
         &self.mechanism
+    }
+
+    /// Load on it.
+    pub fn load(&self) -> &Load {
+        &self.load
     }
 
     /// Radius of the circle on which the cranks stand, m.

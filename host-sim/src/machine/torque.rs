@@ -3,14 +3,13 @@
 use cophase_methods::{Needs, Scheme};
 
 use super::assembly;
-use super::{DriveCommand, PullOut, Rotors, SimulatedAxis};
+use super::{DriveCommand, Platform, PullOut, Rotors, SimulatedAxis};
 use std::sync::Arc;
 
 use crate::dynamics::{
     Body, Driven, Elastic, Frame, Freedom, Induction, Layer, Motor, OnPlant, Phased, Rigid, Servo,
     Stepper,
 };
-use crate::mechanism::Load;
 use crate::scene::file::{self, Drive, Fidelity, Rods};
 use crate::scene::{Checked, SceneError};
 
@@ -157,9 +156,10 @@ fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
 
 fn body(checked: &Checked) -> Result<Body, SceneError> {
     let settings = &checked.settings;
-    let machine = &settings.machine;
+    let platform = Platform::new(checked);
+    let (load, mount_radius_m) = (*platform.load(), platform.mount_radius_m());
     let given = checked.scene.machine.as_ref();
-    let disc_kgm2 = even_disc_kgm2(machine.load_kg, machine.mount_radius_m);
+    let disc_kgm2 = even_disc_kgm2(load.mass_kg, mount_radius_m);
     let rotors_kgm2: Vec<f64> = settings
         .axes
         .iter()
@@ -180,16 +180,12 @@ fn body(checked: &Checked) -> Result<Body, SceneError> {
     };
     Ok(Body {
         mechanism: checked.mechanism,
-        load: Load {
-            mass_kg: machine.load_kg,
-            gravity_mps2: machine.gravity_mps2,
-            platform: machine.platform,
-        },
+        load,
         tilt_inertia_kgm2: given
             .and_then(|given| given.tilt_inertia_kgm2)
             .unwrap_or(disc_kgm2),
         rotors_kgm2,
-        mount_radius_m: machine.mount_radius_m,
+        mount_radius_m,
         rod_n_per_m: given.map_or(0.0, |given| given.rod_n_per_um * 1e6),
         friction_nm: (0..settings.axes.len()).map(friction).collect(),
     })

@@ -19,13 +19,10 @@ use std::fmt::Debug;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
-use cophase_core::settings::{DriftSettings, MachineSettings, Platform};
-
 use crate::dynamics::{Body, Field, MOST, Mode, PlaneMotion};
 use crate::machine::Pose;
 use crate::scene::file::{Drift, Fidelity};
-use crate::scene::{Scene, SceneError, phase_limits};
+use crate::scene::{Scene, SceneError};
 
 pub use figure::Figure;
 pub use record::{Record, Recorder, State, Tick};
@@ -59,23 +56,17 @@ pub trait Table: Debug {
 /// Values that a drive law keeps from tick to tick.
 pub type Memory = [f64; 4];
 
-/// A plant, and the controller's settings for it.
+/// A plant, and what the controller has to know of it.
 #[derive(Clone, Debug)]
 pub struct Made {
-    /// Machine in the controller's settings: a mechanism with the same relation of amplitude and speed.
-    pub machine: MachineSettings,
-    /// Limits on phase errors.
-    pub drift: DriftSettings,
+    /// Amplitude over the squared speed of the shafts, m.
+    pub length_m: f64,
     /// Plant in the simulation.
     pub plant: Arc<dyn Plant>,
 }
 
-/// Smallest load that the controller accepts, kg. The drives of plants take STEP and DIR, so the controller commands no torque.
-const LOAD_KG: f64 = 1e-3;
-
 impl Made {
-    /// Creates a plant whose amplitude is `radius_m` times the squared speed of its shafts. In the controller's settings it
-    /// is a Scotch yoke of that radius.
+    /// Creates a plant whose amplitude is `radius_m` times the squared speed of its shafts.
     ///
     /// # Errors
     /// The radius, which the key of `radius` determines, is outside 0.1 to 500 mm. Or the scene has a key that applies to
@@ -113,17 +104,8 @@ impl Made {
                 ),
             ));
         }
-        let machine = MachineSettings {
-            crank_radius_m: radius_m,
-            mechanism: MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
-            load_kg: LOAD_KG,
-            platform: Platform::Above,
-            gravity_mps2: 0.0,
-            mount_radius_m: (20.0 * radius_m).clamp(0.01, 5.0),
-        };
         Ok(Self {
-            drift: phase_limits(&scene.drift, &machine),
-            machine,
+            length_m: radius_m,
             plant,
         })
     }

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use cophase_core::controller::Controller;
 use cophase_core::program::EntrySettings;
-use cophase_core::settings::{AxisSettings, Settings, SettingsError};
+use cophase_core::settings::{
+    AxisSettings, MachineSettings, PlatformSettings, Settings, SettingsError,
+};
 
 use super::SceneError;
 use super::check::{Follower, program};
@@ -40,7 +42,7 @@ pub struct Checked {
 impl Checked {
     /// Returns true if the cranks carry a platform, which tilts when they are out of phase.
     pub fn has_platform(&self) -> bool {
-        self.cam.is_none() && self.plant.is_none()
+        matches!(self.settings.machine, MachineSettings::Platform(_))
     }
 
     /// Returns the reason for the model level, as a sentence.
@@ -80,16 +82,16 @@ impl Checked {
 
     /// Returns a drawing of its machine with its symbols, as SVG text.
     pub fn draw(&self) -> String {
-        match (&self.plant, &self.cam) {
-            (Some(plant), _) => plant.draw(),
-            (None, Some(follower)) => machine::draw_follower(follower),
-            (None, None) => self.mechanism.draw(&self.mount()),
+        match (&self.settings.machine, &self.plant, &self.cam) {
+            (MachineSettings::Platform(platform), ..) => self.mechanism.draw(&self.mount(platform)),
+            (_, Some(plant), _) => plant.draw(),
+            (_, None, Some(follower)) => machine::draw_follower(follower),
+            (_, None, None) => String::new(),
         }
     }
 
     /// Returns the arrangement of the mechanisms around their platform.
-    fn mount(&self) -> Mount {
-        let machine = &self.settings.machine;
+    fn mount(&self, platform: &PlatformSettings) -> Mount {
         Mount {
             name: self.scene.name.clone(),
             reversed: self
@@ -98,9 +100,9 @@ impl Checked {
                 .iter()
                 .map(|axis| axis.reversed)
                 .collect(),
-            is_below: machine.platform == Platform::Below,
-            radius_m: machine.mount_radius_m,
-            load_kg: machine.load_kg,
+            is_below: platform.platform == Platform::Below,
+            radius_m: platform.mount_radius_m,
+            load_kg: platform.load_kg,
         }
     }
 

@@ -12,7 +12,7 @@ pub mod library;
 pub mod load;
 pub(crate) mod range;
 
-pub use check::{in_range, machine, phase_limits, plant};
+pub use check::{in_range, plant, platform};
 pub use checked::Checked;
 pub use error::SceneError;
 pub use file::Scene;

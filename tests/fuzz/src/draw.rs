@@ -8,8 +8,8 @@ use cophase_core::mechanism::{
 use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
-    IndexSettings, LimitSettings, MachineSettings, Platform, PulseSettings, Settings,
-    WiringSettings,
+    IndexSettings, LimitSettings, MachineSettings, Platform, PlatformSettings, PulseSettings,
+    Settings, ShaftSettings, WiringSettings,
 };
 
 use cophase_core::units::Turns;
@@ -64,12 +64,12 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
     let kind = script.byte();
     let sensors = script.byte();
     let trim_limit_turns = script.between(1e-3, 0.1);
-    Settings {
+    let mut settings = Settings {
         name: heapless::String::new(),
         tick_hz,
         clock_hz: 125_000_000,
         detect_at_once: script.below(4) == 0,
-        machine: MachineSettings {
+        machine: MachineSettings::Platform(PlatformSettings {
             crank_radius_m: 0.01,
             mechanism: if script.one_in(4) {
                 MechanismSettings::ScotchYoke(ScotchYokeSettings {})
@@ -86,7 +86,9 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
             },
             gravity_mps2: 9.80665,
             mount_radius_m: 0.25,
-        },
+            tilt_limit_mrad: script.between(0.1, 20.0),
+            allow_commanded_tilt: true,
+        }),
         limits: LimitSettings {
             speed_hz,
             acceleration_hz_per_s,
@@ -145,7 +147,6 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
         trims_turns: heapless::Vec::new(),
         program: heapless::Vec::new(),
         drift: DriftSettings {
-            tilt_limit_mrad: script.between(0.1, 20.0),
             warp_limit_deg: script.between(1.0, 30.0),
             common_limit_deg: script.between(2.0, 90.0),
             reading_error_deg: script.between(0.05, 1.0),
@@ -178,7 +179,13 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
         settle_s: if script.one_in(2) { 0.01 } else { 0.0 },
         wiring: WiringSettings::DEFAULT,
         host_loss: HostLossSettings::NONE,
+    };
+    let own_turns = |axis: &AxisSettings| axis.follower.key_of_own_turns().is_some();
+    if settings.axes.iter().any(own_turns) {
+        // Under a platform, each crank makes the master's own turns.
+        settings.machine = MachineSettings::Shafts(ShaftSettings { length_m: 0.01 });
     }
+    settings
 }
 
 /// The loop with a program of one to three levels.

@@ -59,6 +59,7 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
         rod_n_per_um: source.usual((stiffness(least), stiffness(most)), (0.01, 10_000.0)),
         rods,
         rod_zeta: source.or_default(0.02, 0.0, 2.0),
+        allow_commanded_tilt: source.percent(50),
     }
 }
 

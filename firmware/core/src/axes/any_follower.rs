@@ -115,6 +115,15 @@ impl FollowerSettings {
         }
     }
 
+    /// Key that makes the axis turn otherwise than the master, if one does.
+    pub const fn key_of_own_turns(&self) -> Option<&'static str> {
+        match self {
+            Self::Gear(gear) if gear.numerator == gear.denominator => None,
+            Self::Gear(_) => Some("axes.ratio"),
+            Self::CamTable(_) => Some("axes.cam"),
+        }
+    }
+
     /// Turns of the axis per turn of the master, if that is the same at every phase.
     pub fn constant_ratio(&self) -> Option<f64> {
         match self {

@@ -172,7 +172,8 @@ impl Controller {
         self.is_busy = false;
         self.busy_ticks = 0;
         self.was_late = false;
-        self.fill_trims(settings)
+        self.fill_trims(settings);
+        Ok(())
     }
 
     #[cold]
@@ -231,22 +232,11 @@ impl Controller {
     }
 
     #[cold]
-    fn fill_trims(&mut self, settings: &Settings) -> Result<(), SettingsError> {
+    fn fill_trims(&mut self, settings: &Settings) {
         for (i, &trim_turns) in settings.trims_turns.iter().enumerate() {
-            let axis = settings.axes.get(i);
-            let limit_turns = axis.map_or(0.0, |axis| axis.trim_limit_turns);
-            // The range test also rejects NaN.
-            if !(-limit_turns..=limit_turns).contains(&trim_turns) {
-                let problem = Problem::TrimBeyondLimit {
-                    trim_deg: trim_turns * 360.0,
-                    limit_deg: limit_turns * 360.0,
-                };
-                return Err(SettingsError::new("axes.trim_deg", problem).on_entry(i));
-            }
             // At exactly the limit, which is rounded down, a trim may lose the last of its 48 fraction bits.
             let _whole = self.set_trim(i, turns(trim_turns));
         }
-        Ok(())
     }
 }
 

@@ -60,12 +60,20 @@ impl FeedForward {
         let full_speed = one_q30 * f64::from(1_u32 << speed_shift) * radians * hz;
         let full_acceleration =
             one_q30 * f64::from(1_u32 << acceleration_shift) * radians * hz * hz;
-        let radius_m = machine.crank_radius_m;
-        let share_kg = machine.load_kg / motors as f64;
+        // Shafts without a platform have no load that the controller knows.
+        let (radius_m, load_kg, gravity_mps2) = match machine {
+            MachineSettings::Shafts(_) => (0.0, 0.0, 0.0),
+            MachineSettings::Platform(platform) => (
+                platform.crank_radius_m,
+                platform.load_kg,
+                platform.gravity_mps2 * platform.platform.gravity_sign(),
+            ),
+        };
+        let share_kg = load_kg / motors as f64;
         let centripetal = share_kg * radius_m * radius_m * full_speed * full_speed;
         let tangential = share_kg * radius_m * radius_m * full_acceleration;
         let rotor = rotor_inertia_kgm2 * full_acceleration;
-        let gravity = share_kg * radius_m * machine.gravity_mps2 * machine.platform.gravity_sign();
+        let gravity = share_kg * radius_m * gravity_mps2;
         // |h s| stays below 2, |s| below 1.2, over the range of λ.
         if 2.0 * centripetal + 1.5 * tangential + rotor + 1.2 * gravity.abs() > MOST_NM {
             return Err(SettingsError::new(
@@ -114,7 +122,7 @@ fn shift_to_30_bits(most: Turns) -> u32 {
 mod tests {
     use super::*;
     use crate::mechanism::{MechanismSettings, SliderCrankSettings};
-    use crate::settings::Platform;
+    use crate::settings::{Platform, PlatformSettings};
 
     /// The formulas of this module's documentation in f64, at every degree, several speeds and accelerations.
     #[test]
@@ -127,18 +135,20 @@ mod tests {
             (0.6, 0.0396, 10.0, 20.0),
         ] {
             for platform in [Platform::Below, Platform::Above] {
-                let machine = MachineSettings {
+                let machine = PlatformSettings {
                     crank_radius_m: radius_m,
                     mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda }),
                     load_kg,
                     platform,
                     gravity_mps2: 9.80665,
                     mount_radius_m: 0.3,
+                    tilt_limit_mrad: 3.0,
+                    allow_commanded_tilt: false,
                 };
                 let top = Turns::from_num(top_hz / hz);
                 let top_acceleration = Turns::from_num(100.0 / hz / hz);
                 let forward = FeedForward::new(
-                    &machine,
+                    &MachineSettings::Platform(machine),
                     machine.mechanism.mechanism(radius_m, tick_hz),
                     4,
                     1e-3,

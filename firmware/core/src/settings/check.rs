@@ -29,12 +29,6 @@ impl Settings {
             axis.check(self).map_err(|e| e.on_entry(i))?;
         }
         inside(
-            "drift.tilt_limit_mrad",
-            self.drift.tilt_limit_mrad,
-            1e-3,
-            100.0,
-        )?;
-        inside(
             "drift.warp_limit_deg",
             self.drift.warp_limit_deg,
             1e-3,
@@ -56,7 +50,26 @@ impl Settings {
         self.correction.check()?;
         inside("control.park_deg", self.park_turns * 360.0, 0.0, 360.0)?;
         inside("control.settle_s", self.settle_s, 0.0, 10.0)?;
-        self.host_loss.check()
+        self.host_loss.check()?;
+        self.check_trims()?;
+        self.check_commanded()
+    }
+
+    #[cold]
+    fn check_trims(&self) -> Result<(), SettingsError> {
+        for (i, &trim_turns) in self.trims_turns.iter().enumerate() {
+            let axis = self.axes.get(i);
+            let limit_turns = axis.map_or(0.0, |axis| axis.trim_limit_turns);
+            // The range test also rejects NaN.
+            if !(-limit_turns..=limit_turns).contains(&trim_turns) {
+                let problem = Problem::TrimBeyondLimit {
+                    trim_deg: trim_turns * 360.0,
+                    limit_deg: limit_turns * 360.0,
+                };
+                return Err(SettingsError::new("axes.trim_deg", problem).on_entry(i));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -80,32 +93,6 @@ impl IndexSettings {
             let problem = Problem::IndexTooLong { width_us, most_us };
             return Err(SettingsError::new("index.width_us", problem));
         }
-        Ok(())
-    }
-}
-
-impl MachineSettings {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// The first number that is wrong.
-    #[cold]
-    pub fn check(&self) -> Result<(), SettingsError> {
-        inside(
-            "machine.crank_radius_mm",
-            self.crank_radius_m * 1e3,
-            0.1,
-            500.0,
-        )?;
-        self.mechanism.check()?;
-        inside("machine.load_kg", self.load_kg, 1e-3, 50.0)?;
-        inside("machine.gravity_mps2", self.gravity_mps2, 0.0, 20.0)?;
-        inside(
-            "machine.mount_radius_mm",
-            self.mount_radius_m * 1e3,
-            10.0,
-            5000.0,
-        )?;
         Ok(())
     }
 }

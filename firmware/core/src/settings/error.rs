@@ -101,6 +101,21 @@ pub enum Problem {
         "{}° is outside -{} to {}°; trim less, or raise axes.trim_limit_deg", Number(*trim_deg), Number(*limit_deg), Number(*limit_deg)
     )]
     TrimBeyondLimit { trim_deg: f64, limit_deg: f64 },
+    #[error(
+        "the cranks of one platform make the master's own turns, or the platform tilts and its amplitude is not the program's; for a belt or \
+         gearbox give gear = [motor turns, crank turns], and leave this out"
+    )]
+    NotInPhase,
+    #[error(
+        "the commanded phases alone tilt the platform by up to {tilt_mrad:.2} mrad in each turn, and drift.tilt_limit_mrad = {} allows less; give \
+         all cranks the same phase, or set machine.allow_commanded_tilt = true if the platform is to tilt", Number(*limit_mrad)
+    )]
+    CommandedTilt { tilt_mrad: f64, limit_mrad: f64 },
+    #[error(
+        "the commanded phases alone set this crank {warp_deg:.2}° off the plane of all, and drift.warp_limit_deg = {} allows less; give all \
+         cranks the same phase, or set machine.allow_commanded_tilt = true if the platform is to bend", Number(*limit_deg)
+    )]
+    CommandedWarp { warp_deg: f64, limit_deg: f64 },
     #[error("the segment takes no time at all; give it a ramp_s or a hold_s of at least one tick")]
     NoDuration,
     #[error(

@@ -4,8 +4,10 @@
 //! make from settings that passed [`Settings::check`]. So it never has to handle a bad setting.
 
 mod check;
+mod commanded;
 mod error;
 mod host_loss;
+mod machine;
 #[cfg(test)]
 pub(crate) mod sample;
 #[cfg(test)]
@@ -18,11 +20,12 @@ pub use cophase_motion::settings::{
 };
 pub use error::{Problem, SettingsError};
 pub use host_loss::{HostLossReaction, HostLossSettings};
+pub use machine::{MachineSettings, Platform, PlatformSettings, ShaftSettings};
 pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
 
 use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
 use crate::drift::sensing::index_filter::MOST_OF_TICK;
-use crate::mechanism::{AnyMechanism, MechanismSettings, ScotchYokeSettings};
+use crate::mechanism::AnyMechanism;
 use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder, SegmentSettings, Shape};
 use crate::units::MAX_AXES;
 
@@ -48,7 +51,7 @@ pub struct Settings {
     /// ticks. Only for comparisons: a settings file does not have it, and a build without the feature `servo` ignores it.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub detect_at_once: bool,
-    /// Mechanism and load.
+    /// Machine that the axes move.
     pub machine: MachineSettings,
     /// Limits of the master shaft.
     pub limits: LimitSettings,
@@ -79,44 +82,6 @@ pub struct Settings {
     pub host_loss: HostLossSettings,
     /// Program amax(t): segments, and repeats of earlier entries.
     pub program: heapless::Vec<EntrySettings, CAPACITY>,
-}
-
-/// Side of the cranks on which the platform is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Platform {
-    /// Below the cranks: at phase 0 gravity adds to the greatest acceleration, as in the patent.
-    Below,
-    /// Above the cranks.
-    Above,
-}
-
-impl Platform {
-    /// Sign of gravity relative to the platform's acceleration in the force on the rods: +1 below, −1 above.
-    pub const fn gravity_sign(self) -> f64 {
-        match self {
-            Self::Below => 1.0,
-            Self::Above => -1.0,
-        }
-    }
-}
-
-/// Mechanism and load.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MachineSettings {
-    /// Crank radius, metres, 0.1 mm to 0.5 m.
-    pub crank_radius_m: f64,
-    /// Mechanism between crank and platform.
-    pub mechanism: MechanismSettings,
-    /// Mass on the platform, kg, above 0, up to 50.
-    pub load_kg: f64,
-    /// Side of the platform.
-    pub platform: Platform,
-    /// Gravity, m/s², 0 to 20.
-    pub gravity_mps2: f64,
-    /// Radius of the circle on which the cranks stand, metres, 10 mm to 5 m.
-    pub mount_radius_m: f64,
 }
 
 /// Filter of the index lines.
@@ -177,9 +142,8 @@ pub struct AxisSettings {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DriftSettings {
-    /// Platform tilt, mrad, above 0, up to 100.
-    pub tilt_limit_mrad: f64,
-    /// Deviation of a crank from the plane through all cranks, degrees of crank angle, above 0, up to 90.
+    /// Deviation of a crank from the plane through all cranks, degrees of crank angle, above 0, up to 90. Of shafts without a platform it
+    /// limits that plane's own slope, too: they are to have equal phases.
     pub warp_limit_deg: f64,
     /// Mean lag of all cranks, degrees, above 0, up to 180.
     pub common_limit_deg: f64,
@@ -229,14 +193,7 @@ impl Settings {
             tick_hz: 0,
             clock_hz: 0,
             detect_at_once: false,
-            machine: MachineSettings {
-                crank_radius_m: 0.0,
-                mechanism: MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
-                load_kg: 0.0,
-                platform: Platform::Below,
-                gravity_mps2: 0.0,
-                mount_radius_m: 0.0,
-            },
+            machine: MachineSettings::Shafts(ShaftSettings { length_m: 0.0 }),
             limits: LimitSettings {
                 speed_hz: 0.0,
                 acceleration_hz_per_s: 0.0,
@@ -256,7 +213,6 @@ impl Settings {
             cams: heapless::Vec::new(),
             trims_turns: heapless::Vec::new(),
             drift: DriftSettings {
-                tilt_limit_mrad: 0.0,
                 warp_limit_deg: 0.0,
                 common_limit_deg: 0.0,
                 reading_error_deg: 0.0,
@@ -275,12 +231,7 @@ impl Settings {
     /// Mechanism of the machine, for this tick rate.
     #[cold]
     pub fn mechanism(&self) -> AnyMechanism {
-        let MachineSettings {
-            mechanism,
-            crank_radius_m,
-            ..
-        } = self.machine;
-        mechanism.mechanism(crank_radius_m, self.tick_hz)
+        self.machine.mechanism(self.tick_hz)
     }
 
     /// Creates a builder of programs for this machine, which empties `program` first.

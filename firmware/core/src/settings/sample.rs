@@ -1,7 +1,7 @@
 //! Settings of a typical machine, which tests modify.
 
 use super::*;
-use crate::mechanism::SliderCrankSettings;
+use crate::mechanism::{MechanismSettings, SliderCrankSettings};
 use crate::program::{SegmentSettings, Shape};
 
 /// A segment that lasts 3 s in total.
@@ -35,14 +35,16 @@ pub(crate) fn settings(axes: usize) -> Settings {
         tick_hz: 2000,
         clock_hz: 125_000_000,
         detect_at_once: false,
-        machine: MachineSettings {
+        machine: MachineSettings::Platform(PlatformSettings {
             crank_radius_m: 0.02,
             mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: 0.3 }),
             load_kg: 10.0,
             platform: Platform::Above,
             gravity_mps2: 9.80665,
             mount_radius_m: 0.25,
-        },
+            tilt_limit_mrad: 3.0,
+            allow_commanded_tilt: false,
+        }),
         limits: LimitSettings {
             speed_hz: 20.0,
             acceleration_hz_per_s: 20.0,
@@ -62,7 +64,6 @@ pub(crate) fn settings(axes: usize) -> Settings {
         cams: heapless::Vec::new(),
         trims_turns: heapless::Vec::new(),
         drift: DriftSettings {
-            tilt_limit_mrad: 3.0,
             warp_limit_deg: 3.0,
             common_limit_deg: 15.0,
             reading_error_deg: 0.25,
@@ -78,5 +79,13 @@ pub(crate) fn settings(axes: usize) -> Settings {
             EntrySettings::Segment(LEVEL),
             EntrySettings::Repeat { first: 0, times: 3 },
         ]),
+    }
+}
+
+/// Platform of settings that have one.
+pub(crate) fn platform(settings: &mut Settings) -> &mut PlatformSettings {
+    match &mut settings.machine {
+        MachineSettings::Platform(platform) => platform,
+        MachineSettings::Shafts(_) => panic!("these settings have shafts"),
     }
 }

@@ -77,6 +77,7 @@ fn errors_name_their_entry() {
 #[test]
 fn trims_are_set_within_their_limit() {
     let mut trimmed = settings(2);
+    sample::platform(&mut trimmed).allow_commanded_tilt = true;
     for trim_deg in [5.0, -5.0, 0.1] {
         trimmed.trims_turns = Vec::from_array([0.0, trim_deg / 360.0]);
         trimmed.controller().unwrap();
@@ -112,6 +113,7 @@ fn a_long_name_is_cut_between_characters() {
 /// Settings of two axes, of which the second follows a table through these points.
 fn on_a_cam(net_turns: i32, points_turns: &[f64]) -> Settings {
     let mut settings = settings(2);
+    settings.machine = MachineSettings::Shafts(ShaftSettings { length_m: 0.02 });
     settings.cams = heapless::Vec::from_array([CamSettings {
         net_turns,
         points_turns: points_turns.iter().copied().collect(),

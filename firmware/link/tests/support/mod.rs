@@ -16,8 +16,8 @@ use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::Settings;
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
-    IndexSettings, LimitSettings, MAX_BANDS, MachineSettings, NAME_BYTES, Platform, PulseSettings,
-    WiringSettings, short_name,
+    IndexSettings, LimitSettings, MAX_BANDS, MachineSettings, NAME_BYTES, Platform,
+    PlatformSettings, PulseSettings, WiringSettings, short_name,
 };
 use cophase_core::units::MAX_AXES;
 use cophase_link::board::{Board, Rp2040};
@@ -30,14 +30,16 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
         tick_hz: 2000,
         clock_hz: Rp2040::CLOCK_HZ,
         detect_at_once: false,
-        machine: MachineSettings {
+        machine: MachineSettings::Platform(PlatformSettings {
             crank_radius_m: 0.02,
             mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: 0.3 }),
             load_kg: 5.0,
             platform: Platform::Above,
             gravity_mps2: 9.80665,
             mount_radius_m: 0.25,
-        },
+            tilt_limit_mrad: 3.0,
+            allow_commanded_tilt: false,
+        }),
         limits: LimitSettings {
             speed_hz: 20.0,
             acceleration_hz_per_s: 20.0,
@@ -77,7 +79,6 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
         cams: Default::default(),
         trims_turns: (0..axes).map(|i| 1e-3 * i as f64).collect(),
         drift: DriftSettings {
-            tilt_limit_mrad: 3.0,
             warp_limit_deg: 3.0,
             common_limit_deg: 15.0,
             reading_error_deg: 0.25,

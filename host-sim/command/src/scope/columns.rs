@@ -44,7 +44,6 @@ impl Columns {
     pub(super) fn new(settings: &Settings) -> Self {
         let axes = settings.axes.len();
         let mechanism = settings.mechanism();
-        let machine = &settings.machine;
         let mut names: Vec<String> = [
             "state_code",
             "flags",
@@ -71,11 +70,7 @@ impl Columns {
             axes,
             tick_hz: settings.tick_hz.into(),
             mechanism,
-            mrad_per_turn: 1e3
-                * std::f64::consts::TAU
-                * machine.crank_radius_m
-                * mechanism.greatest_slope()
-                / machine.mount_radius_m,
+            mrad_per_turn: settings.machine.tilt_mrad_per_turn(settings.tick_hz),
             last: None,
             turn: None,
             actual_speed: None,

@@ -52,7 +52,8 @@ pub(super) enum Report<'a> {
 #[derive(Debug, Serialize)]
 pub(super) struct Limits {
     speed_hz: f64,
-    tilt_mrad: f64,
+    /// Limit on the tilt of the platform; none without a platform.
+    tilt_mrad: Option<f64>,
     warp_deg: f64,
     common_deg: f64,
 }
@@ -120,7 +121,7 @@ impl<'a> Report<'a> {
             states: State::ALL.map(State::name),
             limits: Limits {
                 speed_hz: settings.limits.speed_hz,
-                tilt_mrad: settings.drift.tilt_limit_mrad,
+                tilt_mrad: settings.machine.platform().map(|own| own.tilt_limit_mrad),
                 warp_deg: settings.drift.warp_limit_deg,
                 common_deg: settings.drift.common_limit_deg,
             },

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use host_sim::dynamics::Corners;
 use host_sim::mechanism::{AnyMechanism, Configured, Load, Mechanism};
 use host_sim::scene::file::Scene;
-use host_sim::scene::machine;
+use host_sim::scene::platform;
 use host_sim::units::spread;
 
 /// Number of crank angles among which the worst is searched. Steps of half a degree find a smooth maximum to 4e-5 of its value.
@@ -32,7 +32,7 @@ pub struct Geometry {
 impl Geometry {
     /// Geometry of a scene. None for a scene with cams, whose pushers do not tilt, or with a machine that its check refuses.
     pub fn new(scene: &Scene) -> Option<Self> {
-        let machine = machine(scene.machine.as_ref()?).ok()?;
+        let machine = platform(scene.machine.as_ref()?, &scene.drift).ok()?;
         let mechanism = AnyMechanism::of(&machine.mechanism, machine.crank_radius_m);
         let longest_travel_m = angles()
             .map(|alpha| mechanism.x_dot_mps(alpha, 1.0).abs())

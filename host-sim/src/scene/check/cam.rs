@@ -1,28 +1,19 @@
-//! Checks of a cam shaft, and the equivalent crank for the core.
+//! Checks of a cam shaft, and the equivalent crank of the simulation.
 //!
-//! The core has slider-cranks only. A follower shares one property with them: its greatest acceleration is κ ω², with κ = R (1 + λ)
-//! for the crank, and κ = Ca H/β² for the cam (stroke H over the shorter of rise and return, β rad). So the core gets a **crank of
-//! equal κ**, and its program is valid unchanged.
-//!
-//! The other properties of this crank must have no effect:
-//! - *Feed-forward* of a servo is computed for the platform of such a crank. This platform has the least load and no gravity, so only
-//!   the inertia of the rotor counts.
-//! - *Tilt* is the effect of phase errors on a platform, and followers have none. Its limit is set so that the first mode of the errors
-//!   has the limit `drift.warp_limit_deg`: one limit, in degrees, for all modes but the common one.
+//! A follower shares one property with a slider-crank: its greatest acceleration is κ ω², with κ = R (1 + λ) for the crank, and
+//! κ = Ca H/β² for the cam (stroke H over the shorter of rise and return, β rad). The core gets shafts of the length κ. Where the
+//! simulation converts amplitudes to speeds, it has a **crank of equal κ**.
 
 use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
-use cophase_core::settings::{DriftSettings, MachineSettings, Platform};
 use cophase_methods::problems::{Cam, Links, Shaft};
 
 use super::numbers::range;
-use crate::mechanism::{AnyMechanism, Configured, Mechanism};
+use crate::mechanism::{AnyMechanism, Configured};
 use crate::scene::SceneError;
-use crate::scene::file::{self, CamShaft, Drift, Fidelity, Scene};
+use crate::scene::file::{self, CamShaft, Fidelity, Scene};
 
 /// λ of the equivalent crank: the least that the core accepts.
 const LAMBDA: f64 = 0.1;
-/// Least load that the core accepts, kg. At 450 turns per minute it adds 9 mN·m of feed-forward, where the pusher needs 50 N·m.
-const LOAD_KG: f64 = 1e-3;
 /// Crank radii that the core accepts, m.
 const RADII_M: (f64, f64) = (1e-4, 0.5);
 
@@ -195,36 +186,10 @@ fn crank_radius_m(cam: &Cam) -> f64 {
     cam.peak_m() / (1.0 + LAMBDA)
 }
 
-/// Returns the equivalent crank for the core.
-pub(super) fn core_settings(follower: &Follower) -> MachineSettings {
-    let crank_radius_m = crank_radius_m(&follower.cam);
-    MachineSettings {
-        crank_radius_m,
-        mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: LAMBDA }),
-        load_kg: LOAD_KG,
-        platform: Platform::Above,
-        gravity_mps2: 0.0,
-        // With this radius, limits from a thousandth of a degree to 90° are in the core's range of tilt.
-        mount_radius_m: (20.0 * crank_radius_m).clamp(0.01, 5.0),
-    }
-}
-
-/// Returns the limits for the core. The limit of tilt represents one of the first mode in degrees.
-pub fn drift(drift: &Drift, machine: &MachineSettings) -> DriftSettings {
-    let mechanism = AnyMechanism::of(&machine.mechanism, machine.crank_radius_m);
-    // The core samples every half degree, which finds the greatest travel per radian to 4e-5.
-    let lever = (0..360)
-        .map(|half_degree| mechanism.s((f64::from(half_degree) * 0.5).to_radians()))
-        .fold(0.0, f64::max);
-    let tilt_mrad = 1e3 * drift.warp_limit_deg.to_radians() * lever * machine.crank_radius_m
-        / machine.mount_radius_m;
-    DriftSettings {
-        tilt_limit_mrad: tilt_mrad.clamp(1e-3, 100.0),
-        warp_limit_deg: drift.warp_limit_deg,
-        common_limit_deg: drift.common_limit_deg,
-        reading_error_deg: drift.reading_error_deg,
-        lag_s: drift.lag_us * 1e-6,
-    }
+/// Returns the crank of equal κ.
+pub(super) fn equivalent_crank(follower: &Follower) -> AnyMechanism {
+    let mechanism = MechanismSettings::SliderCrank(SliderCrankSettings { lambda: LAMBDA });
+    AnyMechanism::of(&mechanism, crank_radius_m(&follower.cam))
 }
 
 /// Checks that cams have a model level, and that the scene has the data for it.

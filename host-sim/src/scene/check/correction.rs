@@ -1,6 +1,6 @@
 //! Corrections of phase errors for the core. Gains of the cross-coupling that a scene does not give are derived.
 
-use cophase_core::settings::{CorrectionSettings, MachineSettings};
+use cophase_core::settings::{CorrectionSettings, MachineSettings, PlatformSettings};
 
 use crate::design::coupling::{APART, Plant};
 use crate::mechanism::{AnyMechanism, Configured, Mechanism};
@@ -56,15 +56,23 @@ pub fn plant(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneErr
              correction.coupling_per_s themselves",
         ));
     }
-    let radius_m = machine.crank_radius_m;
-    let mechanism = AnyMechanism::of(&machine.mechanism, radius_m);
-    let lever = (0..360).map(|degree| mechanism.s(f64::from(degree).to_radians()).abs());
-    let lever_m = radius_m * lever.fold(0.0, f64::max);
-    let share_kg = machine.load_kg / axes.count as f64;
+    // Servos move shafts without a platform by their rotors' inertia alone, as far as the controller knows.
+    let (lever_m, load_kg) = match machine {
+        MachineSettings::Shafts(_) => (0.0, 0.0),
+        MachineSettings::Platform(platform) => (lever_m(platform), platform.load_kg),
+    };
+    let share_kg = load_kg / axes.count as f64;
     Ok(Plant {
         servo,
         least_kgm2: axes.rotor_inertia_kgm2,
         most_kgm2: axes.rotor_inertia_kgm2 + share_kg * lever_m * lever_m,
         tick_hz: f64::from(scene.control.tick_hz),
     })
+}
+
+/// Returns the largest travel of a platform per radian of its cranks, m.
+fn lever_m(platform: &PlatformSettings) -> f64 {
+    let mechanism = AnyMechanism::of(&platform.mechanism, platform.crank_radius_m);
+    let lever = (0..360).map(|degree| mechanism.s(f64::from(degree).to_radians()).abs());
+    platform.crank_radius_m * lever.fold(0.0, f64::max)
 }

@@ -16,18 +16,19 @@ mod settings;
 
 use std::sync::Arc;
 
-use cophase_core::settings::{DriftSettings, MachineSettings, Problem};
+use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
+use cophase_core::settings::{DriftSettings, MachineSettings, Problem, ShaftSettings};
 
-use super::file::{Fidelity, Scene};
+use super::file::{Drift, Fidelity, Scene};
 use super::{Checked, SceneError, range};
 use crate::fidelity;
 use crate::machine::{PullOut, RESOLUTION};
 use crate::mechanism::{AnyMechanism, Configured};
 use crate::plant::Plant;
 
-pub use cam::{Follower, drift as phase_limits};
+pub use cam::Follower;
 pub use correction::plant;
-pub use machine::machine;
+pub use machine::platform;
 pub use numbers::range as in_range;
 
 impl Checked {
@@ -42,7 +43,7 @@ impl Checked {
         }
         let Kind {
             machine,
-            drift,
+            mechanism,
             cam,
             plant,
         } = kind(&scene)?;
@@ -63,7 +64,7 @@ impl Checked {
             settings: settings::settings(
                 &scene,
                 machine,
-                drift,
+                drift(&scene.drift),
                 correction::correction(&scene, &machine)?,
                 cam_table::tables(&scene)?,
                 program.into_iter().map(|(entry, _)| entry),
@@ -72,7 +73,7 @@ impl Checked {
             choice: None,
             resolution: RESOLUTION,
             halvings: 0,
-            mechanism: AnyMechanism::of(&machine.mechanism, machine.crank_radius_m),
+            mechanism,
             cam,
             plant,
             scene,
@@ -102,10 +103,20 @@ impl Checked {
 struct Kind {
     /// Machine settings of the core.
     machine: MachineSettings,
-    /// Limits of the core.
-    drift: DriftSettings,
+    /// Mechanism, or one of the same relation of amplitude and speed.
+    mechanism: AnyMechanism,
     cam: Option<Follower>,
     plant: Option<Arc<dyn Plant>>,
+}
+
+/// Returns the limits on phase errors for the core. The limit on tilt is the platform's own.
+fn drift(given: &Drift) -> DriftSettings {
+    DriftSettings {
+        warp_limit_deg: given.warp_limit_deg,
+        common_limit_deg: given.common_limit_deg,
+        reading_error_deg: given.reading_error_deg,
+        lag_s: given.lag_us * 1e-6,
+    }
 }
 
 /// Checks the number of axes.
@@ -147,32 +158,35 @@ fn kind(scene: &Scene) -> Result<Kind, SceneError> {
         }
         let made = table.make(scene)?;
         return Ok(Kind {
-            machine: made.machine,
-            drift: made.drift,
+            mechanism: AnyMechanism::of(
+                &MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
+                made.length_m,
+            ),
+            machine: MachineSettings::Shafts(ShaftSettings {
+                length_m: made.length_m,
+            }),
             cam: None,
             plant: Some(made.plant),
         });
     }
     match (&scene.machine, &scene.cam) {
-        (Some(machine), None) => Ok(Kind {
-            machine: machine::machine(machine)?,
-            drift: DriftSettings {
-                tilt_limit_mrad: scene.drift.tilt_limit_mrad,
-                warp_limit_deg: scene.drift.warp_limit_deg,
-                common_limit_deg: scene.drift.common_limit_deg,
-                reading_error_deg: scene.drift.reading_error_deg,
-                lag_s: scene.drift.lag_us * 1e-6,
-            },
-            cam: None,
-            plant: None,
-        }),
+        (Some(machine), None) => {
+            let platform = machine::platform(machine, &scene.drift)?;
+            Ok(Kind {
+                mechanism: AnyMechanism::of(&platform.mechanism, platform.crank_radius_m),
+                machine: MachineSettings::Platform(platform),
+                cam: None,
+                plant: None,
+            })
+        }
         (None, Some(shaft)) => {
             cam::check_useless(scene)?;
             let follower = cam::follower(shaft)?;
-            let machine = cam::core_settings(&follower);
             Ok(Kind {
-                drift: cam::drift(&scene.drift, &machine),
-                machine,
+                mechanism: cam::equivalent_crank(&follower),
+                machine: MachineSettings::Shafts(ShaftSettings {
+                    length_m: follower.cam.peak_m(),
+                }),
                 cam: Some(follower),
                 plant: None,
             })

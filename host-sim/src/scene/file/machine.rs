@@ -44,6 +44,9 @@ pub struct Machine {
     /// Radius of the mount circle of the cranks, mm.
     #[serde(default = "default_mount_radius_mm")]
     pub mount_radius_mm: f64,
+    /// True to accept offsets and trims that tilt or warp the platform beyond its limits in each turn.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub allow_commanded_tilt: bool,
     /// Inertia of platform and load about a tilt axis, kg·m². The default is that of a uniform disc with the mount's radius.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tilt_inertia_kgm2: Option<f64>,

@@ -6,13 +6,15 @@ use super::*;
 use crate::axes::FollowerSettings;
 use crate::drift::IndexPulse;
 use crate::program::{EntrySettings, SegmentSettings, Shape};
-use crate::settings::{BandSettings, DriveKind, LimitSettings, Platform, Settings, sample};
+use crate::settings::{
+    BandSettings, DriveKind, LimitSettings, MachineSettings, Settings, ShaftSettings, sample,
+};
 use crate::signals::Feedback;
 use crate::supervisor::{Command, State};
 
 const HZ: u32 = 2000;
 
-/// A servo, and a servo that is reversed and geared down.
+/// Shafts without a platform: a servo, and a servo that is reversed and geared down.
 fn settings() -> Settings {
     let mut settings = sample::settings(2);
     for axis in &mut settings.axes {
@@ -25,7 +27,7 @@ fn settings() -> Settings {
     }
     settings.axes[1].reversed = true;
     settings.axes[1].follower = FollowerSettings::gear((1, 2));
-    settings.machine.platform = Platform::Below;
+    settings.machine = MachineSettings::Shafts(ShaftSettings { length_m: 0.026 });
     settings.limits = LimitSettings {
         speed_hz: 20.0,
         acceleration_hz_per_s: 40.0,

@@ -2,7 +2,6 @@
 
 use super::modes::{Modes, Mount};
 use crate::functions::multiply;
-use crate::mechanism::Mechanism;
 use crate::settings::{DriftSettings, MachineSettings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
@@ -32,7 +31,7 @@ impl Limits {
 ///
 /// A limit on tilt is one on the platform: an error of mode 1 with amplitude e (radians of crank) at a
 /// mount radius ρ tilts it by s(α) R e/ρ. The limit is for the crank angle at which that is worst, so
-/// that one measurement a turn bounds the tilt over the whole turn.
+/// that one measurement a turn bounds the tilt over the whole turn. Shafts without a platform have one limit for all modes, in degrees.
 ///
 /// A crank beyond a limit must be detected whatever the error of its reading is. So where one has moved, the limits are lower by a
 /// reading error. That covers the error of one crank in each mode. If all readings err at once, a tilt errs by up to √2 of it, and by
@@ -66,12 +65,10 @@ impl DriftLimits {
     /// Limits from checked settings.
     #[cold]
     pub fn new(settings: &DriftSettings, machine: &MachineSettings, tick_hz: u32) -> Self {
-        let mechanism = machine.mechanism.mechanism(machine.crank_radius_m, tick_hz);
-        let mrad_per_turn =
-            1e3 * core::f64::consts::TAU * machine.crank_radius_m * mechanism.greatest_slope()
-                / machine.mount_radius_m;
-        let tilt = turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5));
         let warp = turns(settings.warp_limit_deg / 360.0);
+        let tilt = machine.platform().map_or(warp, |platform| {
+            turns((platform.tilt_limit_mrad / machine.tilt_mrad_per_turn(tick_hz)).min(0.5))
+        });
         let reading = turns(settings.reading_error_deg / 360.0);
         Self {
             of_cranks: Limits { tilt, warp },

@@ -1,0 +1,334 @@
+//! What commanded phases alone do to a platform.
+//!
+//! Cranks under one platform turn in phase. An offset or a trim of its own sets a crank ahead of the others in every turn. The platform then
+//! tilts and warps although every crank is where it is commanded to be, and the monitor, which compares cranks with their commands, sees
+//! nothing. So such settings are refused, unless they say that they mean it ([`PlatformSettings::allow_commanded_tilt`]).
+//!
+//! *Tilt* is the slope of the plane closest to the N corners, at the worst phase of the turn. Corner i stands at θ = 2π i/N on a circle of
+//! radius ρ, and is R Z(α + δᵢ) high: δᵢ is the lead of its crank, and Z the integral of the mechanism's slope over the crank angle. With
+//! heights zᵢ the slope is |2/N Σ zᵢ (cos θ, sin θ)| / ρ. *Warp* is the largest distance of a lead from the plane closest to all leads.
+
+use super::{AxisSettings, PlatformSettings, Problem, Settings, SettingsError};
+use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::units::{MAX_AXES, PerAxis};
+use core::f64::consts::TAU;
+
+/// Angles of a turn at which the tilt is computed, half a degree apart. The tilt between two of them is higher by less than 4e-5 of the
+/// largest tilt, as it has few harmonics.
+const ANGLES: u32 = 720;
+
+/// Greatest part of a limit by which rounding may exceed it.
+const ROUNDING: f64 = 1e-4;
+
+impl Settings {
+    /// Checks that commanded phases alone keep a platform within its limits, and that its cranks make the master's own turns.
+    #[cold]
+    pub(super) fn check_commanded(&self) -> Result<(), SettingsError> {
+        let Some(platform) = self.machine.platform() else {
+            return Ok(());
+        };
+        for (i, axis) in self.axes.iter().enumerate() {
+            if let Some(key) = axis.follower.key_of_own_turns() {
+                return Err(SettingsError::new(key, Problem::NotInPhase).on_entry(i));
+            }
+        }
+        if platform.allow_commanded_tilt {
+            return Ok(());
+        }
+        let leads = Leads::of(&self.axes, &self.trims_turns);
+        if leads.are_equal() {
+            return Ok(()); // The usual case needs no integrals.
+        }
+        let (warp_deg, axis) = leads.warp_deg();
+        let at_fault = |problem| {
+            let apart = |lead: fn(&AxisSettings) -> f64| {
+                self.axes
+                    .windows(2)
+                    .any(|pair| lead(&pair[0]) != lead(&pair[1]))
+            };
+            let key = if apart(|axis| axis.offset_turns) {
+                "axes.offset_deg"
+            } else {
+                "axes.trim_deg"
+            };
+            Err(SettingsError::new(key, problem).on_entry(axis))
+        };
+        let tilt_mrad = leads.tilt_mrad(platform, self.machine.mechanism(self.tick_hz));
+        let limit_mrad = platform.tilt_limit_mrad;
+        if tilt_mrad > limit_mrad * (1.0 + ROUNDING) {
+            return at_fault(Problem::CommandedTilt {
+                tilt_mrad,
+                limit_mrad,
+            });
+        }
+        let limit_deg = self.drift.warp_limit_deg;
+        if warp_deg > limit_deg * (1.0 + ROUNDING) {
+            return at_fault(Problem::CommandedWarp {
+                warp_deg,
+                limit_deg,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Commanded lead of each crank over crank 0, turns, from −½ to ½.
+struct Leads {
+    turns: PerAxis<f64>,
+    count: usize,
+}
+
+impl Leads {
+    fn of(axes: &[AxisSettings], trims_turns: &[f64]) -> Self {
+        let lead = |i: usize| {
+            let offset = axes.get(i).map_or(0.0, |axis| axis.offset_turns);
+            offset + trims_turns.get(i).copied().unwrap_or(0.0)
+        };
+        let first = lead(0);
+        Self {
+            turns: core::array::from_fn(|i| {
+                let ahead = lead(i) - first;
+                ahead - libm::round(ahead)
+            }),
+            count: axes.len().min(MAX_AXES),
+        }
+    }
+
+    fn of_cranks(&self) -> impl Iterator<Item = f64> {
+        self.turns.iter().take(self.count).copied()
+    }
+
+    fn are_equal(&self) -> bool {
+        self.of_cranks().all(|lead| lead == 0.0)
+    }
+
+    /// Cosine and sine of each crank's place on the mount circle. Two cranks tilt the platform in one direction only.
+    fn places(&self) -> impl Iterator<Item = (f64, f64)> {
+        let count = self.count;
+        (0..count).map(move |i| {
+            let theta = TAU * i as f64 / count as f64;
+            let sine = if count == 2 { 0.0 } else { libm::sin(theta) };
+            (libm::cos(theta), sine)
+        })
+    }
+
+    /// Slopes of the plane closest to a value at each crank, per mount radius.
+    fn slopes(&self, values: &PerAxis<f64>) -> (f64, f64) {
+        let part = if self.count == 2 { 1.0 } else { 2.0 } / self.count as f64;
+        let each = values.iter().zip(self.places());
+        let (x, y) = each.fold((0.0, 0.0), |(x, y), (value, (cosine, sine))| {
+            (x + value * cosine, y + value * sine)
+        });
+        (part * x, part * y)
+    }
+
+    /// Largest distance of a lead from the plane of all, degrees, and its axis. Three cranks are always in a plane.
+    fn warp_deg(&self) -> (f64, usize) {
+        let mean = self.of_cranks().sum::<f64>() / self.count.max(1) as f64;
+        let (x, y) = self.slopes(&self.turns);
+        let flat = self.count <= 3;
+        let mut farthest = (0.0, 0);
+        for (i, (lead, (cosine, sine))) in self.of_cranks().zip(self.places()).enumerate() {
+            let plane = if flat { 0.0 } else { x * cosine + y * sine };
+            let off = (lead - mean - plane).abs();
+            if off > farthest.0 {
+                farthest = (off, i);
+            }
+        }
+        let (off, axis) = farthest;
+        (if flat { 0.0 } else { off * 360.0 }, axis)
+    }
+
+    /// Largest tilt of a platform over a turn, mrad.
+    fn tilt_mrad(&self, platform: &PlatformSettings, mechanism: AnyMechanism) -> f64 {
+        let step = TAU / f64::from(ANGLES);
+        let slope = |angle: f64| slope(mechanism, angle);
+        let angle = |k: u32, lead: f64| f64::from(k) * step + lead * TAU;
+        // Height of each corner at the master's phase 0, per crank radius.
+        let mut heights: PerAxis<f64> = self.turns.map(|lead| travel(mechanism, lead * TAU));
+        let mut slopes = self.turns.map(|lead| slope(angle(0, lead)));
+        let mut largest = 0.0_f64;
+        for k in 1..=ANGLES {
+            for ((height, before), lead) in
+                heights.iter_mut().zip(&mut slopes).zip(self.of_cranks())
+            {
+                let now = slope(angle(k, lead));
+                *height += 0.5 * (*before + now) * step;
+                *before = now;
+            }
+            let (x, y) = self.slopes(&heights);
+            largest = largest.max(x * x + y * y);
+        }
+        1e3 * libm::sqrt(largest) * platform.crank_radius_m / platform.mount_radius_m
+    }
+}
+
+/// Slope of a mechanism at a crank angle, rad, per crank radius.
+fn slope(mechanism: AnyMechanism, angle: f64) -> f64 {
+    let turns = angle / TAU;
+    let within = turns - libm::floor(turns);
+    // An angle just below a whole turn may round to it, which is 0 again.
+    let bits = (within * 4_294_967_296.0) as u64 as u32;
+    f64::from(mechanism.kinematics(bits).slope) / f64::from(1 << 30)
+}
+
+/// Integral of the slope from 0 to an angle, rad, of at most half a turn either way.
+fn travel(mechanism: AnyMechanism, angle: f64) -> f64 {
+    let steps = libm::ceil(angle.abs() / TAU * f64::from(ANGLES)) as u32;
+    let step = angle / f64::from(steps.max(1));
+    let mut before = slope(mechanism, 0.0);
+    let mut travel = 0.0;
+    for k in 1..=steps {
+        let now = slope(mechanism, f64::from(k) * step);
+        travel += 0.5 * (before + now) * step;
+        before = now;
+    }
+    travel
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{platform, settings};
+    use super::super::{FollowerSettings, MachineSettings, ShaftSettings};
+    use super::*;
+    use crate::axes::CamTableSettings;
+    use proptest::prelude::*;
+    use std::string::{String, ToString};
+
+    fn refused(settings: &Settings) -> Option<String> {
+        settings.check().err().map(|error| error.to_string())
+    }
+
+    fn with_offsets(offsets_deg: &[f64]) -> Settings {
+        let mut settings = settings(offsets_deg.len());
+        for (axis, offset_deg) in settings.axes.iter_mut().zip(offsets_deg) {
+            axis.offset_turns = offset_deg / 360.0;
+        }
+        settings
+    }
+
+    /// If this fails, a machine is set up whose platform tilts far beyond its limit in every turn, without a fault.
+    #[test]
+    fn cranks_that_are_commanded_apart_are_refused() {
+        for offsets_deg in [
+            &[0.0, 72.0, 144.0, -144.0, -72.0][..],
+            &[0.0, 120.0, -120.0],
+            &[0.0, 180.0],
+            &[0.0, 0.0, 0.0, 6.0],
+        ] {
+            let mut apart = with_offsets(offsets_deg);
+            let said = refused(&apart).expect("they tilt the platform");
+            assert!(said.starts_with("axes.offset_deg (number "), "{said}");
+            assert!(said.contains("tilt the platform by up to"), "{said}");
+            platform(&mut apart).allow_commanded_tilt = true;
+            assert_eq!(refused(&apart), None);
+            apart.machine = MachineSettings::Shafts(ShaftSettings { length_m: 0.02 });
+            assert_eq!(refused(&apart), None, "shafts tilt nothing");
+        }
+        let mut trimmed = settings(3);
+        trimmed.trims_turns = heapless::Vec::from_array([0.0, 0.0, 0.0138]);
+        let said = refused(&trimmed).expect("it tilts the platform");
+        assert!(said.starts_with("axes.trim_deg (number 2)"), "{said}");
+    }
+
+    /// If this fails, four cranks of which opposite ones lead bend rods and platform, although nothing tilts.
+    #[test]
+    fn cranks_that_are_commanded_off_a_plane_are_refused() {
+        let said = refused(&with_offsets(&[4.0, -4.0, 4.0, -4.0])).expect("a warp");
+        assert!(said.contains("4.00° off the plane"), "{said}");
+        assert_eq!(refused(&with_offsets(&[2.9, -2.9, 2.9, -2.9])), None);
+    }
+
+    /// If this fails, machines in phase are refused, or trims that level a platform.
+    #[test]
+    fn cranks_in_phase_are_accepted() {
+        for count in 1..=MAX_AXES {
+            for offset_deg in [0.0, 17.0, 180.0] {
+                assert_eq!(
+                    refused(&with_offsets(&[offset_deg; MAX_AXES][..count])),
+                    None
+                );
+            }
+        }
+        // Half a turn ahead is half a turn behind.
+        assert_eq!(refused(&with_offsets(&[180.0, -180.0, 180.0])), None);
+        assert_eq!(refused(&with_offsets(&[0.0, 1.0, -1.0])), None);
+    }
+
+    /// If this fails, one crank of a platform turns otherwise than the rest, and the platform accelerates otherwise than the program says.
+    #[test]
+    fn cranks_with_turns_of_their_own_are_refused() {
+        for (numbers, is_direct) in [
+            ((1, 1), true),
+            ((3, 3), true),
+            ((36, 20), false),
+            ((1, 2), false),
+        ] {
+            let mut geared = settings(3);
+            geared.axes[1].follower = FollowerSettings::gear(numbers);
+            let said = refused(&geared);
+            assert_eq!(said.is_none(), is_direct, "{said:?}");
+            if let Some(said) = said {
+                assert!(said.starts_with("axes.ratio (number 1): "), "{said}");
+                assert!(said.contains("gear = [motor turns, crank turns]"), "{said}");
+                platform(&mut geared).allow_commanded_tilt = true;
+                assert!(
+                    refused(&geared).is_some(),
+                    "its amplitude is wrong all the same"
+                );
+            }
+        }
+        let mut on_cam = settings(2);
+        on_cam.cams = core::iter::once(super::super::CamSettings {
+            net_turns: 1,
+            points_turns: [0.0, 0.25, 0.5, 0.75].into_iter().collect(),
+        })
+        .collect();
+        on_cam.axes[1].follower = FollowerSettings::CamTable(CamTableSettings {
+            table: 0,
+            shift_turns: 0.0,
+        });
+        assert!(
+            refused(&on_cam)
+                .expect("a table")
+                .starts_with("axes.cam (number 1)")
+        );
+    }
+
+    proptest! {
+        /// The tilt by the positions of slider-cranks, at a thousand angles. If this fails, a tilt is computed wrongly.
+        #[test]
+        fn tilt_agrees_with_the_heights_of_slider_cranks(
+            leads in prop::collection::vec(-0.5..0.5_f64, 2..=MAX_AXES),
+            lambda in 0.1..0.6_f64,
+        ) {
+            let mut settings = with_offsets(&[0.0; MAX_AXES][..leads.len()]);
+            for (axis, lead) in settings.axes.iter_mut().zip(&leads) {
+                axis.offset_turns = *lead;
+            }
+            let own = platform(&mut settings);
+            own.mechanism = crate::mechanism::MechanismSettings::SliderCrank(
+                crate::mechanism::SliderCrankSettings { lambda },
+            );
+            let (radius, mount) = (own.crank_radius_m, own.mount_radius_m);
+            let own = *own;
+            let actual = Leads::of(&settings.axes, &[]).tilt_mrad(&own, settings.mechanism());
+            let mut largest = 0.0_f64;
+            for angle in 0..1000 {
+                let (mut x, mut y) = (0.0, 0.0);
+                for (i, lead) in leads.iter().enumerate() {
+                    let alpha = TAU * (f64::from(angle) / 1000.0 + lead);
+                    let height = radius * alpha.cos()
+                        + ((radius / lambda).powi(2) - (radius * alpha.sin()).powi(2)).sqrt();
+                    let theta = TAU * i as f64 / leads.len() as f64;
+                    x += height * theta.cos();
+                    y += height * theta.sin();
+                }
+                let part = if leads.len() == 2 { 0.5 } else { 2.0 / leads.len() as f64 };
+                if leads.len() == 2 { y = 0.0; }
+                largest = largest.max(part * x.hypot(y) / mount * 1e3);
+            }
+            prop_assert!((actual - largest).abs() < 1e-4 * (80.0 + largest), "{actual} {largest}");
+        }
+    }
+}
