@@ -2,6 +2,7 @@
 
 mod agreement;
 mod code_walk;
+mod commanded;
 mod coupling;
 mod crank_rocker;
 mod crusher;

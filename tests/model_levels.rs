@@ -227,10 +227,11 @@ fn a_runaway_ends_the_run_and_its_cause_is_named() {
 /// If this fails, cranks that stand apart are put at one angle on one shaft, and are taken to have slipped there.
 #[test]
 fn the_rigid_level_refuses_cranks_out_of_phase() {
-    let rigid = SCENE.replace("phased", "rigid");
+    let rigid = SCENE
+        .replace("phased", "rigid")
+        .replace("[machine]", "[machine]\nallow_commanded_tilt = true");
     for (key, line) in [
         ("offset_deg", "offset_deg = 90"),
-        ("ratio", "ratio = [2, 1]"),
         ("start_deg", "start_deg = 1"),
         ("trim_deg", "trim_deg = 1"),
     ] {
@@ -270,7 +271,8 @@ fn evenly_phased_cranks_hardly_lift_the_platform() {
     let apart = SCENE
         .replace("phased", "kinematic")
         .replace("count = 4", "count = 3")
-        + "[[axis]]\nnumber = 1\noffset_deg = 120\n[[axis]]\nnumber = 2\noffset_deg = -120\n[drift]\ntilt_limit_mrad = 100\n";
+        .replace("[machine]", "[machine]\nallow_commanded_tilt = true")
+        + "[[axis]]\nnumber = 1\noffset_deg = 120\n[[axis]]\nnumber = 2\noffset_deg = -120\n";
     let run = run(&apart);
     let trace = run.trace();
     let most = |column: &str| {

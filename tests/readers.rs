@@ -15,6 +15,7 @@ use host_sim::trace::{Every, Window};
 const SHORT: &str = r#"
 name = "for readers"
 [machine]
+allow_commanded_tilt = true
 crank_radius_mm = 20
 lambda = 0.3
 load_kg = 5

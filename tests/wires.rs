@@ -8,6 +8,7 @@ use host_sim::trace::{Every, Window};
 const TURNING: &str = r#"
 name = "turning round"
 [machine]
+allow_commanded_tilt = true
 crank_radius_mm = 20
 lambda = 0.3
 load_kg = 5

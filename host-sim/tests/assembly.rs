@@ -9,6 +9,7 @@ fn scene(fidelity: &str, count: usize, offset_deg: f64) -> String {
 name = "apart"
 fidelity = "{fidelity}"
 [machine]
+allow_commanded_tilt = true
 crank_radius_mm = 10
 lambda = 0.4
 load_kg = 6

@@ -196,7 +196,9 @@ fn bounds_and_the_auto_level_hold_for_uneven_machines() {
     judge_scene("elastic", checked(&elastic));
 
     let suspended = library::find("suspended").unwrap().text;
-    let apart = suspended.replace("lag_deg = 0.5", "lag_deg = 0.5\ntilt_mrad = 0.5")
+    let apart = suspended
+        .replace("lag_deg = 0.5", "lag_deg = 0.5\ntilt_mrad = 0.5")
+        .replace("[machine]", "[machine]\nallow_commanded_tilt = true")
         + "[[axis]]\nnumber = 1\noffset_deg = 120\n[[axis]]\nnumber = 2\noffset_deg = -120\n";
     judge_scene("apart", checked(&apart));
 

@@ -51,7 +51,7 @@ impl Plan {
     /// The scene file.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "name = \"random\"\n[machine]\ncrank_radius_mm = {}\nlambda = {LAMBDA}\nload_kg = 5\n\
+            "name = \"random\"\n[machine]\nallow_commanded_tilt = true\ncrank_radius_mm = {}\nlambda = {LAMBDA}\nload_kg = 5\n\
              [control]\ntick_hz = {}\npark_deg = 75\nsettle_s = 0.02\n\
              [limits]\nspeed_hz = {}\nacceleration_hz_per_s = {}\njerk_hz_per_s2 = {}\nhoming_speed_hz = 4\n",
             RADIUS_M * 1e3,

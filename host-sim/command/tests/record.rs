@@ -21,6 +21,7 @@ const SCENE: &str = r#"
 name = "recorded"
 fidelity = "kinematic"
 [machine]
+allow_commanded_tilt = true
 crank_radius_mm = 20
 lambda = 0.3
 load_kg = 5

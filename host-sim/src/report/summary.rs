@@ -127,8 +127,14 @@ fn write_page(
     } else {
         "cranks"
     };
+    let commanded_mrad = checked.settings.commanded_tilt_mrad();
     if checked.scene.axes.count == 1 {
         // One shaft has no difference of phases.
+    } else if statistics.worst_spread_deg < 1e-6 && commanded_mrad > 0.0 {
+        writeln!(
+            page,
+            "The cranks stayed exactly at their commanded phases, which tilt the platform by up to {commanded_mrad:.3} mrad."
+        )?;
     } else if statistics.worst_spread_deg < 1e-6 {
         let by_model = match checked.fidelity {
             Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",

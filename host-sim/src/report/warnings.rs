@@ -39,14 +39,18 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     }
     let limit_mrad = scene.drift.tilt_limit_mrad;
     if checked.has_platform() && statistics.worst_tilt_mrad > limit_mrad {
-        let once_a_turn = if scene.axes.encoder {
-            ""
+        let commanded_mrad = checked.settings.commanded_tilt_mrad();
+        let cause = if commanded_mrad > limit_mrad {
+            format!(
+                "the commanded phases alone tilt it by up to {commanded_mrad:.2} mrad in each turn, which machine.allow_commanded_tilt accepts."
+            )
+        } else if scene.axes.encoder {
+            "what moves a crank, or holds it, does so until all stand (docs/faults.md).".to_owned()
         } else {
-            "an index is detected once a turn, and "
+            "an index is detected once a turn, and what moves a crank, or holds it, does so until all stand (docs/faults.md).".to_owned()
         };
         warnings.push(format!(
-            "The platform tilted by {:.2} mrad, beyond its limit of {limit_mrad}: {once_a_turn}what moves a crank, or holds it, does so \
-             until all stand (docs/faults.md).",
+            "The platform tilted by {:.2} mrad, beyond its limit of {limit_mrad}: {cause}",
             statistics.worst_tilt_mrad
         ));
     }

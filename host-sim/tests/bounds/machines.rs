@@ -195,7 +195,11 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw, mechanism: Mechanism) ->
         text,
         "name = \"machine-{seed}\"\n[control]\ntick_hz = {tick_hz}"
     )?;
-    writeln!(text, "[machine]\n{}", mechanism(draw, radius_mm))?;
+    writeln!(
+        text,
+        "[machine]\nallow_commanded_tilt = true\n{}",
+        mechanism(draw, radius_mm)
+    )?;
     writeln!(
         text,
         "load_kg = {load_kg:.3}\nmount_radius_mm = {:.1}",

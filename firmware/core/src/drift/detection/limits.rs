@@ -130,3 +130,22 @@ const fn square(turns: Turns) -> u64 {
     let scaled = (turns.to_bits().unsigned_abs() >> 18) as u32;
     multiply(scaled, scaled)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{ShaftSettings, sample};
+
+    /// If this fails, shafts of a large machine are stopped within the limit that their scene gives.
+    #[test]
+    fn shafts_have_the_limit_of_their_settings_whatever_their_length() {
+        let mut drift = sample::settings(2).drift;
+        for (length_m, limit_deg) in [(1e-4, 90.0), (0.5, 90.0), (1.0, 90.0), (0.5, 0.01)] {
+            drift.warp_limit_deg = limit_deg;
+            let machine = MachineSettings::Shafts(ShaftSettings { length_m });
+            let limits = DriftLimits::new(&drift, &machine, 2000).of_cranks;
+            assert_eq!(limits.tilt, turns(limit_deg / 360.0), "{length_m} m");
+            assert_eq!(limits.warp, limits.tilt);
+        }
+    }
+}
