@@ -58,6 +58,7 @@ pub struct SimulatedAxis {
     slipped_turns: f64,
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
+    injected_cycles: i64,
     travelled_turns: f64,
 }
 
@@ -142,6 +143,7 @@ impl SimulatedAxis {
             dropped_turns: 0.0,
             slipped_turns: 0.0,
             lost_cycles: 0,
+            injected_cycles: 0,
             travelled_turns: 0.0,
         }
     }
@@ -248,9 +250,16 @@ impl SimulatedAxis {
         Travel::commanded(self.commanded_turns - before, 0.0)
     }
 
+    /// Electrical cycles by which faults of the scene made field and rotor fall back.
+    pub fn injected_cycles(&self) -> i64 {
+        self.injected_cycles
+    }
+
     /// Applies a disturbance to the field, beside its `travel` in the tick: the part of the commanded travel that it does not make, and
-    /// the travel by which it and its rotor fall back at once, turns.
-    pub fn disturb(&mut self, travel: &Travel, lost_turns: f64, stuck: bool) {
+    /// the electrical cycles by which it and its rotor fall back at once.
+    pub fn disturb(&mut self, travel: &Travel, lost_cycles: i64, stuck: bool) {
+        let lost_turns = lost_cycles as f64 * self.cycle_turns().unwrap_or(0.0);
+        self.injected_cycles += lost_cycles;
         self.cleared_turns += travel.commanded_turns - travel.field_turns + lost_turns;
         if lost_turns > 0.0 {
             // The sensor does not detect this motion.

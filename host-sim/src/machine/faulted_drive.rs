@@ -21,7 +21,7 @@ pub fn disturb(
     for ((axis, travel), disturbance) in axes.iter_mut().zip(travel.iter()).zip(disturbance) {
         axis.disturb(
             travel,
-            lost_turns(axis, disturbance, energised),
+            lost_cycles(axis, disturbance, energised),
             disturbance.stuck,
         );
     }
@@ -35,7 +35,8 @@ pub fn disturb_rotors(
     energised: bool,
 ) {
     for (i, (axis, disturbance)) in axes.iter().zip(disturbance).enumerate() {
-        rotors.fall_back(i, lost_turns(axis, disturbance, energised));
+        let lost_cycles = lost_cycles(axis, disturbance, energised);
+        rotors.fall_back(i, lost_cycles as f64 * axis.cycle_turns().unwrap_or(0.0));
         rotors.load(i, disturbance.load_nm);
         rotors.hold(i, disturbance.stuck);
     }
@@ -83,8 +84,11 @@ fn disturbed(
     }
 }
 
-/// Returns the travel by which field and rotor fall back, turns. A drive that is off has no field to lose.
-fn lost_turns(axis: &SimulatedAxis, disturbance: &Disturbance, energised: bool) -> f64 {
-    let cycle_turns = axis.cycle_turns().filter(|_| energised).unwrap_or(0.0);
-    disturbance.lost_cycles as f64 * cycle_turns
+/// Returns the electrical cycles by which field and rotor fall back. A servo has none, and a drive that is off has no field to lose.
+fn lost_cycles(axis: &SimulatedAxis, disturbance: &Disturbance, energised: bool) -> i64 {
+    if energised && axis.cycle_turns().is_some() {
+        disturbance.lost_cycles
+    } else {
+        0
+    }
 }

@@ -231,11 +231,18 @@ impl Machine {
         (omega_rad_s, acceleration_rad_s2): (f64, f64),
     ) -> Pose {
         if let Some(plane) = plane {
+            let [z_m, x, y] = plane.place;
+            // The part that a plant moves has one slope, its pitch.
+            let (tilt, pitch) = match self.recorder {
+                Some(_) => ([0.0; 2], x),
+                None => ([x, y], 0.0),
+            };
             return Pose {
-                z_m: plane.place[0],
+                z_m,
                 accel_mps2: plane.acceleration[0],
-                tilt_x_mrad: plane.place[1] * 1e3,
-                tilt_y_mrad: plane.place[2] * 1e3,
+                tilt_x_mrad: tilt[0] * 1e3,
+                tilt_y_mrad: tilt[1] * 1e3,
+                pitch_mrad: pitch * 1e3,
                 warp_deg: self.platform.warp_deg(turns, command_turns),
             };
         }
@@ -320,21 +327,15 @@ impl Machine {
 
     /// Records the tick that was played in the figures of a machine with its own plant model.
     fn record_tick(&mut self, drives_enabled: bool, master_turns: f64, command_turns: &[f64]) {
-        let Some(mut recorder) = self.recorder.take() else {
+        let Some(recorder) = &mut self.recorder else {
             return;
         };
         let (omega_rad_s, acceleration_rad_s2) = recorder.master(master_turns, self.tick_s);
-        let turns: Axes<f64> = self.axes.iter().map(SimulatedAxis::turns).collect();
-        let plane = self.rotors.as_ref().and_then(Rotors::platform);
-        let commanded = (omega_rad_s, acceleration_rad_s2);
-        let pose = match plane {
-            Some(_) => self.posed(&turns, command_turns, plane, commanded),
-            None => recorder
-                .plant
-                .pose(&turns, omega_rad_s, acceleration_rad_s2),
-        };
         let t_s = recorder.end_s(self.tick_s);
-        recorder.record.tick(&Tick {
+        let turns: Axes<f64> = self.axes.iter().map(SimulatedAxis::turns).collect();
+        let commanded = (omega_rad_s, acceleration_rad_s2);
+        let pose = self.pose(&turns, command_turns, commanded);
+        let tick = Tick {
             t_s,
             tick_s: self.tick_s,
             drives_enabled,
@@ -344,8 +345,10 @@ impl Machine {
             command_turns,
             pose,
             state: self.rotors.as_ref().map(Rotors::state),
-        });
-        self.recorder = Some(recorder);
+        };
+        if let Some(recorder) = &mut self.recorder {
+            recorder.record.tick(&tick);
+        }
     }
 
     fn turn(

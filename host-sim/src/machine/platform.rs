@@ -37,6 +37,8 @@ pub struct Pose {
     pub tilt_x_mrad: f64,
     /// Tilt that lifts the side a quarter turn further, mrad.
     pub tilt_y_mrad: f64,
+    /// Pitch of a machine that pitches, mrad: it lifts the end in the direction of the shafts' places.
+    pub pitch_mrad: f64,
     /// Largest deviation of a crank from the plane of all cranks, degrees of crank angle.
     pub warp_deg: f64,
 }
@@ -126,6 +128,7 @@ impl Platform {
             accel_mps2: self.upwards() * accel_mps2,
             tilt_x_mrad: tilt_x * 1e3,
             tilt_y_mrad: tilt_y * 1e3,
+            pitch_mrad: 0.0,
             warp_deg: self.warp_deg(turns, command_turns),
         }
     }

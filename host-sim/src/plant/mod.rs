@@ -136,6 +136,19 @@ pub trait Plant: Debug + Send + Sync {
     /// rad/s, and acceleration, rad/s².
     fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose;
 
+    /// Part that the shafts move, in a word: "box".
+    fn moved_part(&self) -> &'static str;
+
+    /// Axes in the plural, in a word.
+    fn axes_word(&self) -> &'static str {
+        "shafts"
+    }
+
+    /// True if the moved part pitches.
+    fn pitches(&self) -> bool {
+        false
+    }
+
     /// Number of positions in the equations of motion: the shafts and the parts that they move.
     fn positions(&self) -> usize;
 

@@ -84,7 +84,7 @@ impl<W: Write + Seek + 'static> Recording<W> {
         let axes = settings.axes.len();
         let unknown = stream.unknown_columns();
         let setup = TraceSetup {
-            axes,
+            shape: axes.into(),
             // Every received row is written.
             every: Every::Ticks(1),
             window,

@@ -226,7 +226,7 @@ impl<'a> Report<'a> {
             steps: statistics.steps[i],
             command_turns: statistics.turns[i].0,
             actual_turns: statistics.turns[i].1,
-            slipped_cycles: statistics.slipped_cycles[i],
+            slipped_cycles: statistics.cycles_off(i),
             phase_error_peak_deg: statistics.phase_error_peak_deg[i],
             correction_deg: statistics.correction_deg[i],
             pull_out_used: statistics.torque_used[i].map(|(used, _)| used),

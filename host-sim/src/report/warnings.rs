@@ -34,9 +34,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if outcome.slipped_undetected() {
-        warnings.push("A motor slipped, and the controller did not see it.".to_owned());
-    }
+    warnings.extend(lost_unnoticed(checked, outcome));
     let limit_mrad = scene.drift.tilt_limit_mrad;
     if checked.has_platform() && statistics.worst_tilt_mrad > limit_mrad {
         let commanded_mrad = checked.settings.commanded_tilt_mrad();
@@ -84,6 +82,48 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// Warns of each axis that the controller lost unnoticed. The run then has exit status 1.
+fn lost_unnoticed(checked: &Checked, outcome: &Outcome) -> Vec<String> {
+    let statistics = &outcome.statistics;
+    let lost = |axis: usize| {
+        let (off_turns, cycles) = (
+            statistics.off_command_turns[axis],
+            statistics.cycles_off(axis),
+        );
+        let by = if off_turns == 0.0 {
+            format!("slipped by {}", in_cycles(cycles.unsigned_abs()))
+        } else {
+            let off = if off_turns.abs() < 1.0 {
+                format!("{:.1}°", 360.0 * off_turns.abs())
+            } else {
+                format!("{:.2} turns", off_turns.abs())
+            };
+            let side = if off_turns < 0.0 {
+                "behind"
+            } else {
+                "ahead of"
+            };
+            let counted = match cycles {
+                0 => String::new(),
+                cycles => format!(" ({})", in_cycles(cycles.unsigned_abs())),
+            };
+            format!("ended {off} {side} its command{counted}")
+        };
+        let why = if !checked.has_index(axis) && !checked.scene.axes.encoder {
+            "it has no sensor"
+        } else {
+            "its sensors show the same again after a whole turn, or no pulse was due any more"
+        };
+        format!("Axis {axis} {by}, and the controller did not notice: {why}.")
+    };
+    outcome.lost_unnoticed().map(lost).collect()
+}
+
+fn in_cycles(cycles: u64) -> String {
+    let plural = if cycles == 1 { "" } else { "s" };
+    format!("{cycles} electrical cycle{plural}")
 }
 
 /// Warns of motors that lack torque for the program, on any model level. Where a motor has no torque at all,

@@ -11,6 +11,7 @@ mod forces;
 pub mod hold;
 mod io;
 mod moment;
+mod off_command;
 mod outcome;
 mod places;
 pub(crate) mod schedule;

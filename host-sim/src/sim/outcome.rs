@@ -25,15 +25,21 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// True if a motor slipped and nothing was reported. The controller then assumes the cranks in phase, and they are not.
-    pub fn slipped_undetected(&self) -> bool {
-        self.fault.is_none()
-            && self.statistics.reported == 0
-            && self
-                .statistics
-                .slipped_cycles
-                .iter()
-                .any(|&cycles| cycles != 0)
+    /// Axes that slipped, or ended off their commands, in a run in which the controller reported nothing. It then assumes them in
+    /// place, and they are not.
+    pub fn lost_unnoticed(&self) -> impl Iterator<Item = usize> {
+        let statistics = &self.statistics;
+        let is_noticed = self.fault.is_some() || statistics.reported > 0;
+        (0..statistics.slipped_cycles.len()).filter(move |&i| {
+            let is_lost = statistics.cycles_off(i) != 0 || statistics.off_command_turns[i] != 0.0;
+            is_lost && !is_noticed
+        })
+    }
+
+    /// True if the run did not end as it should: by a fault, with shafts that the controller lost unnoticed, or with a machine that
+    /// diverged.
+    pub fn went_wrong(&self) -> bool {
+        self.fault.is_some() || self.diverged.is_some() || self.lost_unnoticed().next().is_some()
     }
 
     /// Simulated time, s.

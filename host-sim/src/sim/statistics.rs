@@ -11,6 +11,7 @@ use super::event_watch::{EventWatch, NewEvents};
 use super::events::{Event, EventKind, StoppedBy};
 use super::forces::PeakForces;
 use super::hold::FaultHold;
+use super::off_command::OffCommand;
 use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::plant::Figure;
@@ -69,8 +70,12 @@ pub struct Statistics {
     pub phase_error_peak_deg: Vec<f64>,
     /// Correction of each axis at the end of the run, degrees.
     pub correction_deg: Vec<f64>,
-    /// Electrical cycles slipped, for each axis.
+    /// Electrical cycles slipped, for each axis, by its motor itself.
     pub slipped_cycles: Vec<i64>,
+    /// Electrical cycles that faults of the scene took from each axis.
+    pub injected_cycles: Vec<i64>,
+    /// Error of each shaft that ended off its command, turns: positive ahead; 0 for the others.
+    pub off_command_turns: Vec<f64>,
     /// Largest fraction of its pull-out torque that was required of each axis, and the speed at that time, rev/s; none if
     /// torque is not compared.
     pub torque_used: Vec<Option<(f64, f64)>>,
@@ -115,6 +120,7 @@ pub struct Statistics {
     state: Option<State>,
     event_watch: EventWatch,
     corrections: Corrections,
+    off_command: OffCommand,
     /// Time at which the shaft entered a band, s, and true if its speed was rising then.
     band: Option<(f64, bool)>,
     held: Option<f64>,
@@ -146,6 +152,8 @@ impl Statistics {
             phase_error_peak_deg: Vec::new(),
             correction_deg: Vec::new(),
             slipped_cycles: vec![0; axes],
+            injected_cycles: vec![0; axes],
+            off_command_turns: vec![0.0; axes],
             torque_used: Vec::new(),
             worst_torque_nm: Vec::new(),
             worst_accel_mps2: 0.0,
@@ -175,12 +183,18 @@ impl Statistics {
                 checked.scene.drift.reading_error_deg,
                 1.0 / f64::from(checked.scene.control.tick_hz),
             ),
+            off_command: OffCommand::new(checked),
             band: None,
             held: None,
             lag: None,
             level: Amax::ZERO,
             level_ticks: 0,
         }
+    }
+
+    /// Electrical cycles by which an axis left its command: negative behind.
+    pub fn cycles_off(&self, axis: usize) -> i64 {
+        self.slipped_cycles[axis] - self.injected_cycles[axis]
     }
 
     /// Time at which the first motor slipped or the first fault latched, s; none if neither happened.
@@ -312,6 +326,7 @@ impl Statistics {
         if !moment.drives_enabled {
             return;
         }
+        self.off_command.tick(moment, self.speed_hz);
         let spread_deg = (high - low) * 360.0;
         raise(&mut self.worst_spread_deg, spread_deg);
         moment.raise_tilt(&mut self.worst_tilt_mrad);
@@ -426,6 +441,10 @@ impl Statistics {
             .map(SimulatedAxis::torque_used)
             .collect();
         let axes = 0..machine.axes.len();
+        self.injected_cycles = (machine.axes.iter())
+            .map(SimulatedAxis::injected_cycles)
+            .collect();
+        self.off_command_turns = self.off_command.off_turns().to_vec();
         self.steps = axes
             .clone()
             .map(|i| last.map_or(0, |last| last.steps(i)))

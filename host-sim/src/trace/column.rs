@@ -4,7 +4,7 @@
 //! that belong together, for formats that have groups.
 
 use super::rounding::rounded;
-use super::{AxisRow, Row};
+use super::{AxisRow, Row, RowShape};
 
 /// Source of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,15 +32,20 @@ pub enum Topic {
     Loop,
     /// Axis, counted from 0.
     Axis(usize),
-    /// Platform.
+    /// Platform, or the part that another machine moves.
     Platform,
+    /// Pitch of that part.
+    Pitch,
 }
 
 impl Topic {
-    /// Returns the topics of a run with `axes` axes, in the order of their columns.
-    pub fn of_run(axes: usize) -> impl Iterator<Item = Self> {
-        let each = (0..axes).map(Self::Axis);
-        [Self::Loop].into_iter().chain(each).chain([Self::Platform])
+    /// Returns the topics of a run, in the order of their columns.
+    pub fn of_run(shape: RowShape) -> impl Iterator<Item = Self> {
+        let each = (0..shape.axes).map(Self::Axis);
+        let pitch = shape.pitches.then_some(Self::Pitch);
+        ([Self::Loop].into_iter().chain(each))
+            .chain([Self::Platform])
+            .chain(pitch)
     }
 
     const fn fields(self) -> &'static [Field] {
@@ -48,6 +53,7 @@ impl Topic {
             Self::Loop => LOOP,
             Self::Axis(_) => AXIS,
             Self::Platform => PLATFORM,
+            Self::Pitch => PITCH,
         }
     }
 }
@@ -108,9 +114,9 @@ pub struct Column {
 }
 
 impl Column {
-    /// Returns the columns of a run with `axes` axes, in the order of `trace.csv`.
-    pub fn of_run(axes: usize) -> impl Iterator<Item = Self> {
-        Topic::of_run(axes).flat_map(Self::of_topic)
+    /// Returns the columns of a run, in the order of `trace.csv`.
+    pub fn of_run(shape: RowShape) -> impl Iterator<Item = Self> {
+        Topic::of_run(shape).flat_map(Self::of_topic)
     }
 
     /// Returns the columns of a topic.
@@ -123,7 +129,7 @@ impl Column {
     pub fn name(&self) -> String {
         match self.topic {
             Topic::Axis(i) => format!("{}_{i}", self.field.name),
-            Topic::Loop | Topic::Platform => self.field.name.to_owned(),
+            Topic::Loop | Topic::Platform | Topic::Pitch => self.field.name.to_owned(),
         }
     }
 
@@ -139,7 +145,7 @@ impl Column {
     pub fn value(&self, row: &Row) -> Value {
         let axis = match self.topic {
             Topic::Axis(i) => i,
-            Topic::Loop | Topic::Platform => 0,
+            Topic::Loop | Topic::Platform | Topic::Pitch => 0,
         };
         match self.field.read {
             Read::Number(decimals, read) => Value::Number(rounded(read(row, axis), decimals)),
@@ -264,6 +270,13 @@ const PLATFORM: &[Field] = &[
         Number(decimals::ACCELERATION, |row, _| row.accel_mps2),
     ),
 ];
+
+const PITCH: &[Field] = &[Field::new(
+    "pitch_mrad",
+    "mrad",
+    Machine,
+    Number(decimals::TILT, |row, _| row.pitch_mrad),
+)];
 
 fn axis(row: &Row, i: usize) -> &AxisRow {
     &row.axes[i]

@@ -7,8 +7,8 @@ use std::io::{self, Write};
 
 use thiserror::Error;
 
-use super::Row;
 use super::column::{Column, Value};
+use super::{Row, RowShape};
 
 /// Reason why a trace could not be written.
 #[derive(Debug, Error)]
@@ -50,20 +50,21 @@ pub struct TraceCsv<W: Write> {
 }
 
 impl<W: Write> TraceCsv<W> {
-    /// Writes the header for `axes` axes, which are counted from 0.
+    /// Writes the header. Axes are counted from 0.
     ///
     /// The writer is buffered here; `w` need not be.
     ///
     /// # Errors
     /// When `w` refuses.
-    pub fn new(w: W, axes: usize) -> Result<Self, TraceError> {
-        let columns: Vec<Column> = Column::of_run(axes).collect();
+    pub fn new(w: W, shape: impl Into<RowShape>) -> Result<Self, TraceError> {
+        let shape = shape.into();
+        let columns: Vec<Column> = Column::of_run(shape).collect();
         let mut lines = ::csv::Writer::from_writer(w);
         lines.write_record(columns.iter().map(Column::name))?;
         Ok(Self {
             lines,
             unknown: vec![false; columns.len()],
-            axes,
+            axes: shape.axes,
             columns,
             text: Vec::with_capacity(32),
         })

@@ -2,12 +2,14 @@
 
 use std::io::{Seek, Write};
 
-use super::{EdgeError, Levels, Row, Signal, StepsFst, StepsVcd};
+use super::{EdgeError, Levels, Row, RowShape, Signal, StepsFst, StepsVcd};
 
 /// Writer of edges, by format.
 pub(super) struct EdgeOutputs<W> {
     pub vcd: Option<W>,
     pub fst: Option<W>,
+    /// True if the rows have a pitch.
+    pub pitches: bool,
 }
 
 impl<W> Default for EdgeOutputs<W> {
@@ -15,6 +17,7 @@ impl<W> Default for EdgeOutputs<W> {
         Self {
             vcd: None,
             fst: None,
+            pitches: false,
         }
     }
 }
@@ -33,7 +36,11 @@ impl<W: Write + Seek> EdgeOutputs<W> {
             files.push(EdgeFile::Vcd(Box::new(vcd)));
         }
         if let Some(w) = self.fst {
-            let fst = StepsFst::new(w, axes, from_ns, levels)?;
+            let shape = RowShape {
+                axes,
+                pitches: self.pitches,
+            };
+            let fst = StepsFst::new(w, shape, from_ns, levels)?;
             files.push(EdgeFile::Fst(Box::new(fst)));
         }
         Ok(files)

@@ -9,9 +9,9 @@ use fst_writer::{
     FstVarDirection, FstVarType,
 };
 
-use super::Row;
 use super::column::{Column, Value};
 use super::wires::{EdgeError, Levels, Signal, Wires};
+use super::{Row, RowShape};
 
 /// Offset of the start time in the format's header, bytes: one byte for the kind of block and eight for its
 /// length precede it.
@@ -34,8 +34,14 @@ impl<W: Write + Seek> StepsFst<W> {
     ///
     /// # Errors
     /// When `w` refuses.
-    pub fn new(w: W, axes: usize, start_ns: u64, initial: &Levels) -> Result<Self, EdgeError> {
-        let wires = Wires::new(axes, start_ns, initial);
+    pub fn new(
+        w: W,
+        shape: impl Into<RowShape>,
+        start_ns: u64,
+        initial: &Levels,
+    ) -> Result<Self, EdgeError> {
+        let shape = shape.into();
+        let wires = Wires::new(shape.axes, start_ns, initial);
         let info = FstInfo {
             start_time: 0,
             timescale_exponent: -9,
@@ -52,7 +58,7 @@ impl<W: Write + Seek> StepsFst<W> {
             .names()
             .map(|name| add(name, FstSignalType::bit_vec(1), FstVarType::Wire))
             .collect::<Result<Vec<_>, _>>()?;
-        let columns = Column::of_run(axes)
+        let columns = Column::of_run(shape)
             .filter(|column| column.is_numeric())
             .map(|column| {
                 let id = add(column.name(), FstSignalType::real(), FstVarType::Real)?;

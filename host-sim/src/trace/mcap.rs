@@ -11,9 +11,9 @@ use mcap::records::MessageHeader;
 use serde_json::json;
 use thiserror::Error;
 
-use super::Row;
 use super::column::{Column, Read, Topic};
 use super::json::JsonColumns;
+use super::{Row, RowShape};
 
 /// Reason why a trace could not be written.
 #[derive(Debug, Error)]
@@ -38,19 +38,20 @@ pub struct TraceMcap<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> TraceMcap<W> {
-    /// Writes the header, with a channel for each topic of `axes` axes.
+    /// Writes the header, with a channel for each topic.
     ///
     /// # Errors
     /// When `w` refuses.
-    pub fn new(w: W, axes: usize) -> Result<Self, McapTraceError> {
+    pub fn new(w: W, shape: impl Into<RowShape>) -> Result<Self, McapTraceError> {
         let options = WriteOptions::new().compression(None).library("cophase");
         let mut file = options.create(w)?;
-        let mut channels = Vec::with_capacity(axes + 2);
-        for topic in Topic::of_run(axes) {
+        let mut channels = Vec::new();
+        for topic in Topic::of_run(shape.into()) {
             let (name, path) = match topic {
                 Topic::Loop => ("cophase.loop", "/loop".to_owned()),
                 Topic::Axis(i) => ("cophase.axis", format!("/axis/{i}")),
                 Topic::Platform => ("cophase.platform", "/platform".to_owned()),
+                Topic::Pitch => ("cophase.pitch", "/pitch".to_owned()),
             };
             let schema = serde_json::to_vec(&schema(name, topic))?;
             // The same schema of another axis is the same record.

@@ -39,7 +39,7 @@ pub use fst::StepsFst;
 pub use layout::gtkwave_layout;
 pub use mcap::{McapTraceError, TraceMcap};
 pub use recorder::{RecordError, Recorder};
-pub use row::{AxisRow, Row};
+pub use row::{AxisRow, Row, RowShape};
 pub use rows::{Every, MOST_ROWS};
 pub(crate) use scope::{BAND, FONT, GAP, Panel, TIME_AXIS, embed, plain, short};
 pub use scope::{Envelope, Extent, Moved, Overlay, OverlayRow, ScopeData, ScopeFrame};

@@ -9,7 +9,9 @@ use super::overdue::PhaseSensor;
 use super::rows::Every;
 use super::traces::{TraceSetup, Traces};
 use super::window::Window;
-use super::{ControllerRows, EdgeError, Format, Row, RowsUdp, ScopeData, TickEdges, TraceError};
+use super::{
+    ControllerRows, EdgeError, Format, Row, RowShape, RowsUdp, ScopeData, TickEdges, TraceError,
+};
 use crate::scene::Checked;
 use crate::sim::{Moment, Observer};
 
@@ -55,7 +57,7 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
             .map(|i| checked.overrides(i).is_some_and(|own| own.reversed))
             .collect();
         let setup = TraceSetup {
-            axes,
+            shape: RowShape::of(checked),
             every,
             window,
             unknown: &[],
@@ -98,6 +100,7 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
         row.warp_deg = pose.warp_deg;
         row.z_m = pose.z_m;
         row.accel_mps2 = pose.accel_mps2;
+        row.pitch_mrad = pose.pitch_mrad;
     }
 }
 

@@ -3,6 +3,37 @@
 //! Time and turns count from power-up. The program, the command and the phase error are the controller's
 //! values. The actual turns, tilt, warp, height and acceleration are the true values of the simulated machine.
 
+use crate::scene::Checked;
+
+/// Machine whose rows a trace has. It decides the columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RowShape {
+    /// Number of axes.
+    pub axes: usize,
+    /// True if the moved part pitches, and rows have its pitch.
+    pub pitches: bool,
+}
+
+impl RowShape {
+    /// Shape of the rows of a scene.
+    pub fn of(checked: &Checked) -> Self {
+        Self {
+            axes: checked.scene.axes.count,
+            pitches: checked.plant.as_ref().is_some_and(|plant| plant.pitches()),
+        }
+    }
+}
+
+/// A machine with this number of axes, which does not pitch.
+impl From<usize> for RowShape {
+    fn from(axes: usize) -> Self {
+        Self {
+            axes,
+            pitches: false,
+        }
+    }
+}
+
 /// One row of `trace.csv`: the loop and the machine at one control tick.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
@@ -32,6 +63,8 @@ pub struct Row {
     pub z_m: f64,
     /// The platform's acceleration, upwards, m/s².
     pub accel_mps2: f64,
+    /// Pitch of the moved part, milliradians; only machines that pitch have it.
+    pub pitch_mrad: f64,
 }
 
 impl Row {
@@ -54,6 +87,7 @@ impl Row {
             &mut self.warp_deg,
             &mut self.z_m,
             &mut self.accel_mps2,
+            &mut self.pitch_mrad,
         ] {
             *truth = f64::NAN;
         }

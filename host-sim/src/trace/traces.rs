@@ -6,14 +6,14 @@ use super::edges::EdgeOutputs;
 use super::mcap::TraceMcap;
 use super::rows::{Every, RowWriter, Rows};
 use super::window::{StepWindow, Window};
-use super::{Format, RecordError, Row, RowsUdp, ScopeData, TickEdges, TraceCsv};
+use super::{Format, RecordError, Row, RowShape, RowsUdp, ScopeData, TickEdges, TraceCsv};
 use crate::report::Written;
 
 /// Form of the traces.
 #[derive(Clone, Copy, Debug)]
 pub struct TraceSetup<'a> {
-    /// Number of axes.
-    pub axes: usize,
+    /// Columns of the rows.
+    pub shape: RowShape,
     /// Rows that `trace.csv` gets.
     pub every: Every,
     /// Time that `steps.vcd` shows.
@@ -42,15 +42,18 @@ impl<'a, W: Write + Seek + 'a> Traces<'a, W> {
         udp: Option<&'a mut RowsUdp>,
         scope: ScopeData,
     ) -> Result<Self, RecordError> {
-        let axes = setup.axes;
+        let shape = setup.shape;
         let mut rows: Vec<Box<dyn RowWriter + 'a>> = Vec::new();
-        let mut edges = EdgeOutputs::default();
+        let mut edges = EdgeOutputs {
+            pitches: shape.pitches,
+            ..EdgeOutputs::default()
+        };
         for (format, w) in files {
             match format {
                 Format::Csv => {
-                    rows.push(Box::new(TraceCsv::new(w, axes)?.without(setup.unknown)));
+                    rows.push(Box::new(TraceCsv::new(w, shape)?.without(setup.unknown)));
                 }
-                Format::Mcap => rows.push(Box::new(TraceMcap::new(w, axes)?)),
+                Format::Mcap => rows.push(Box::new(TraceMcap::new(w, shape)?)),
                 Format::Vcd => edges.vcd = Some(w),
                 Format::Fst => edges.fst = Some(w),
             }
@@ -59,7 +62,7 @@ impl<'a, W: Write + Seek + 'a> Traces<'a, W> {
             rows.push(Box::new(udp));
         }
         Ok(Self {
-            axes,
+            axes: shape.axes,
             rows: Rows::new(rows, setup.every),
             steps: StepWindow::new(edges, setup.window),
             scope,

@@ -7,9 +7,9 @@
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 
-use super::Row;
 use super::column::{Column, Topic};
 use super::json::JsonColumns;
+use super::{Row, RowShape};
 
 /// Key of the time, s since power-up, for receivers. It is PlotJuggler's default key.
 const TIMESTAMP: &str = "timestamp";
@@ -33,11 +33,11 @@ pub struct SentRows {
 }
 
 impl RowsUdp {
-    /// Opens a socket for rows of `axes` axes to a receiver.
+    /// Opens a socket for rows to a receiver.
     ///
     /// # Errors
     /// There is no socket, or no route to the receiver.
-    pub fn new(receiver: SocketAddr, axes: usize) -> io::Result<Self> {
+    pub fn new(receiver: SocketAddr, shape: impl Into<RowShape>) -> io::Result<Self> {
         let any: SocketAddr = match receiver {
             SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
             SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
@@ -47,7 +47,7 @@ impl RowsUdp {
         socket.set_nonblocking(true)?;
         let stamp = Column::of_topic(Topic::Loop).next();
         let stamp = stamp.map(|time| (TIMESTAMP.to_owned(), time));
-        let columns = Column::of_run(axes).map(|column| (column.name(), column));
+        let columns = Column::of_run(shape.into()).map(|column| (column.name(), column));
         Ok(Self {
             socket,
             columns: JsonColumns::new(stamp.into_iter().chain(columns)),
@@ -125,9 +125,14 @@ mod tests {
             warp_deg: -17_999.123_45,
             z_m: -0.123_456_789,
             accel_mps2: -12_345.678_9,
+            pitch_mrad: -1_234.567_89,
             ..Row::default()
         };
-        let mut rows = RowsUdp::new(receiver.local_addr().unwrap(), 6).unwrap();
+        let shape = RowShape {
+            axes: 6,
+            pitches: true,
+        };
+        let mut rows = RowsUdp::new(receiver.local_addr().unwrap(), shape).unwrap();
         rows.send(&row);
         let mut buffer = [0; 65_536];
         let length = receiver.recv(&mut buffer).unwrap();

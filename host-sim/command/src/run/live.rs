@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use host_sim::live::WallClock;
 use host_sim::scene::Checked;
-use host_sim::trace::{RowsUdp, SentRows};
+use host_sim::trace::{RowShape, RowsUdp, SentRows};
 
 use super::RunArgs;
 
@@ -20,7 +20,7 @@ impl Live {
     /// # Errors
     /// The receiver cannot be reached. The error is a message for the user.
     pub(super) fn new(args: &RunArgs, checked: &Checked) -> Result<Self, String> {
-        let open = |receiver| match RowsUdp::new(receiver, checked.scene.axes.count) {
+        let open = |receiver| match RowsUdp::new(receiver, RowShape::of(checked)) {
             Ok(rows) => Ok((receiver, rows)),
             Err(error) => Err(format!(
                 "--udp: no way to {receiver}: {error}; give a receiver that can be reached"

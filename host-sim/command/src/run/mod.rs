@@ -156,9 +156,7 @@ pub(super) fn run(
             writeln!(out, "Sent to {receiver}: {rows} rows, {lost} of them lost.")?;
         }
     }
-    let went_wrong =
-        outcome.fault.is_some() || outcome.slipped_undetected() || outcome.diverged.is_some();
-    Ok(if went_wrong {
+    Ok(if outcome.went_wrong() {
         Status::Fault
     } else {
         Status::Done

@@ -23,7 +23,7 @@ pub(crate) fn frame(checked: &Checked) -> ScopeFrame {
             .has_platform()
             .then_some(scene.drift.tilt_limit_mrad),
         moved: match (&checked.plant, &checked.cam) {
-            (Some(_), _) => Moved::Machine,
+            (Some(plant), _) => Moved::Machine(plant.moved_part()),
             (None, Some(_)) => Moved::Pushers,
             (None, None) => Moved::Platform,
         },

@@ -151,6 +151,10 @@ impl Plant for Crusher {
         }
     }
 
+    fn moved_part(&self) -> &'static str {
+        "jaw"
+    }
+
     fn positions(&self) -> usize {
         1
     }

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Crusher;
+use crate::dynamics::STICTION_RAD_S;
 use crate::plant::{Figure, Record, Tick};
 
 /// Speeds within one turn of the shaft, rad/s.
@@ -37,11 +38,11 @@ pub struct CrusherRecord {
     stall: Option<Stall>,
 }
 
+/// Speed below which a shaft stands, rad/s. In this model friction and rock hold a shaft that creeps by less.
+const STANDS_RAD_S: f64 = STICTION_RAD_S;
+
 /// Fraction of the largest commanded speed below which the shaft counts as stopping on command.
 const STANDING: f64 = 0.1;
-
-/// Fraction of the commanded speed below which a shaft that has turned counts as stalled.
-const STALLED: f64 = 0.05;
 
 impl CrusherRecord {
     pub(super) fn new(crusher: &Crusher) -> Self {
@@ -91,7 +92,7 @@ impl CrusherRecord {
             self.turned = false;
         } else if omega > 0.5 * commanded {
             self.turned = true;
-        } else if self.turned && omega < STALLED * commanded && self.stall.is_none() {
+        } else if self.turned && omega < STANDS_RAD_S && self.stall.is_none() {
             self.stall = Some(Stall {
                 t_s: tick.t_s,
                 turn_deg: phi_rad.rem_euclid(TAU).to_degrees(),
@@ -156,7 +157,7 @@ impl Record for CrusherRecord {
                 self.stall.map(|stall| stall.t_s),
                 match self.stall {
                     Some(stall) => format!(
-                        "The rock stopped the shaft at {:.3} s, at {:.0}° of its turn.",
+                        "The rock stopped the shaft at {:.3} s, at {:.1}° of its turn.",
                         stall.t_s, stall.turn_deg
                     ),
                     None => "The rock did not stop the shaft.".to_owned(),
@@ -181,7 +182,7 @@ impl Record for CrusherRecord {
         }
         if let Some(stall) = self.stall {
             warnings.push(format!(
-                "The crusher stalled at {:.3} s, at {:.0}° of its turn: flywheel and motor do not break this rock at this speed.",
+                "The crusher stalled at {:.3} s, at {:.1}° of its turn: flywheel and motor do not break this rock at this speed.",
                 stall.t_s, stall.turn_deg
             ));
         }

@@ -129,6 +129,14 @@ impl Plant for Arm {
         }
     }
 
+    fn moved_part(&self) -> &'static str {
+        "hand"
+    }
+
+    fn axes_word(&self) -> &'static str {
+        "joints"
+    }
+
     fn positions(&self) -> usize {
         2
     }

@@ -107,6 +107,9 @@ pub struct ContactTable {
     /// Gain of the integrated force error, 1/s.
     #[serde(default = "default_force")]
     pub force_per_s: f64,
+    /// Range of the force sensor in both directions, N.
+    #[serde(default = "default_sensor")]
+    pub sensor_n: f64,
 }
 
 const fn default_margin() -> f64 {
@@ -129,6 +132,19 @@ const fn default_velocity() -> f64 {
 }
 const fn default_force() -> f64 {
     20.0
+}
+const fn default_sensor() -> f64 {
+    ForceSensor::SOURCE.full_scale_n
+}
+
+impl ContactTable {
+    /// Sensor of the force, with the source's converter.
+    fn sensor(&self) -> ForceSensor {
+        ForceSensor {
+            full_scale_n: self.sensor_n,
+            ..ForceSensor::SOURCE
+        }
+    }
 }
 
 /// Names of the joints' cam tables.
@@ -175,7 +191,22 @@ impl FiveBarTable {
             return Ok(());
         };
         let key = |name: &str| format!("five_bar.contact.{name}");
+        in_range(&key("sensor_n"), contact.sensor_n, 0.1, 1e5)?;
         in_range(&key("force_n"), contact.force_n, 0.0, 1e4)?;
+        let sensor = contact.sensor();
+        // The law needs a reading above the force to hold it from both sides.
+        if contact.force_n > sensor.max_n() - sensor.step_n() {
+            return Err(SceneError::at(
+                key("force_n"),
+                format!(
+                    "{} N is beyond what the force sensor measures, so the law cannot hold it: five_bar.contact.sensor_n = {} N reaches {:.2} N; \
+                     lower the force or give a sensor of a wider range",
+                    contact.force_n,
+                    contact.sensor_n,
+                    sensor.max_n()
+                ),
+            ));
+        }
         in_range(
             &key("stiffness_n_per_mm"),
             contact.stiffness_n_per_mm,
@@ -289,7 +320,7 @@ impl FiveBarTable {
                 force_per_s: contact.force_per_s,
                 required_n: contact.force_n,
                 limit_nm: limit_nm.unwrap_or(f64::INFINITY),
-                sensor: ForceSensor::SOURCE,
+                sensor: contact.sensor(),
                 integral_ns: 0.0,
             }),
             path,

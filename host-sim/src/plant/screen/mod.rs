@@ -20,12 +20,12 @@
 
 mod drawing;
 mod record;
+mod resonance;
 mod table;
 
-use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
-use nalgebra::{Complex, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use super::{Plant, Record, Shafts};
 use crate::dynamics::{Body, Mode, PlaneMotion};
@@ -33,6 +33,7 @@ use crate::machine::Pose;
 use crate::scene::file::Fidelity;
 
 use record::ScreenRecord;
+pub use resonance::{AMPLIFICATION, Resonance, Steady};
 pub use table::ScreenTable;
 
 /// Box on springs with unbalanced shafts.
@@ -56,12 +57,32 @@ pub struct Screen {
     pub springs_m: f64,
     /// Gravity, m/s².
     pub gravity_mps2: f64,
-    /// Largest torque of a motor at the resonance, N·m. `None` if the scene gives none.
+    /// Phase of each shaft in steady rotation, turns.
+    pub phases_turns: Vec<f64>,
+    /// Largest speed of the shafts, rev/s.
+    pub top_hz: f64,
+    /// Limit of the controller on a lag of all shafts, turns.
+    pub common_limit_turns: f64,
+    /// Torque at the resonances.
+    pub sufficient: Sufficient,
+}
+
+/// Torque that is enough at the resonance with the smallest reserve, and the motors' own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sufficient {
+    /// Torque of each motor that is enough to turn steadily there, N·m.
+    pub enough_nm: f64,
+    /// Largest torque of a motor at that speed, N·m. `None` if the scene gives none.
     pub motor_nm: Option<f64>,
 }
 
-/// Amplification of the throw above which a speed is too close to the resonance for continuous running.
-pub const AMPLIFICATION: f64 = 2.0;
+impl Sufficient {
+    /// Torque of a motor over the sufficient one.
+    #[must_use]
+    pub fn reserve(&self) -> Option<f64> {
+        self.motor_nm.map(|motor_nm| motor_nm / self.enough_nm)
+    }
+}
 
 impl Screen {
     /// Total vibrating mass, kg.
@@ -89,42 +110,6 @@ impl Screen {
 
     fn damping_ns_per_m(&self) -> f64 {
         2.0 * self.zeta * self.mass_kg() * self.natural_rad_s()
-    }
-
-    /// Speeds between which the box moves by more than [`AMPLIFICATION`] throws in steady state, rev/s. Without damping,
-    /// r² / |1 − r²| equals the amplification a at r² = a / (a ± 1), where r is the speed over the natural one. Damping
-    /// narrows that band.
-    #[must_use]
-    pub fn band_hz(&self) -> (f64, f64) {
-        let natural_hz = self.natural_rad_s() / TAU;
-        let edge = |sign: f64| natural_hz * (AMPLIFICATION / (AMPLIFICATION + sign)).sqrt();
-        (edge(1.0), edge(-1.0))
-    }
-
-    /// Torque of each motor, N·m, that is sufficient for steady rotation at the resonance: the mean dissipation of the
-    /// springs' damping, plus the peak torque of a block's weight. It is an upper bound, because the weight does no net
-    /// work over a turn.
-    #[must_use]
-    pub fn resonance_nm(&self) -> f64 {
-        let (omega, count) = (self.natural_rad_s(), self.places_m.len() as f64);
-        let amplitude_m = self.throw_m() / (2.0 * self.zeta);
-        // Dissipated power along and across the box: C ω² A² / 2 each, or a torque of C ω A² / 2.
-        let dissipated = self.damping_ns_per_m() * omega * amplitude_m * amplitude_m / count;
-        dissipated + self.moment_kgm() * self.gravity_mps2
-    }
-
-    /// Steady motion of the box for shafts that turn steadily, m. The real part is x, the imaginary part z.
-    fn steady_m(&self, turns: &[f64], omega_rad_s: f64) -> Complex<f64> {
-        let square = omega_rad_s * omega_rad_s;
-        let blocks: Complex<f64> = turns
-            .iter()
-            .map(|turns| Complex::from_polar(self.moment_kgm(), turns * TAU))
-            .sum();
-        let held = Complex::new(
-            self.stiffness_n_per_m - self.mass_kg() * square,
-            omega_rad_s * self.damping_ns_per_m(),
-        );
-        blocks * square / held
     }
 }
 
@@ -158,19 +143,29 @@ impl Plant for Screen {
         match model_level {
             Fidelity::Phased => "stones that leave the deck, belts, and large pitch angles",
             _ => {
-                "torque, pitch, and the transient motion of the box: shafts are at their commanded phases"
+                "torque, and the transient motion of the box: shafts are at their commanded phases"
             }
         }
         .to_owned()
     }
 
     fn pose(&self, turns: &[f64], omega_rad_s: f64, _: f64) -> Pose {
-        let z_m = self.steady_m(turns, omega_rad_s).im;
+        let steady = self.steady(turns, omega_rad_s);
+        let z_m = steady.across.im;
         Pose {
             z_m,
             accel_mps2: -omega_rad_s * omega_rad_s * z_m,
+            pitch_mrad: 1e3 * steady.pitch.im,
             ..Pose::default()
         }
+    }
+
+    fn moved_part(&self) -> &'static str {
+        "box"
+    }
+
+    fn pitches(&self) -> bool {
+        true
     }
 
     fn positions(&self) -> usize {

@@ -1,48 +1,102 @@
-//! Figures of a screen's run: amplitude, resonance and capture.
+//! Figures of a screen's run: displacement of the box, its resonances, and capture.
 
 use std::f64::consts::TAU;
 
-use super::Screen;
+use super::{Screen, Sufficient};
 use crate::plant::{Figure, Record, Tick};
 
-/// Time for which the shafts must lag at the resonance before it counts as capture, s.
-const CAPTURED_S: f64 = 0.5;
+/// Fraction of the common limit of phase errors by which shafts that are captured have fallen behind. It is that of the controller's
+/// fault `capture` (`docs/faults.md`).
+const BEHIND: f64 = 0.75;
+
+/// Speeds of the shafts and of their command, rev/s.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    actual_hz: f64,
+    commanded_hz: f64,
+}
+
+/// Detection of capture. Shafts are *captured* if they enter a forbidden band, fall behind their command by [`BEHIND`] in it, and
+/// have not left it at its upper edge when the command begins to come down, or at the end of the run.
+#[derive(Clone, Debug)]
+struct CaptureWatch {
+    bands_hz: Vec<(f64, f64)>,
+    behind_turns: f64,
+    /// Band in which the shafts are, and their lag behind the command as they entered it, turns.
+    entered: Option<(usize, f64)>,
+    /// Last speeds at which the shafts were behind in a band, as long as they have not passed it.
+    held: Option<Held>,
+    captured: Option<Held>,
+}
+
+impl CaptureWatch {
+    fn tick(&mut self, tick: &Tick<'_>, speeds: Held, lag_turns: f64) {
+        if !tick.drives_enabled || tick.acceleration_rad_s2 < 0.0 {
+            self.captured = self.captured.or(self.held.take());
+        }
+        let actual_hz = speeds.actual_hz;
+        let is_within = |&(from_hz, to_hz): &(f64, f64)| (from_hz..=to_hz).contains(&actual_hz);
+        let Some(band) = self.bands_hz.iter().position(is_within) else {
+            let passed = |(band, _): (usize, f64)| actual_hz > self.bands_hz[band].1;
+            if self.entered.take().is_some_and(passed) {
+                self.held = None;
+            }
+            return;
+        };
+        let entered = self.entered.filter(|(entered, _)| *entered == band);
+        let (_, lag_before) = *self.entered.insert(entered.unwrap_or((band, lag_turns)));
+        let rises = tick.drives_enabled && tick.acceleration_rad_s2 >= 0.0;
+        let is_commanded = speeds.commanded_hz >= self.bands_hz[band].0;
+        if rises && is_commanded && lag_turns - lag_before > self.behind_turns {
+            self.held = Some(speeds);
+        }
+    }
+
+    fn captured(&self) -> Option<Held> {
+        self.captured.or(self.held)
+    }
+}
 
 /// Figures of a run.
 #[derive(Clone, Debug)]
 pub struct ScreenRecord {
-    band_hz: (f64, f64),
-    resonance_nm: f64,
-    motor_nm: Option<f64>,
-    /// Largest distance of the box from rest, m, and mean speed of the shafts at that time, rev/s.
+    sufficient: Sufficient,
+    /// Distance of the ends of the box from its centre, m.
+    ends_m: f64,
+    excites_pitch: bool,
+    /// Largest distance of a point of the box from rest, m, and mean speed of the shafts at that time, rev/s.
     worst: (f64, f64),
-    /// Largest distance in ticks at constant commanded speed above the band, m.
+    pitch_rad: f64,
+    /// Largest distance in ticks at constant commanded speed, with command and shafts above the bands, m.
     working_m: f64,
-    captured_ticks: u32,
-    captured_hz: Option<(f64, f64)>,
+    capture: CaptureWatch,
 }
 
 impl ScreenRecord {
     pub(super) fn new(screen: &Screen) -> Self {
         Self {
-            band_hz: screen.band_hz(),
-            resonance_nm: screen.resonance_nm(),
-            motor_nm: screen.motor_nm,
+            sufficient: screen.sufficient,
+            ends_m: screen.springs_m,
+            excites_pitch: screen.excites_pitch(),
             worst: (0.0, 0.0),
+            pitch_rad: 0.0,
             working_m: 0.0,
-            captured_ticks: 0,
-            captured_hz: None,
+            capture: CaptureWatch {
+                bands_hz: screen.bands_hz(),
+                behind_turns: BEHIND * screen.common_limit_turns,
+                entered: None,
+                held: None,
+                captured: None,
+            },
         }
     }
-}
 
-impl ScreenRecord {
     fn torque_sentence(&self) -> String {
         let enough = format!(
             "{:.0} N·m of each motor are enough to turn steadily at the resonance, with a block lifted in each turn",
-            self.resonance_nm
+            self.sufficient.enough_nm
         );
-        match self.motor_nm {
+        match self.sufficient.motor_nm {
             Some(motor_nm) => format!("{enough}; the motors have {motor_nm:.0} N·m."),
             None => format!("{enough}."),
         }
@@ -53,90 +107,134 @@ impl Record for ScreenRecord {
     fn tick(&mut self, tick: &Tick<'_>) {
         let commanded_hz = tick.omega_rad_s / TAU;
         let n = tick.turns.len();
-        let (away_m, actual_hz) = match tick.state {
+        let (x_m, z_m, pitch_rad, actual_hz) = match tick.state {
             Some(state) => (
-                state.q[n].hypot(state.q[n + 1]),
+                state.q[n],
+                state.q[n + 1],
+                state.q[n + 2],
                 state.v[..n].iter().sum::<f64>() / (n as f64 * TAU),
             ),
-            None => (tick.pose.z_m.abs(), commanded_hz),
+            None => (
+                0.0,
+                tick.pose.z_m,
+                tick.pose.pitch_mrad * 1e-3,
+                commanded_hz,
+            ),
         };
+        let ends = self.ends_m * pitch_rad.abs();
+        let away_m = x_m.hypot(z_m.abs() + ends);
         if away_m > self.worst.0 {
             self.worst = (away_m, actual_hz);
         }
-        if tick.acceleration_rad_s2 == 0.0 && commanded_hz > self.band_hz.1 {
+        self.pitch_rad = self.pitch_rad.max(pitch_rad.abs());
+        let top_hz = self.capture.bands_hz.iter().map(|band| band.1);
+        let top_hz = top_hz.fold(0.0, f64::max);
+        if tick.acceleration_rad_s2 == 0.0 && commanded_hz.min(actual_hz) > top_hz {
             self.working_m = self.working_m.max(away_m);
         }
-        // Capture means that the drives are on, the commanded speed is above the band, and the shafts remain below its upper edge.
-        let lags = tick.drives_enabled
-            && commanded_hz > self.band_hz.1
-            && (0.5 * self.band_hz.0..self.band_hz.1).contains(&actual_hz);
-        self.captured_ticks = if lags { self.captured_ticks + 1 } else { 0 };
-        if f64::from(self.captured_ticks) * tick.tick_s > CAPTURED_S {
-            self.captured_hz = Some((actual_hz, commanded_hz));
+        if tick.state.is_some() {
+            let ahead: f64 = (tick.command_turns.iter().zip(tick.turns))
+                .map(|(command, actual)| command - actual)
+                .sum();
+            let speeds = Held {
+                actual_hz,
+                commanded_hz,
+            };
+            self.capture.tick(tick, speeds, ahead / n as f64);
         }
     }
 
     fn figures(&self) -> Vec<Figure> {
         let (worst_m, at_hz) = self.worst;
-        let (from_hz, to_hz) = self.band_hz;
+        let bands_hz = &self.capture.bands_hz;
+        let (from_hz, _) = bands_hz[0];
+        let (_, to_hz) = bands_hz[bands_hz.len() - 1];
+        let bands: Vec<_> = (bands_hz.iter())
+            .map(|(from_hz, to_hz)| format!("{from_hz:.2} to {to_hz:.2}"))
+            .collect();
+        let (its, an_end) = if self.excites_pitch {
+            (
+                "resonances forbid",
+                ", or an end of it by more than twice as much as far above them",
+            )
+        } else {
+            ("resonance forbids", "")
+        };
+        let captured = self.capture.captured();
+        let working_m = (self.working_m > 0.0).then_some(self.working_m);
+        let figure = |key, value, sentence| Figure {
+            key,
+            value,
+            sentence,
+        };
         vec![
-            Figure {
-                key: "displacement_worst_mm",
-                value: Some(1e3 * worst_m),
-                sentence: format!(
-                    "The box moved by at most {:.2} mm from rest, at {at_hz:.2} rev/s of its shafts.",
+            figure(
+                "displacement_worst_mm",
+                Some(1e3 * worst_m),
+                format!(
+                    "The box moved by at most {:.2} mm from rest, its ends included, at {at_hz:.2} rev/s of its shafts.",
                     1e3 * worst_m
                 ),
-            },
-            Figure {
-                key: "displacement_working_mm",
-                value: (self.working_m > 0.0).then_some(1e3 * self.working_m),
-                sentence: format!(
-                    "At steady speeds above the resonance it moved by at most {:.2} mm.",
-                    1e3 * self.working_m
+            ),
+            figure(
+                "pitch_worst_mrad",
+                Some(1e3 * self.pitch_rad),
+                if self.pitch_rad > 1e-6 {
+                    format!("It pitched by at most {:.2} mrad.", 1e3 * self.pitch_rad)
+                } else {
+                    String::new()
+                },
+            ),
+            figure(
+                "displacement_working_mm",
+                working_m.map(|m| 1e3 * m),
+                working_m.map_or_else(String::new, |m| {
+                    format!(
+                        "At steady speeds above the resonance it moved by at most {:.2} mm.",
+                        1e3 * m
+                    )
+                }),
+            ),
+            figure(
+                "resonance_from_hz",
+                Some(from_hz),
+                format!(
+                    "Its {its} {} rev/s: it would move by more than twice its throw{an_end}.",
+                    bands.join(" and ")
                 ),
-            },
-            Figure {
-                key: "resonance_from_hz",
-                value: Some(from_hz),
-                sentence: format!(
-                    "Its resonance forbids {from_hz:.2} to {to_hz:.2} rev/s: it would move by more than twice its throw."
-                ),
-            },
-            Figure {
-                key: "resonance_to_hz",
-                value: Some(to_hz),
-                sentence: String::new(),
-            },
-            Figure {
-                key: "resonance_torque_nm",
-                value: Some(self.resonance_nm),
-                sentence: self.torque_sentence(),
-            },
-            Figure {
-                key: "captured_hz",
-                value: self.captured_hz.map(|(actual_hz, _)| actual_hz),
-                sentence: match self.captured_hz {
-                    Some((actual_hz, commanded_hz)) => format!(
-                        "The resonance captured the shafts: they turned at {actual_hz:.2} rev/s where {commanded_hz:.2} were commanded."
+            ),
+            figure("resonance_to_hz", Some(to_hz), String::new()),
+            figure(
+                "resonance_torque_nm",
+                Some(self.sufficient.enough_nm),
+                self.torque_sentence(),
+            ),
+            figure(
+                "captured_hz",
+                captured.map(|held| held.actual_hz),
+                match captured {
+                    Some(held) => format!(
+                        "The resonance captured the shafts: they were still at {:.2} rev/s where {:.2} were commanded.",
+                        held.actual_hz, held.commanded_hz
                     ),
                     None => "The resonance did not capture the shafts.".to_owned(),
                 },
-            },
+            ),
         ]
     }
 
     fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        let reserve = self.motor_nm.map(|motor_nm| motor_nm / self.resonance_nm);
+        let reserve = self.sufficient.reserve();
         if let Some(reserve) = reserve.filter(|reserve| *reserve < 1.0) {
             warnings.push(format!(
                 "The motors have {reserve:.2} of the torque that is enough at the resonance: a slow run-up may be captured there."
             ));
         }
-        if let Some((actual_hz, _)) = self.captured_hz {
+        if let Some(held) = self.capture.captured() {
             warnings.push(format!(
-                "The screen was captured at its resonance, at {actual_hz:.2} rev/s: its motors lack torque to pass."
+                "The screen was captured at its resonance, at {:.2} rev/s: its motors lack the torque to follow their command through it.",
+                held.actual_hz
             ));
         }
         warnings

@@ -1,10 +1,11 @@
 //! Scene table `[screen]`: a box on springs with unbalanced shafts.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::Screen;
+use super::{Screen, Sufficient};
 use crate::plant::{Made, Table};
 use crate::scene::file::Band;
 use crate::scene::{Scene, SceneError, in_range};
@@ -80,23 +81,40 @@ impl ScreenTable {
             zeta: self.zeta,
             springs_m: length_m / 2.0,
             gravity_mps2: self.gravity_mps2,
-            motor_nm: None,
+            phases_turns: (0..axes.count)
+                .map(|i| {
+                    let own = scene.overrides(i).and_then(|own| own.offset_deg);
+                    own.unwrap_or(axes.offset_deg) / 360.0
+                })
+                .collect(),
+            top_hz: scene.limits.speed_hz,
+            common_limit_turns: scene.drift.common_limit_deg / 360.0,
+            sufficient: Sufficient::default(),
         };
-        let natural_hz = screen.natural_rad_s() / std::f64::consts::TAU;
         let pull_out = crate::machine::PullOut::new(&axes.pull_out)?;
-        screen.motor_nm = if axes.pull_out.is_empty() {
-            axes.servo.and_then(|servo| servo.limit_nm)
-        } else {
-            Some(pull_out.torque_nm(natural_hz))
+        let motor_nm = |speed_hz: f64| {
+            if axes.pull_out.is_empty() {
+                axes.servo.and_then(|servo| servo.limit_nm)
+            } else {
+                Some(pull_out.torque_nm(speed_hz))
+            }
         };
+        let needed = screen.resonances().into_iter().map(|resonance| Sufficient {
+            enough_nm: resonance.enough_nm,
+            motor_nm: motor_nm(resonance.omega_rad_s / TAU),
+        });
+        // Without a torque of the motors the reserve is 1 over the sufficient torque.
+        let reserve = |one: &Sufficient| one.motor_nm.unwrap_or(1.0) / one.enough_nm;
+        let critical = needed.min_by(|one, other| reserve(one).total_cmp(&reserve(other)));
+        screen.sufficient = critical.unwrap_or_default();
         Ok(screen)
     }
 
-    /// Refuses motors without sufficient torque at the resonance. Every scene crosses it, as the band must end below the
-    /// largest speed.
+    /// Refuses motors without sufficient torque at a resonance. Every scene crosses that of the springs, as its band must end below
+    /// the largest speed.
     fn check_torque(&self, screen: &Screen, scene: &Scene) -> Result<(), SceneError> {
-        let enough_nm = screen.resonance_nm();
-        match screen.motor_nm {
+        let enough_nm = screen.sufficient.enough_nm;
+        match screen.sufficient.motor_nm {
             Some(motor_nm) if motor_nm < enough_nm && !self.allow_capture => {
                 let key = if scene.axes.pull_out.is_empty() {
                     "axes.servo.limit_nm"
@@ -123,15 +141,33 @@ impl Table for ScreenTable {
         "screen"
     }
 
-    /// Adds the forbidden band of the screen's resonance.
+    /// Adds the forbidden bands of the screen's resonances.
     fn fill(&self, scene: &mut Scene) -> Result<(), SceneError> {
-        let (from_hz, to_hz) = self.screen(scene)?.band_hz();
-        let own = Band { from_hz, to_hz };
-        let bands = &mut scene.limits.band;
-        if !bands.contains(&own) {
-            bands.push(own);
-            bands.sort_by(|one, other| one.from_hz.total_cmp(&other.from_hz));
+        let screen = self.screen(scene)?;
+        let bands_hz = screen.bands_hz();
+        let top_hz = screen.top_hz;
+        let covers_top = |(from_hz, to_hz): &&(f64, f64)| (*from_hz..=*to_hz).contains(&top_hz);
+        if let Some((from_hz, to_hz)) = bands_hz.iter().find(covers_top) {
+            return Err(SceneError::at(
+                "limits.speed_hz",
+                format!(
+                    "{top_hz} rev/s lies where the box resonates, at {from_hz:.2} to {to_hz:.2} rev/s; raise it above that, or lower it below{}",
+                    if screen.excites_pitch() {
+                        ", or place the shafts so that they do not pitch the box (screen.shafts_mm)"
+                    } else {
+                        ""
+                    }
+                ),
+            ));
         }
+        let bands = &mut scene.limits.band;
+        for (from_hz, to_hz) in bands_hz {
+            let own = Band { from_hz, to_hz };
+            if !bands.contains(&own) {
+                bands.push(own);
+            }
+        }
+        bands.sort_by(|one, other| one.from_hz.total_cmp(&other.from_hz));
         Ok(())
     }
 

@@ -1,5 +1,8 @@
+use std::f64::consts::TAU;
+
 use cophase_methods::problems::Screen as OneShaft;
 use cophase_methods::{Equations, Scheme, advance};
+use nalgebra::Complex;
 
 use super::*;
 use crate::dynamics::{Driven, Freedom, Motor, OnPlant, Servo};
@@ -16,7 +19,10 @@ fn screen(places_m: &[f64]) -> Screen {
         zeta: 0.07,
         springs_m: 2.0,
         gravity_mps2: 0.0,
-        motor_nm: None,
+        phases_turns: vec![0.0; places_m.len()],
+        top_hz: 15.0,
+        common_limit_turns: 15.0 / 360.0,
+        sufficient: Sufficient::default(),
     }
 }
 
@@ -96,30 +102,40 @@ fn energy_is_conserved() {
     }
 }
 
-/// If this fails, the kinematic level shows the box elsewhere than the equations of motion do in steady rotation.
+/// If this fails, the kinematic level shows the box elsewhere than the equations of motion do in steady rotation, in its pitch as well.
 #[test]
 fn steady_motion_solves_the_equations() {
-    let screen = screen(&[-1.0, 1.0]);
-    for omega in [5.0, 20.0, 40.0, 88.0] {
-        let turns = [0.13, 0.13];
-        let at = screen.steady_m(&turns, omega);
-        // The complex position x + i z rotates with the shafts, so each derivative is a factor of i ω.
-        let rate = at * Complex::new(0.0, omega);
-        let acceleration = -at * omega * omega;
-        let angle = turns[0] * TAU;
-        let q = [angle, angle, at.re, at.im, 0.0];
-        let v = [omega, omega, rate.re, rate.im, 0.0];
-        let body = Body::of_shafts(vec![3.0, 3.0]);
-        let shafts = Shafts {
-            body: &body,
-            torques_nm: &[0.0, 0.0],
-            held: &[true, true],
-        };
-        let mut a = [0.0; 5];
-        screen.accelerations(&shafts, &q, &v, &mut a);
-        let scale = screen.throw_m() * omega * omega;
-        assert!((a[2] - acceleration.re).abs() < 1e-9 * scale, "{omega}");
-        assert!((a[3] - acceleration.im).abs() < 1e-9 * scale, "{omega}");
+    for (places, turns) in [
+        ([-1.0, 1.0], [0.13, 0.13]),
+        ([-0.4, 1.3], [0.13, 0.13]),
+        ([-1.0, 1.0], [0.13, 0.63]),
+    ] {
+        let screen = screen(&places);
+        for omega in [5.0, 20.0, 40.0, 88.0] {
+            let steady = screen.steady(&turns, omega);
+            // Along the box the motion is the real part of the amplitude that turns with the shafts, otherwise the imaginary part.
+            let turned = Complex::new(0.0, omega);
+            let motion = |amplitudes: [Complex<f64>; 3]| {
+                [amplitudes[0].re, amplitudes[1].im, amplitudes[2].im]
+            };
+            let place = [steady.along, steady.across, steady.pitch];
+            let angles = turns.map(|turns| turns * TAU);
+            let q = [&angles[..], &motion(place)].concat();
+            let v = [&[omega; 2][..], &motion(place.map(|at| at * turned))].concat();
+            let body = Body::of_shafts(vec![3.0, 3.0]);
+            let shafts = Shafts {
+                body: &body,
+                torques_nm: &[0.0, 0.0],
+                held: &[true, true],
+            };
+            let mut a = [0.0; 5];
+            screen.accelerations(&shafts, &q, &v, &mut a);
+            let expected = motion(place.map(|at| at * turned * turned));
+            let scale = screen.throw_m() * omega * omega;
+            for (a, expected) in a[2..].iter().zip(expected) {
+                assert!((a - expected).abs() < 1e-9 * scale, "{places:?}, {omega}");
+            }
+        }
     }
 }
 
@@ -128,11 +144,83 @@ fn steady_motion_solves_the_equations() {
 fn the_forbidden_band_covers_amplified_speeds() {
     let mut screen = screen(&[0.0]);
     screen.zeta = 0.01;
-    let (from_hz, to_hz) = screen.band_hz();
-    let amplified = |hz: f64| screen.steady_m(&[0.0], hz * TAU).norm() / screen.throw_m();
+    let [(from_hz, to_hz)] = screen.bands_hz()[..] else {
+        panic!("a centred shaft excites one resonance")
+    };
+    let amplified = |hz: f64| screen.steady(&[0.0], hz * TAU).across.norm() / screen.throw_m();
     for edge in [from_hz, to_hz] {
         assert!((amplified(edge) - AMPLIFICATION).abs() < 0.01, "{edge}");
     }
     assert!(amplified(0.99 * from_hz) < AMPLIFICATION);
     assert!(amplified(1.01 * to_hz) < AMPLIFICATION);
+}
+
+/// If this fails, a screen may dwell where its pitch resonates and its ends break. The judge integrates the equations of motion at held
+/// speeds until the motion is steady, and knows nothing of modes or bands.
+#[test]
+fn the_forbidden_bands_cover_the_speeds_at_which_the_ends_swing_up() {
+    let mut screen = screen(&[1.2]);
+    screen.zeta = 0.03;
+    let ends_m = |hz: f64| {
+        let on = OnPlant::new(
+            Body::of_shafts(vec![1e9]),
+            std::sync::Arc::new(screen.clone()),
+        );
+        let motor = Motor::Servo(Servo {
+            position_gain_per_s: 0.0,
+            velocity_gain_nms: 0.0,
+            integral_s: None,
+            limit_nm: f64::INFINITY,
+            velocity_feed_forward: 0.0,
+        });
+        let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![motor]);
+        let mut state = vec![0.0; driven.dimension()];
+        state[4] = hz * TAU;
+        let mut method = Scheme::Rk4.prepare(&driven, 1e-3).unwrap();
+        advance(method.as_mut(), &driven, 0.0, 15_000, &mut state).unwrap();
+        let mut worst: f64 = 0.0;
+        for _ in 0..1500 {
+            advance(method.as_mut(), &driven, 0.0, 1, &mut state).unwrap();
+            for end_m in [-2.0, 2.0] {
+                worst = worst.max(state[1].hypot(state[2] + end_m * state[3]));
+            }
+        }
+        worst
+    };
+    let bands = screen.bands_hz();
+    let far_m = ends_m(40.0);
+    let is_forbidden = |hz: f64| bands.iter().any(|band| (band.0..=band.1).contains(&hz));
+    let mut forbidden = 0;
+    for i in 0..60 {
+        let hz = 1.0 + 0.2 * f64::from(i);
+        let times = ends_m(hz) / far_m;
+        if times > 1.05 * AMPLIFICATION {
+            assert!(is_forbidden(hz), "{hz} rev/s: {times}, {bands:?}");
+            forbidden += 1;
+        }
+        // Outside of the bands nothing swings up; inside of the springs' band the centre may.
+        let natural_hz = screen.natural_rad_s() / TAU;
+        if hz > 1.5 * natural_hz && times < 0.95 * AMPLIFICATION {
+            assert!(!is_forbidden(hz), "{hz} rev/s: {times}, {bands:?}");
+        }
+    }
+    assert!(forbidden > 3, "the pitch resonates in the range");
+}
+
+/// If this fails, a pair of shafts in opposite phase shakes the pitch alone, and no band forbids its resonance.
+#[test]
+fn opposite_phases_excite_the_pitch() {
+    let mut screen = screen(&[-1.0, 1.0]);
+    assert!(!screen.excites_pitch());
+    assert_eq!(screen.bands_hz().len(), 1);
+    screen.phases_turns = vec![0.0, 0.5];
+    assert!(screen.excites_pitch());
+    let pitch_hz = (screen.stiffness_n_per_m / (4000.0 + 166.0)).sqrt() * 2.0 / TAU;
+    let bands = screen.bands_hz();
+    assert!(
+        bands
+            .iter()
+            .any(|band| (band.0..band.1).contains(&pitch_hz)),
+        "{bands:?}, {pitch_hz}"
+    );
 }

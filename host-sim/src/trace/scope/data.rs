@@ -31,8 +31,8 @@ pub enum Moved {
     Platform,
     /// Pushers: their acceleration is shown.
     Pushers,
-    /// Part of a machine of another kind: its displacement is shown.
-    Machine,
+    /// Part of a machine of another kind, by its name: its displacement is shown, and its pitch if it pitched.
+    Machine(&'static str),
 }
 
 /// Channels of the envelope; the phase errors of the axes follow those named here.
@@ -45,7 +45,8 @@ pub(super) mod channel {
     pub const ACCEL: usize = 5;
     pub const ACTUAL: usize = 6;
     pub const PLACE: usize = 7;
-    pub const PHASE_ERROR: usize = 8;
+    pub const PITCH: usize = 8;
+    pub const PHASE_ERROR: usize = 9;
 }
 
 /// Measured acceleration amplitude: the greatest in a turn of the master, available at the end of the turn.
@@ -139,6 +140,7 @@ impl ScopeData {
         fixed[channel::TILT_Y] = row.tilt_y_mrad;
         fixed[channel::ACCEL] = row.accel_mps2;
         fixed[channel::PLACE] = row.z_m;
+        fixed[channel::PITCH] = row.pitch_mrad;
         fixed[channel::ACTUAL] =
             self.amplitude
                 .measure(row.omega_rad_s, row.phase_turns, row.accel_mps2);

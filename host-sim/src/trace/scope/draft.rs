@@ -26,7 +26,7 @@ pub struct Draft<'a> {
     envelope: &'a Envelope,
     time: TimeAxis,
     y: (f64, f64),
-    label: &'static str,
+    label: String,
     plots: Vec<Plot>,
     legend: Vec<LegendEntry>,
     /// Horizontal lines.
@@ -46,12 +46,17 @@ pub struct Pen {
 
 impl<'a> Draft<'a> {
     /// Creates a panel with a value axis: its label, start and end.
-    pub fn new(envelope: &'a Envelope, time: TimeAxis, label: &'static str, y: (f64, f64)) -> Self {
+    pub fn new(
+        envelope: &'a Envelope,
+        time: TimeAxis,
+        label: impl Into<String>,
+        y: (f64, f64),
+    ) -> Self {
         Self {
             envelope,
             time,
             y,
-            label,
+            label: label.into(),
             plots: Vec::new(),
             legend: Vec::new(),
             limits: Vec::new(),

@@ -23,17 +23,21 @@ pub const FONT: &str = "sans-serif";
 type MakePanel = fn(&ScopeData, TimeAxis) -> Panel;
 
 /// Panels from top to bottom: the function that draws each, and the height of its plot area.
-const fn panels(scope: &ScopeData) -> [(MakePanel, f64); 4] {
-    [
+fn panels(scope: &ScopeData) -> Vec<(MakePanel, f64)> {
+    let mut panels: Vec<(MakePanel, f64)> = vec![
         (panel::acceleration, 190.0),
         (panel::speed, 150.0),
         (panel::phase_error, 170.0),
         match scope.frame.moved {
             Moved::Platform => (panel::tilt, 150.0),
             Moved::Pushers => (panel::pushers, 150.0),
-            Moved::Machine => (panel::place, 150.0),
+            Moved::Machine(_) => (panel::place, 150.0),
         },
-    ]
+    ];
+    if panel::has_pitch(scope) {
+        panels.push((panel::pitch, 120.0));
+    }
+    panels
 }
 
 impl ScopeData {
@@ -49,6 +53,7 @@ fn page(scope: &ScopeData) -> String {
     let ribbon_top = LANES_TOP + labels.lanes as f64 * LANE;
     let panels_top = ribbon_top + RIBBON + 8.0;
     let panels = panels(scope);
+    let count = panels.len();
     let plots: f64 = panels.iter().map(|(_, height)| height + GAP).sum();
     let height = panels_top + plots - GAP + TIME_AXIS;
 
@@ -60,7 +65,7 @@ fn page(scope: &ScopeData) -> String {
     let mut top = panels_top;
     for (i, (make, plot_height)) in panels.into_iter().enumerate() {
         let panel = make(scope, time);
-        let is_last = i + 1 == panels.len();
+        let is_last = i + 1 == count;
         embed(
             &mut scene,
             panel,

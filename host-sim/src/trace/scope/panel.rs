@@ -30,7 +30,7 @@ fn from_rest(scope: &ScopeData) -> Extent {
 /// Half of the least range of such an axis.
 fn least(scope: &ScopeData) -> f64 {
     match scope.frame.moved {
-        Moved::Machine => 1e-9,
+        Moved::Machine(_) => 1e-9,
         Moved::Platform | Moved::Pushers => 0.5,
     }
 }
@@ -94,7 +94,26 @@ pub fn pushers(scope: &ScopeData, time: TimeAxis) -> Panel {
 
 /// Displacement, in mm, of the part that the machine moves.
 pub fn place(scope: &ScopeData, time: TimeAxis) -> Panel {
-    range(scope, time, (channel::PLACE, 1e3), ("moved, mm", "moved"))
+    let Moved::Machine(name) = scope.frame.moved else {
+        return range(scope, time, (channel::PLACE, 1e3), ("moved, mm", "moved"));
+    };
+    range(
+        scope,
+        time,
+        (channel::PLACE, 1e3),
+        (&format!("{name}, mm"), name),
+    )
+}
+
+/// Returns true if a part pitched by more than a rounding error.
+pub fn has_pitch(scope: &ScopeData) -> bool {
+    let total = scope.envelope.total(channel::PITCH);
+    !total.is_empty() && total.peak() > 1e-6
+}
+
+/// Pitch, in mrad, of the part that the machine moves.
+pub fn pitch(scope: &ScopeData, time: TimeAxis) -> Panel {
+    range(scope, time, (channel::PITCH, 1.0), ("pitch, mrad", "pitch"))
 }
 
 /// Draws the range that one scaled channel covers, with the label of the panel and the name of the curve.
@@ -102,7 +121,7 @@ fn range(
     scope: &ScopeData,
     time: TimeAxis,
     (channel, scale): (usize, f64),
-    (label, name): (&'static str, &str),
+    (label, name): (&str, &str),
 ) -> Panel {
     let total = scope.envelope.total(channel).times(scale);
     let mut draft = Draft::new(&scope.envelope, time, label, padded(total, least(scope)));

@@ -14,7 +14,7 @@ use super::runs::run;
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use host_sim::dynamics::{Body, Driven, Field, Freedom, Induction, Motor, OnPlant};
-use host_sim::plant::screen::Screen;
+use host_sim::plant::screen::{Screen, Sufficient};
 use host_sim::scene::library;
 
 /// Positions of two and of four shafts along the box from its centre, m.
@@ -53,7 +53,10 @@ pub fn screen(places_m: &[f64]) -> Result<Screen, ChartError> {
         zeta: table.zeta,
         springs_m: 0.5 * length_m,
         gravity_mps2: table.gravity_mps2,
-        motor_nm: None,
+        phases_turns: vec![0.0; places_m.len()],
+        top_hz: f64::INFINITY,
+        common_limit_turns: 0.5,
+        sufficient: Sufficient::default(),
     })
 }
 

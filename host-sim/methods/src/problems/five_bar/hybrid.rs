@@ -9,6 +9,9 @@
 //! The law is that of Raibert and Craig (1981), in the source's form. The source's gains are lost; they are parameters here. The law
 //! includes the links, the tool and the balancer's lift. It does not include the friction or the side pull of a rope, so both cause
 //! errors.
+//!
+//! The integral stands still in a period in which it would drive the law further into a limit: where the sensor shows one end of its
+//! range, or a motor's torque is limited. Otherwise it would wind up there, and the hand would be thrown when the limit ends.
 
 use super::{FiveBarArm, GRAVITY_MPS2, Load, solve, times, transposed_times};
 
@@ -44,11 +47,21 @@ impl ForceSensor {
         2.0 * self.full_scale_n / f64::from(1_u32 << self.bits)
     }
 
+    /// Largest reading, N: a step below the full scale.
+    pub fn max_n(&self) -> f64 {
+        self.full_scale_n - self.step_n()
+    }
+
     /// Reading for a force, N: rounded to a step, and limited to the full scale.
     pub fn read_n(&self, force_n: f64) -> f64 {
         let step = self.step_n();
         let read = (force_n / step).round() * step;
-        read.clamp(-self.full_scale_n, self.full_scale_n - step)
+        read.clamp(-self.full_scale_n, self.max_n())
+    }
+
+    /// True if a force is beyond the range, so that the reading says only that.
+    pub fn is_saturated(&self, force_n: f64) -> bool {
+        (self.read_n(force_n) - force_n).abs() > self.step_n()
     }
 }
 
@@ -94,26 +107,40 @@ impl HybridLaw {
             Load::Balancer(lift_n) => [0.0, lift_n],
             Load::None | Load::Rope { .. } => [0.0; 2],
         };
-        let mut push = known.map(|force| -force);
-        if let Some(surface) = &arm.surface {
-            let n = surface.normal;
+        let push = known.map(|force| -force);
+        let contact = (arm.surface.as_ref()).map(|surface| (surface.normal, arm.contact_n(q, v)));
+        if let Some((n, _)) = contact {
             let across = requested[0] * n[0] + requested[1] * n[1];
-            let error = self.required_n - self.sensor.read_n(arm.contact_n(q, v));
-            self.integral_ns += error * period_s;
-            let force = self.required_n + self.force_per_s * self.integral_ns;
             for i in 0..2 {
                 requested[i] -= across * n[i];
-                push[i] += force * n[i];
             }
         }
         let centripetal = arm.centripetal_mps2(q, v);
         let angular = solve(jacobian, [0, 1].map(|i| requested[i] - centripetal[i]));
         let inertial = times(arm.inertia_kgm2(q), angular);
         let (centrifugal, gravity) = (arm.centrifugal_nm(q, v), arm.gravity_nm(q));
-        let pushed = transposed_times(jacobian, push);
-        [0, 1].map(|i| {
-            let torque = inertial[i] + centrifugal[i] + gravity[i] + pushed[i];
-            torque.clamp(-self.limit_nm, self.limit_nm)
-        })
+        let free = [0, 1].map(|i| inertial[i] + centrifugal[i] + gravity[i]);
+        let under = |push: [f64; 2]| {
+            let pushed = transposed_times(jacobian, push);
+            [0, 1].map(|i| free[i] + pushed[i])
+        };
+        let limited = |torque: [f64; 2]| torque.map(|nm| nm.clamp(-self.limit_nm, self.limit_nm));
+        let Some((n, pressed_n)) = contact else {
+            return limited(under(push));
+        };
+        let with_integral = |integral_ns: f64| {
+            let force = self.required_n + self.force_per_s * integral_ns;
+            under([0, 1].map(|i| push[i] + force * n[i]))
+        };
+        let step_ns = (self.required_n - self.sensor.read_n(pressed_n)) * period_s;
+        let next_ns = self.integral_ns + step_ns;
+        let torque = with_integral(next_ns);
+        let is_limited = torque != limited(torque) || self.sensor.is_saturated(pressed_n);
+        if is_limited && step_ns * next_ns > 0.0 {
+            return limited(with_integral(self.integral_ns));
+        }
+        let torque = limited(torque);
+        self.integral_ns = next_ns;
+        torque
     }
 }

@@ -1,0 +1,94 @@
+//! Shafts that end away from their commands, in a run in which the controller reported nothing.
+//!
+//! *Error* of a shaft: its lead over its target, less the steady following error of its drive at that speed. A shaft is off its
+//! command if it ends by more than the scene's `drift.common_limit_deg` away, and its error has changed by more than that since
+//! homing ended. So an error that homing corrects, or one from power-up, does not count.
+
+use cophase_core::supervisor::State;
+
+use super::Moment;
+use crate::axes::{Axes, per_axis};
+use crate::scene::Checked;
+use crate::scene::file::Drive;
+
+/// Monitor of the shafts' errors.
+#[derive(Clone, Debug)]
+pub struct OffCommand {
+    limit_turns: f64,
+    /// Steady following error of each drive per speed of its shaft, s.
+    lag_s: Axes<f64>,
+    /// Errors in the last tick with the drives on, turns.
+    errors: Axes<f64>,
+    /// Errors as homing ended.
+    homed: Option<Axes<f64>>,
+    /// Errors at the end of earlier starts, of shafts that were off their commands; 0 for the others.
+    earlier: Axes<f64>,
+    state: State,
+}
+
+impl OffCommand {
+    /// Creates the monitor of a scene at power-up.
+    pub fn new(checked: &Checked) -> Self {
+        let axes = &checked.scene.axes;
+        let lag_s = |i: usize| {
+            let servo = axes.servo.map_or(0.0, |servo| {
+                (1.0 - servo.velocity_feed_forward) / servo.position_gain_per_s
+            });
+            let converter = axes
+                .induction
+                .map_or(0.0, |motor| 1.0 / motor.position_gain_per_s);
+            match checked.scene.drive(i) {
+                _ if !checked.fidelity.moves_by_torque() => 0.0,
+                Drive::Stepper => 0.0,
+                Drive::Servo | Drive::PulseServo => servo,
+                Drive::Induction => converter,
+            }
+        };
+        let none = || per_axis(axes.count, |_| 0.0);
+        Self {
+            limit_turns: checked.scene.drift.common_limit_deg / 360.0,
+            lag_s: per_axis(axes.count, lag_s),
+            errors: none(),
+            homed: None,
+            earlier: none(),
+            state: State::Idle,
+        }
+    }
+
+    /// Takes in a tick with the drives on, and the speed of the master in it, rev/s.
+    pub fn tick(&mut self, moment: &Moment<'_>, master_hz: f64) {
+        let state = moment.telemetry.state;
+        if state != self.state {
+            if state == State::Homing {
+                self.earlier = self.off_turns();
+                self.homed = None;
+            } else if self.state == State::Homing && state == State::Run {
+                self.homed = Some(self.errors.clone());
+            }
+            self.state = state;
+        }
+        for (i, lead) in moment.errors().enumerate() {
+            let speed_hz = master_hz * moment.machine.axes[i].ratio();
+            self.errors[i] = lead + self.lag_s[i] * speed_hz;
+        }
+    }
+
+    /// Error of each shaft at the end, turns: positive ahead. It is 0 for a shaft that is not off its command.
+    pub fn off_turns(&self) -> Axes<f64> {
+        per_axis(self.errors.len(), |i| {
+            let error = self.errors[i];
+            // Before homing is over, no shaft has a place that the controller knows.
+            let change = (self.homed.as_ref()).map_or(0.0, |homed| error - homed[i]);
+            let off = if error.abs().min(change.abs()) > self.limit_turns {
+                error
+            } else {
+                0.0
+            };
+            if off.abs() < self.earlier[i].abs() {
+                self.earlier[i]
+            } else {
+                off
+            }
+        })
+    }
+}
