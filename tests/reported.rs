@@ -210,7 +210,7 @@ fn an_index_timeout_states_a_bound() {
     assert_eq!(fault["kind"], "index-timeout");
     let size_deg = fault["size_deg"].as_f64().unwrap();
     let words = format!(
-        "no pulse, so the crank may be at its limit, {:.2}° behind, or beyond it",
+        "no pulse, so the axis may be at its limit, {:.2}° behind, or beyond it",
         -size_deg
     );
     let page = printed(&stuck, &stopped);

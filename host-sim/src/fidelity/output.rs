@@ -46,17 +46,18 @@ impl Output {
         }
     }
 
-    /// Returns its name in words.
-    pub const fn words(self) -> &'static str {
+    /// Returns its name in words. `axis` is the part that an axis turns, such as "crank".
+    pub fn words(self, axis: &str) -> String {
         match self {
-            Self::Lag => "largest lag of a crank",
-            Self::Spread => "largest phase difference of two cranks",
+            Self::Lag => return format!("largest lag of a {axis}"),
+            Self::Spread => return format!("largest phase difference of two {axis}s"),
             Self::Tilt => "largest tilt",
             Self::Amax => "greatest acceleration",
             Self::Torque => "greatest motor torque",
             Self::Slips => "motors that slip, or reach their torque limit",
             Self::Ground => "greatest force on the ground",
         }
+        .to_owned()
     }
 
     /// Returns the unit of tolerance, bound and difference.

@@ -139,9 +139,9 @@ pub trait Plant: Debug + Send + Sync {
     /// Part that the shafts move, in a word: "box".
     fn moved_part(&self) -> &'static str;
 
-    /// Axes in the plural, in a word.
-    fn axes_word(&self) -> &'static str {
-        "shafts"
+    /// Part that an axis turns, in a word.
+    fn axis_noun(&self) -> &'static str {
+        "shaft"
     }
 
     /// True if the moved part pitches.

@@ -54,8 +54,9 @@ pub struct Report<'a> {
     axes: Vec<AxisReport>,
     phase_spread_worst_deg: f64,
     phase_spread_rms_deg: f64,
-    tilt_worst_mrad: f64,
-    /// Limit of the tilt of a platform; pushers have none.
+    /// Largest tilt of a platform, and its limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tilt_worst_mrad: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tilt_limit_mrad: Option<f64>,
     /// Tilt at the end of a fault stop after which the drives held; and the largest tilt after that.
@@ -222,6 +223,7 @@ impl<'a> Report<'a> {
         let axes = &checked.settings.axes;
         let [idle, homing, run, stop, parked, fault] =
             statistics.time_in_state_s.map(|s| round(s, 6));
+        let of_platform = |tilt_mrad: Option<f64>| tilt_mrad.filter(|_| checked.has_platform());
         let axis = |i: usize| AxisReport {
             steps: statistics.steps[i],
             command_turns: statistics.turns[i].0,
@@ -277,14 +279,12 @@ impl<'a> Report<'a> {
             axes: (0..checked.scene.axes.count).map(axis).collect(),
             phase_spread_worst_deg: statistics.worst_spread_deg,
             phase_spread_rms_deg: statistics.rms_spread_deg,
-            tilt_worst_mrad: statistics.worst_tilt_mrad,
-            tilt_limit_mrad: checked
-                .has_platform()
-                .then_some(checked.scene.drift.tilt_limit_mrad),
-            tilt_at_stop_mrad: statistics.fault_hold.at_stop_mrad,
-            tilt_worst_held_mrad: (statistics.fault_hold.at_stop_mrad)
+            tilt_worst_mrad: of_platform(Some(statistics.worst_tilt_mrad)),
+            tilt_limit_mrad: of_platform(Some(checked.scene.drift.tilt_limit_mrad)),
+            tilt_at_stop_mrad: of_platform(statistics.fault_hold.at_stop_mrad),
+            tilt_worst_held_mrad: of_platform(statistics.fault_hold.at_stop_mrad)
                 .map(|_| statistics.fault_hold.worst_mrad),
-            tilt_worst_off_mrad: statistics.coast.worst_tilt_mrad,
+            tilt_worst_off_mrad: of_platform(statistics.coast.worst_tilt_mrad),
             coasted_s: (statistics.coast.turned_s > 0.0)
                 .then(|| round(statistics.coast.turned_s, 6)),
             warp_worst_deg: statistics.worst_warp_deg,

@@ -59,7 +59,7 @@ pub struct MethodReport {
     /// Permitted relative error of oscillations by the step, if the step was chosen for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     resolution: Option<f64>,
-    why: &'static str,
+    why: String,
 }
 
 impl<'a> FidelityReport<'a> {
@@ -87,22 +87,26 @@ impl MethodReport {
                 .map(|_| checked.resolution),
             why: match checked.fidelity {
                 Fidelity::QuasiStatic => {
-                    "torques follow from the motion, and slips from torques: nothing is integrated"
+                    "torques follow from the motion, and slips from torques: nothing is integrated".to_owned()
                 }
                 model_level
                     if model_level.moves_by_torque()
                         && checked.scene.method.name != MethodName::Auto =>
                 {
-                    "the scene sets it"
+                    "the scene sets it".to_owned()
                 }
                 model_level if model_level.moves_by_torque() => {
-                    "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution"
+                    "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution".to_owned()
                 }
                 Fidelity::Elastic => {
                     "the follower is linear, so that nothing is unstable or damped by the method; a peak is looked at every \
                          0.05 rad of the slowest mode"
+                        .to_owned()
                 }
-                _ => "cranks are where pulses and setpoints put them: nothing is integrated",
+                _ => format!(
+                    "{}s are where pulses and setpoints put them: nothing is integrated",
+                    checked.axis_noun()
+                ),
             },
         }
     }

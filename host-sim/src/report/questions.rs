@@ -80,7 +80,7 @@ fn answered(judged: &Judged, checked: &Checked, outcome: &Outcome) -> String {
     });
     format!(
         "{}: {value}. Error: {allowed} allowed; {limit}{measured}{step_error}.",
-        output.words()
+        output.words(checked.axis_noun())
     )
 }
 

@@ -120,13 +120,7 @@ fn write_page(
             plural(lagged)
         )?;
     }
-    let axes = if checked.cam.is_some() {
-        "cams"
-    } else if checked.plant.is_some() {
-        "shafts"
-    } else {
-        "cranks"
-    };
+    let axis = checked.axis_noun();
     let commanded_mrad = checked.settings.commanded_tilt_mrad();
     if checked.scene.axes.count == 1 {
         // One shaft has no difference of phases.
@@ -142,28 +136,21 @@ fn write_page(
         };
         writeln!(
             page,
-            "The {axes} stayed exactly in phase with each other{by_model}."
-        )?;
-    } else if checked.cam.is_some() {
-        writeln!(
-            page,
-            "The cams were at most {:.3}° apart ({:.3}° rms while running).",
-            statistics.worst_spread_deg, statistics.rms_spread_deg,
-        )?;
-    } else if checked.plant.is_some() {
-        writeln!(
-            page,
-            "The shafts were at most {:.3}° apart ({:.3}° rms while running).",
-            statistics.worst_spread_deg, statistics.rms_spread_deg,
+            "The {axis}s stayed exactly in phase with each other{by_model}."
         )?;
     } else {
+        let tilted = if checked.has_platform() {
+            format!(
+                "; the platform tilted by at most {:.3} mrad of the {} allowed",
+                statistics.worst_tilt_mrad, scene.drift.tilt_limit_mrad
+            )
+        } else {
+            String::new()
+        };
         writeln!(
             page,
-            "The cranks were at most {:.3}° apart ({:.3}° rms while running); the platform tilted by at most {:.3} mrad of the {} allowed.",
-            statistics.worst_spread_deg,
-            statistics.rms_spread_deg,
-            statistics.worst_tilt_mrad,
-            scene.drift.tilt_limit_mrad,
+            "The {axis}s were at most {:.3}° apart ({:.3}° rms while running){tilted}.",
+            statistics.worst_spread_deg, statistics.rms_spread_deg,
         )?;
     }
     held(page, checked, outcome)?;

@@ -64,7 +64,8 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     }
     if coast.is_on() {
         warnings.push(format!(
-            "The cranks still turned {:.1} s after the drives were off; the run was ended there.",
+            "The {}s still turned {:.1} s after the drives were off; the run was ended there.",
+            checked.axis_noun(),
             coast.turned_s
         ));
     }

@@ -170,7 +170,7 @@ pub fn fault_words(fault: &Fault) -> String {
             // A bound: nothing was measured.
             FaultKind::IndexTimeout => {
                 format!(
-                    ": no pulse, so the crank may be at its limit, {:.2}° behind, or beyond it",
+                    ": no pulse, so the axis may be at its limit, {:.2}° behind, or beyond it",
                     size_deg.abs()
                 )
             }

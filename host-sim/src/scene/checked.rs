@@ -45,6 +45,15 @@ impl Checked {
         matches!(self.settings.machine, MachineSettings::Platform(_))
     }
 
+    /// Returns the part that an axis of this machine turns, in a word, for sentences: "crank".
+    pub fn axis_noun(&self) -> &'static str {
+        match (&self.plant, &self.cam) {
+            (Some(plant), _) => plant.axis_noun(),
+            (None, Some(_)) => "cam",
+            (None, None) => "crank",
+        }
+    }
+
     /// Returns the reason for the model level, as a sentence.
     pub fn why(&self) -> &str {
         let chosen = self.choice.as_ref().map(|choice| choice.why.as_str());

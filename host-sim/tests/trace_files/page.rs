@@ -182,7 +182,7 @@ fn three_amplitudes_are_drawn_by_their_names() {
         "pushers have a panel of their own"
     );
     assert!(
-        page(Moved::Machine).contains("moved, mm"),
+        page(Moved::Machine("jaw")).contains("jaw, mm"),
         "a machine of its own kind has no tilt"
     );
 }

@@ -133,8 +133,8 @@ impl Plant for Arm {
         "hand"
     }
 
-    fn axes_word(&self) -> &'static str {
-        "joints"
+    fn axis_noun(&self) -> &'static str {
+        "joint"
     }
 
     fn positions(&self) -> usize {
