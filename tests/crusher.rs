@@ -103,3 +103,34 @@ fn a_stop_without_rock_is_no_stall() {
     assert_eq!(figure(&run, "rock_work_j"), Some(0.0));
     assert_eq!(kinds(&run), Vec::<String>::new());
 }
+
+/// If this fails, the report names a time and an angle at which the shaft still turns.
+#[test]
+fn a_stall_is_reported_where_the_shaft_stands() {
+    let run = with(&[
+        ("rock_kn = 1310", "rock_kn = 4000"),
+        (", following_error_deg = 60", ""),
+        ("count = 1", "count = 1\nindex = false"),
+    ]);
+    let stalled_s = figure(&run, "stalled_s").unwrap();
+    let trace = run.trace();
+    let (t_s, turns) = (trace.column("t_s"), trace.column("actual_turns_0"));
+    let row = t_s.iter().position(|t_s| *t_s >= stalled_s - 1e-9).unwrap();
+    let speed =
+        |row: usize| (turns[row] - turns[row - 1]) * std::f64::consts::TAU / (t_s[1] - t_s[0]);
+    // The speed at the end of the tick is below 0.06 rad/s, and just before it the shaft turned.
+    assert!(speed(row + 1) < 0.07, "{} rad/s", speed(row + 1));
+    assert!(speed(row - 20) > 0.3, "{} rad/s", speed(row - 20));
+    let angle_deg = turns[row].rem_euclid(1.0) * 360.0;
+    let reported_deg = figure(&run, "stalled_deg").unwrap();
+    assert!(
+        (angle_deg - reported_deg).abs() < 0.01,
+        "{angle_deg}, {reported_deg}"
+    );
+    // It stays there, up to creep.
+    let later_deg = turns[row + 200].rem_euclid(1.0) * 360.0;
+    assert!(
+        (later_deg - reported_deg).abs() < 0.5,
+        "{later_deg}, {reported_deg}"
+    );
+}

@@ -14,6 +14,8 @@ mod followers;
 mod holds;
 mod homing;
 mod late;
+mod lost_shafts;
+mod machine_words;
 mod model_levels;
 mod phases;
 mod pulse_servo;

@@ -11,9 +11,7 @@ use std::time::Instant;
 use host_sim::fidelity::{Answers, sample_run};
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{Observer, expected_ticks, simulate_first};
-use host_sim::trace::{Every, Format, Recorder, ScopeData, Window};
-
-use super::run::frame;
+use host_sim::trace::{Every, Format, Recorder, ScopeData, ScopeFrame, Window};
 
 /// Longest duration for which nothing is printed, s: of the run, and of a sample run. The choice of a model level makes a few of these.
 const LONG_S: f64 = 3.0;
@@ -108,7 +106,7 @@ fn expected_s(
 
 /// Creates an observer like that of a run, because the observer takes part of the time. It keeps nothing.
 fn recorder(checked: &Checked) -> impl Observer {
-    let scope = ScopeData::new(checked.scene.axes.count, frame(checked));
+    let scope = ScopeData::new(checked.scene.axes.count, ScopeFrame::of(checked));
     // It accepts all bytes like `io::sink()`, and has positions like a file.
     let files = [Format::Csv, Format::Vcd].map(|format| (format, io::empty()));
     let recorder = Recorder::new(

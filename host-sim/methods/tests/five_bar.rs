@@ -354,3 +354,47 @@ fn a_suspended_tool_has_smaller_errors() {
     );
     assert!(hung_m < borne_m && hung_n < borne_n);
 }
+
+/// If this fails, the integral of the force winds up where the law is at a limit: a sensor at the end of its range never shows the required
+/// force, and motors at their limit never give it.
+#[test]
+fn the_integral_does_not_wind_up_at_a_limit() {
+    let mut arm = FiveBarArm::assumed(0.0);
+    arm.surface = Some(Surface {
+        normal: [0.0, 1.0],
+        distance_m: 0.3,
+        stiffness_n_per_m: 2e4,
+        damping_ns_per_m: 100.0,
+    });
+    let at_rest = |pressed_m: f64| {
+        let reach: f64 = 0.3 + pressed_m;
+        let spread = (reach / 0.5).acos();
+        let up = std::f64::consts::FRAC_PI_2;
+        [up + spread, up - spread, 0.0, 0.0]
+    };
+    let target = Target {
+        at_m: [0.0, 0.3],
+        velocity_mps: [0.0; 2],
+        acceleration_mps2: [0.0; 2],
+    };
+    let law = |required_n: f64, limit_nm: f64| HybridLaw {
+        position_per_s2: 900.0,
+        velocity_per_s: 60.0,
+        force_per_s: 20.0,
+        required_n,
+        limit_nm,
+        sensor: ForceSensor::SOURCE,
+        integral_ns: 0.0,
+    };
+    let after_a_minute = |mut law: HybridLaw, pressed_n: f64| {
+        for _ in 0..60_000 {
+            law.torque_nm(&arm, &at_rest(pressed_n / 2e4), &target, 1e-3);
+        }
+        law.integral_ns
+    };
+    // The sensor reads 19.61 N of 40, and the motors may give 0.1 N·m: 30 N are required. A second of the error is 10 N s.
+    assert!(after_a_minute(law(30.0, 20.0), 40.0).abs() < 0.1);
+    assert!(after_a_minute(law(10.0, 0.1), 2.0).abs() < 0.1);
+    // Within the limits it integrates: 1 N for as long as it takes to reach a limit.
+    assert!(after_a_minute(law(10.0, 20.0), 9.0) > 0.5);
+}

@@ -76,8 +76,8 @@ pub enum FaultKind {
     /// The watchdog reset the controller, in a state in which the machine may have been moving.
     #[error("watchdog reset")]
     WatchdogReset = 21,
-    /// All cranks lag together where the master crosses a forbidden band: the resonance takes more torque than the motors have.
-    #[error("captured at a resonance: all cranks lag together at a forbidden band")]
+    /// All axes lag together where the master crosses a forbidden band: the resonance takes more torque than the motors have.
+    #[error("captured at a resonance: all axes lag together at a forbidden band")]
     Capture = 22,
 }
 

@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use live::Live;
-pub(super) use page::frame;
 use page::mark;
 use progress::progress_bar;
 pub(crate) use values::window;
@@ -26,7 +25,7 @@ use host_sim::scene::library;
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{Outcome, expected_ticks, simulate};
 use host_sim::trace::{
-    Every, Format, Recorder, RunFiles, ScopeData, SentRows, Window, gtkwave_layout,
+    Every, Format, Recorder, RunFiles, ScopeData, ScopeFrame, SentRows, Window, gtkwave_layout,
 };
 
 /// Default files of a trace.
@@ -316,7 +315,7 @@ fn record_window(
         udp,
         every,
         window,
-        ScopeData::new(checked.scene.axes.count, frame(&checked)),
+        ScopeData::new(checked.scene.axes.count, ScopeFrame::of(&checked)),
     )
     .map_err(|e| place(&e))?;
 

@@ -1,35 +1,9 @@
-//! Parts of `scope.svg` beside the rows: the scene, and marks.
+//! Marks of `scope.svg`.
 
 use host_sim::report;
-use host_sim::scene::Checked;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::EventKind;
-use host_sim::trace::{Moved, ScopeData, ScopeFrame};
-
-/// Returns the frame of the page for a scene.
-pub(crate) fn frame(checked: &Checked) -> ScopeFrame {
-    let scene = &checked.scene;
-    ScopeFrame {
-        title: scene.name.clone(),
-        subtitle: scene.description.clone(),
-        bands_hz: scene
-            .limits
-            .band
-            .iter()
-            .map(|band| (band.from_hz, band.to_hz))
-            .collect(),
-        gravity_mps2: host_sim::design::STANDARD_GRAVITY_MPS2,
-        tilt_limit_mrad: checked
-            .has_platform()
-            .then_some(scene.drift.tilt_limit_mrad),
-        moved: match (&checked.plant, &checked.cam) {
-            (Some(plant), _) => Moved::Machine(plant.moved_part()),
-            (None, Some(_)) => Moved::Pushers,
-            (None, None) => Moved::Platform,
-        },
-        phase_error_limit_deg: None, // limits are on the modes of all phase errors, not on one
-    }
-}
+use host_sim::trace::ScopeData;
 
 /// Marks notable events on the page. The states have their own ribbon.
 pub(super) fn mark(scope: &mut ScopeData, outcome: &Outcome) {

@@ -2,6 +2,7 @@
 
 use super::envelope::{Envelope, PAGE_BUCKETS};
 use super::timeline::Timeline;
+use crate::scene::Checked;
 use crate::trace::Row;
 
 /// Texts and limits around the curves.
@@ -21,6 +22,33 @@ pub struct ScopeFrame {
     pub phase_error_limit_deg: Option<f64>,
     /// Parts that the axes move, shown in the last panel.
     pub moved: Moved,
+}
+
+impl ScopeFrame {
+    /// Frame of a scene's page.
+    pub fn of(checked: &Checked) -> Self {
+        let scene = &checked.scene;
+        Self {
+            title: scene.name.clone(),
+            subtitle: scene.description.clone(),
+            bands_hz: scene
+                .limits
+                .band
+                .iter()
+                .map(|band| (band.from_hz, band.to_hz))
+                .collect(),
+            gravity_mps2: crate::design::STANDARD_GRAVITY_MPS2,
+            tilt_limit_mrad: checked
+                .has_platform()
+                .then_some(scene.drift.tilt_limit_mrad),
+            moved: match (&checked.plant, &checked.cam) {
+                (Some(plant), _) => Moved::Machine(plant.moved_part()),
+                (None, Some(_)) => Moved::Pushers,
+                (None, None) => Moved::Platform,
+            },
+            phase_error_limit_deg: None, // limits are on the modes of all phase errors, not on one
+        }
+    }
 }
 
 /// Parts that the axes move.
