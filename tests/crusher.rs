@@ -127,7 +127,7 @@ fn a_stall_is_reported_where_the_shaft_stands() {
         (angle_deg - reported_deg).abs() < 0.01,
         "{angle_deg}, {reported_deg}"
     );
-    // It stays there, up to creep.
+    // It stays there, but for the slow turning of regularised friction.
     let later_deg = turns[row + 200].rem_euclid(1.0) * 360.0;
     assert!(
         (later_deg - reported_deg).abs() < 0.5,

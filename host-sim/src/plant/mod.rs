@@ -136,6 +136,9 @@ pub trait Plant: Debug + Send + Sync {
     /// rad/s, and acceleration, rad/s².
     fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose;
 
+    /// Acceleration that the program's amax is, in words.
+    fn amax_words(&self) -> &'static str;
+
     /// Part that the shafts move, in a word: "box".
     fn moved_part(&self) -> &'static str;
 

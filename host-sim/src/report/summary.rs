@@ -102,6 +102,9 @@ fn write_page(
             statistics.top_speed_hz,
         )?;
     }
+    if let Some(plant) = &checked.plant {
+        writeln!(page, "Here amax is {}.", plant.amax_words())?;
+    }
     if statistics.worst_accel_mps2 > 0.0 && checked.has_platform() {
         writeln!(
             page,

@@ -76,7 +76,8 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [found.synchronous_rad_s(), found.rated_rad_s()],
                 Absolute(5e-5),
                 (DESIGN, "speeds_and_inertia"),
-            ),
+            )
+            .noted("the source starts its integration at 28.3021 rad/s, 0.002 % below 1000 rpm / 3.7, and gives no reason; its greatest speed, 28.303, agrees with 28.3026"),
             Figure::new(
                 2,
                 "flywheel, thin rim and disc, kg m²",

@@ -149,7 +149,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 Absolute(0.05),
                 (FILE, "belt_length_and_speed"),
             )
-            .noted("the print has 3579 mm: its last term divides by 8 A"),
+            .noted("the print has 3579 mm, because its last term divides by 8 A, and 24.5 m/s"),
             Figure::new(
                 7,
                 "run-up: final amplitude, mm, and speed, rpm",
@@ -199,7 +199,8 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [bearing_life_h(58_600.0, 14_848.0, RATED_RPM)],
                 Absolute(0.5),
                 (FILE, "bearing_life"),
-            ),
+            )
+            .noted("the print has 3751 h and 4854 kgf: the reaction of the design of 4 mm, which gives 3777 h at 2.5 × 4854 kgf. The load that it prints beside, 2.5 × 5939 kgf, is that of the design of 5 mm"),
             Figure::new(
                 11,
                 "greatest moment of the shaft, kgf mm",
@@ -207,7 +208,8 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 [moment],
                 Absolute(50.0),
                 (FILE, "shaft_moment"),
-            ),
+            )
+            .noted("the print has 1,118,106: its last line replaces the 531,520 + 3732 x of the line before by 644,500 + 2692 x, although its x = 254 mm is 3732 / 14.704"),
             Figure::new(
                 11,
                 "its stress, kgf/cm²",
@@ -216,7 +218,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 Absolute(1.0),
                 (FILE, "shaft_moment"),
             )
-            .noted("the section modulus is printed to three digits"),
+            .noted("the print has 658, which is 1,118,106 / 1700; the section modulus is printed to three digits"),
         ],
     })
 }

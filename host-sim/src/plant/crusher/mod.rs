@@ -151,6 +151,10 @@ impl Plant for Crusher {
         }
     }
 
+    fn amax_words(&self) -> &'static str {
+        "one component of the acceleration of the jaw where the rock's force acts: that across the jaw, at a constant speed"
+    }
+
     fn moved_part(&self) -> &'static str {
         "jaw"
     }

@@ -38,7 +38,7 @@ pub struct CrusherRecord {
     stall: Option<Stall>,
 }
 
-/// Speed below which a shaft stands, rad/s. In this model friction and rock hold a shaft that creeps by less.
+/// Speed below which a shaft stands, rad/s. In this model friction and rock hold a shaft that turns by less.
 const STANDS_RAD_S: f64 = STICTION_RAD_S;
 
 /// Fraction of the largest commanded speed below which the shaft counts as stopping on command.

@@ -129,6 +129,10 @@ impl Plant for Arm {
         }
     }
 
+    fn amax_words(&self) -> &'static str {
+        "that of a hand on a circle as long as the path; in the blends the hand accelerates more"
+    }
+
     fn moved_part(&self) -> &'static str {
         "hand"
     }

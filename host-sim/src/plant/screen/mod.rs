@@ -160,6 +160,10 @@ impl Plant for Screen {
         }
     }
 
+    fn amax_words(&self) -> &'static str {
+        "the throw times the squared speed, the acceleration of the box far above its resonances"
+    }
+
     fn moved_part(&self) -> &'static str {
         "box"
     }
