@@ -3,6 +3,8 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use cophase_core::supervisor::FaultKind;
+
 use super::{Figure, Plant};
 use crate::machine::Pose;
 
@@ -65,6 +67,9 @@ pub trait Record: CloneRecord + Debug {
     /// Adds one tick to the record.
     fn tick(&mut self, tick: &Tick<'_>);
 
+    /// Ends the record. `faults` are the kinds that latched in the run. The default ignores them.
+    fn end(&mut self, _faults: &[FaultKind]) {}
+
     /// Figures for the report, in the order of the report.
     fn figures(&self) -> Vec<Figure>;
 
@@ -104,9 +109,9 @@ impl Recorder {
         (omega, acceleration)
     }
 
-    /// End of the current tick, s since power-up. Counts the tick.
+    /// End of the current tick, s since power-up. Counts the tick. The first one is played a tick after power-up.
     pub fn end_s(&mut self, tick_s: f64) -> f64 {
         self.ticks += 1;
-        self.ticks as f64 * tick_s
+        (self.ticks + 1) as f64 * tick_s
     }
 }

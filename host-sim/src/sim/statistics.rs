@@ -432,6 +432,12 @@ impl Statistics {
     /// played. `command_turns` are the commanded positions at its end. Without such a tick all are 0.
     pub fn finish(&mut self, machine: &Machine, last: Option<&Telemetry>, command_turns: &[f64]) {
         if let Some(record) = machine.record() {
+            let mut record = record.clone_box();
+            let latched = self.events.iter().filter_map(|event| match &event.what {
+                EventKind::Fault { fault, .. } => Some(fault.kind),
+                _ => None,
+            });
+            record.end(&latched.collect::<Vec<_>>());
             self.figures = record.figures();
             self.machine_warnings = record.warnings();
         }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use cophase_core::supervisor::FaultKind;
+
 use super::{Screen, Sufficient};
 use crate::plant::{Figure, Record, Tick};
 
@@ -17,7 +19,8 @@ struct Held {
 }
 
 /// Detection of capture. Shafts are *captured* if they enter a forbidden band, fall behind their command by [`BEHIND`] in it, and
-/// have not left it at its upper edge when the command begins to come down, or at the end of the run.
+/// have not left it at its upper edge when the command begins to come down, or at the end of the run. What the controller stops as a
+/// `capture` is one too: it has only the pulses of its sensors to judge by, and does not wait.
 #[derive(Clone, Debug)]
 struct CaptureWatch {
     bands_hz: Vec<(f64, f64)>,
@@ -27,11 +30,19 @@ struct CaptureWatch {
     /// Last speeds at which the shafts were behind in a band, as long as they have not passed it.
     held: Option<Held>,
     captured: Option<Held>,
+    /// Speeds as the command began to come down the last time.
+    at_stop: Option<Held>,
+    was_rising: bool,
 }
 
 impl CaptureWatch {
     fn tick(&mut self, tick: &Tick<'_>, speeds: Held, lag_turns: f64) {
-        if !tick.drives_enabled || tick.acceleration_rad_s2 < 0.0 {
+        let rises = tick.drives_enabled && tick.acceleration_rad_s2 >= 0.0;
+        if self.was_rising && !rises {
+            self.at_stop = Some(speeds);
+        }
+        self.was_rising = rises;
+        if !rises {
             self.captured = self.captured.or(self.held.take());
         }
         let actual_hz = speeds.actual_hz;
@@ -45,7 +56,6 @@ impl CaptureWatch {
         };
         let entered = self.entered.filter(|(entered, _)| *entered == band);
         let (_, lag_before) = *self.entered.insert(entered.unwrap_or((band, lag_turns)));
-        let rises = tick.drives_enabled && tick.acceleration_rad_s2 >= 0.0;
         let is_commanded = speeds.commanded_hz >= self.bands_hz[band].0;
         if rises && is_commanded && lag_turns - lag_before > self.behind_turns {
             self.held = Some(speeds);
@@ -87,6 +97,8 @@ impl ScreenRecord {
                 entered: None,
                 held: None,
                 captured: None,
+                at_stop: None,
+                was_rising: false,
             },
         }
     }
@@ -141,6 +153,13 @@ impl Record for ScreenRecord {
                 commanded_hz,
             };
             self.capture.tick(tick, speeds, ahead / n as f64);
+        }
+    }
+
+    fn end(&mut self, faults: &[FaultKind]) {
+        if faults.contains(&FaultKind::Capture) {
+            let stopped = self.capture.at_stop;
+            self.capture.captured = self.capture.captured.or(stopped);
         }
     }
 

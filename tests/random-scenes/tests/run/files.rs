@@ -194,7 +194,8 @@ fn check_words(report: &Value, run: &Run) -> Result<(), String> {
     if has_fault != (faults > 0) {
         return Err(format!("ended is {ended}, and there are {faults} faults"));
     }
-    let right = if has_fault || has_diverged || warns("A motor slipped, and the controller") {
+    let has_lost = |warning: &&str| warning.contains("and the controller did not notice");
+    let right = if has_fault || has_diverged || warnings.iter().any(has_lost) {
         Status::Fault
     } else {
         Status::Done
