@@ -12,6 +12,8 @@
 
 use nalgebra::DMatrix;
 
+use crate::friction::DryFriction;
+
 /// A system of ordinary differential equations in `f64`, y′ = f(t, y), time in s.
 pub trait Equations {
     /// Number of components of the state.
@@ -40,7 +42,14 @@ pub trait Equations {
     }
 
     /// Returns the same system as y′ = A y + b(t), if it is linear. The default is `None`.
+    ///
+    /// A machine with dry friction is linear if it is so while no contact changes; the matrix is then that of free sliding.
     fn linear(&self) -> Option<&dyn Linear> {
+        None
+    }
+
+    /// Returns the dry friction in the system, if it has any: its rates jump where a sliding speed passes 0. The default is `None`.
+    fn friction(&self) -> Option<&dyn DryFriction> {
         None
     }
 }

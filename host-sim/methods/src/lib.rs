@@ -46,7 +46,7 @@
 //! - [`equations`]: interface of a machine; [`method`]: interface of a method; [`scheme`]: list of the methods;
 //! - [`methods`]: one file for each; [`newton`]: solution of the implicit equations;
 //! - [`stability`]: limits of the step, and [`accuracy`]: errors of an oscillation, both measured on the code;
-//! - [`event`]: steps that end at an event; [`drift`]: conservation of energy;
+//! - [`friction`]: dry friction, by contacts that stick or slide; [`event`]: steps that end at an event; [`drift`]: conservation of energy;
 //! - [`problems`]: machines whose exact solution is known.
 //!
 //! `docs/methods.md` has the measured figures, and the commands that reproduce them.
@@ -59,6 +59,7 @@ mod error;
 pub mod event;
 mod factors;
 mod facts;
+pub mod friction;
 pub mod method;
 pub mod methods;
 pub mod newton;
@@ -69,6 +70,7 @@ pub mod stability;
 pub use equations::{Differences, Equations, Linear};
 pub use error::{Refused, StepError};
 pub use facts::{Facts, Needs};
+pub use friction::DryFriction;
 pub use method::{Method, advance};
 pub use scheme::Scheme;
 pub use stability::{NotMeasured, Unstable};

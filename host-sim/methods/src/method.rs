@@ -5,7 +5,7 @@
 
 use core::fmt;
 
-use crate::{Equations, Facts, Refused, StepError};
+use crate::{Equations, Facts, Refused, StepError, friction};
 
 /// Method for one machine and one step length. It advances a state by that step.
 ///
@@ -48,13 +48,18 @@ pub fn advance(
     Ok(())
 }
 
-/// Computation of a step.
+/// Computation of a step, of any length.
 pub(crate) trait Rule: Clone + fmt::Debug + Sized + 'static {
     /// Properties of the method.
     const FACTS: &'static Facts;
 
     /// Allocates the memory for equations that have the required structure, and for a step that is finite and above 0.
     fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused>;
+
+    /// Prepares coefficients that depend on the equations and the length of the step. The default has none.
+    fn fit(&mut self, _: &dyn Equations, _t_s: f64, _h: f64) -> Result<(), StepError> {
+        Ok(())
+    }
 
     /// Writes the state at `t_s` + `h` into `next`, from the state `y` at `t_s`. The caller checks whether it is
     /// finite.
@@ -74,6 +79,8 @@ pub(crate) struct Fixed<R> {
     rule: R,
     step_s: f64,
     next: Vec<f64>,
+    /// Memory for dry friction, if the machine has any.
+    friction: Option<friction::Memory>,
 }
 
 impl<R: Rule> Fixed<R> {
@@ -94,6 +101,9 @@ impl<R: Rule> Fixed<R> {
             rule: R::new(equations, step_s)?,
             step_s,
             next: vec![0.0; equations.dimension()],
+            friction: equations
+                .friction()
+                .map(|_| friction::Memory::new(equations.dimension())),
         }))
     }
 }
@@ -113,8 +123,18 @@ impl<R: Rule> Method for Fixed<R> {
         t_s: f64,
         y: &mut [f64],
     ) -> Result<(), StepError> {
-        self.rule
-            .step(equations, t_s, self.step_s, y, &mut self.next)?;
+        match equations.friction() {
+            None => self
+                .rule
+                .step(equations, t_s, self.step_s, y, &mut self.next)?,
+            Some(machine) => friction::Step {
+                rule: &mut self.rule,
+                memory: (self.friction).get_or_insert_with(|| friction::Memory::new(y.len())),
+                equations,
+                machine,
+            }
+            .make(t_s, self.step_s, y, &mut self.next)?,
+        }
         if let Some(component) = self.next.iter().position(|value| !value.is_finite()) {
             return Err(StepError::NotFinite { t_s, component });
         }

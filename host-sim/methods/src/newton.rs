@@ -36,7 +36,7 @@ pub const NEWTON_LIMIT: u32 = 50;
 /// Limit of halvings of one correction.
 pub const HALVINGS: u32 = 12;
 
-/// Solves the stages of one method, at one hγ.
+/// Solves the stages of one method. All stages of a step have the same hγ.
 #[derive(Clone, Debug)]
 pub(crate) struct Stage {
     h_gamma_s: f64,
@@ -59,10 +59,10 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    pub fn new(dimension: usize, h_gamma_s: f64) -> Self {
+    pub fn new(dimension: usize) -> Self {
         let zeros = || vec![0.0; dimension];
         Self {
-            h_gamma_s,
+            h_gamma_s: 0.0,
             from_s: 0.0,
             differences: Differences::new(dimension),
             jacobian: DMatrix::zeros(dimension, dimension),
@@ -78,13 +78,15 @@ impl Stage {
         }
     }
 
-    /// Begins a step at (t, y): computes the Jacobian there, and factors the matrix.
+    /// Begins a step at (t, y) with this hγ: computes the Jacobian there, and factors the matrix.
     pub fn begin(
         &mut self,
         equations: &dyn Equations,
         t_s: f64,
+        h_gamma_s: f64,
         y: &[f64],
     ) -> Result<(), StepError> {
+        self.h_gamma_s = h_gamma_s;
         self.from_s = t_s;
         self.at.copy_from_slice(y);
         self.linearise(equations, t_s)

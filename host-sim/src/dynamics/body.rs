@@ -47,9 +47,6 @@ pub struct Body {
     pub friction_nm: Vec<f64>,
 }
 
-/// Speed scale over which dry friction reverses, rad/s. It is about a hundredth of a turn per second, which counts as standstill.
-pub const STICTION_RAD_S: f64 = 0.06;
-
 impl Body {
     /// Creates shafts that carry no platform, with these rotor inertias, kg·m², and no friction.
     pub fn of_shafts(rotors_kgm2: Vec<f64>) -> Self {
@@ -102,61 +99,8 @@ impl Body {
         mechanism.crank_radius_m() * mechanism.greatest_h().max(mechanism.greatest_s())
     }
 
-    /// Torque of rotor `i`'s friction, N·m.
-    pub fn drag_nm(&self, i: usize, omega_rad_s: f64) -> f64 {
-        drag_nm(self.friction_nm[i], omega_rad_s)
-    }
-
-    /// Upper bound of the rate at which friction changes a crank's speed near standstill, 1/s.
-    pub fn fastest_friction_per_s(&self) -> f64 {
-        let each = self.friction_nm.iter().zip(&self.rotors_kgm2);
-        each.map(|(friction, rotor)| friction / (rotor * STICTION_RAD_S))
-            .fold(0.0, f64::max)
-    }
-
     /// Weight of the load, N.
     pub fn weight_n(&self) -> f64 {
         self.load.mass_kg * self.load.gravity_mps2
-    }
-}
-
-/// Argument above which tanh equals 1 in double precision. The difference is 2 exp(−2 x), which a double does not resolve from 19 on.
-const SURELY_1: f64 = 22.0;
-
-/// Torque of dry friction, N·m. It reverses smoothly, so that integration methods keep their order. A rotor under a load
-/// smaller than the friction therefore does not stand still. It turns slowly, by less than a turn in a hundred seconds.
-pub(super) fn drag_nm(friction_nm: f64, omega_rad_s: f64) -> f64 {
-    if friction_nm == 0.0 {
-        return 0.0;
-    }
-    let speeds = omega_rad_s / STICTION_RAD_S;
-    // At nearly all speeds of a machine the tanh is 1, so it need not be computed.
-    if speeds.abs() > SURELY_1 {
-        return -friction_nm * speeds.signum();
-    }
-    -friction_nm * speeds.tanh()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// If this fails, friction at high speed differs from its formula, because tanh is not 1 there.
-    #[test]
-    fn friction_at_high_speed_equals_its_formula() {
-        for speeds in [
-            SURELY_1,
-            SURELY_1.next_up(),
-            25.0,
-            1e3,
-            1e300,
-            f64::INFINITY,
-        ] {
-            for speeds in [speeds, -speeds] {
-                assert_eq!(speeds.tanh(), speeds.signum());
-                let torque_nm = drag_nm(0.3, speeds * STICTION_RAD_S);
-                assert_eq!(torque_nm, -0.3 * speeds.signum());
-            }
-        }
     }
 }

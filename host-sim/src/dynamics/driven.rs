@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use cophase_methods::Equations;
+use cophase_methods::friction::{self, Contacts, DryFriction, Friction};
 
 use super::corners::{FREEDOMS, MOST};
 use super::modes::{Bound, Mode};
@@ -30,7 +31,6 @@ pub enum Freedom {
 pub struct OnPlant {
     body: Body,
     plant: Arc<dyn Plant>,
-    held: [bool; MOST],
     memory: Memory,
     /// Torques that the plant's drive law gives in this tick, N·m. `None` if the plant has no such law.
     law_nm: Option<[f64; MOST]>,
@@ -42,7 +42,6 @@ impl OnPlant {
         Self {
             body,
             plant,
-            held: [false; MOST],
             memory: Memory::default(),
             law_nm: None,
         }
@@ -58,6 +57,10 @@ pub struct Driven {
     equal_to: [usize; MOST],
     /// Index and integral time, s, of each motor that integrates, in the order of the state.
     integrals: Vec<(usize, f64)>,
+    /// Rotors that are locked, whatever torque acts on them.
+    locked: [bool; MOST],
+    /// Components of the state that are speeds with dry friction, in the order of the angles.
+    sliding: Vec<usize>,
     /// Angle of each field at the start of the tick, and its speed during the tick.
     pub fields: Vec<Field>,
     /// Load torque on each crank in addition to its share of the machine, N·m. Positive against forward rotation.
@@ -71,9 +74,11 @@ impl Driven {
     pub fn new(freedom: Freedom, motors: Vec<Motor>) -> Self {
         let integral = |(i, motor): (usize, &Motor)| Some((i, motor.integral_s()?));
         let first = |i: usize| motors.iter().position(|motor| Some(motor) == motors.get(i));
-        let driven = Self {
+        let mut driven = Self {
             fields: vec![Field::default(); motors.len()],
             equal_to: std::array::from_fn(|i| first(i).unwrap_or(i)),
+            locked: [false; MOST],
+            sliding: Vec::with_capacity(MOST),
             integrals: motors.iter().enumerate().filter_map(integral).collect(),
             freedom,
             motors,
@@ -81,6 +86,7 @@ impl Driven {
             energised: false,
         };
         assert_eq!(driven.body().axes(), driven.motors.len(), "a motor an axis");
+        driven.list_sliding();
         driven
     }
 
@@ -160,13 +166,39 @@ impl Driven {
         }
     }
 
-    /// Locks rotor `i` as if its inertia were infinite, or releases it. On a single shaft this has no effect.
+    /// Locks rotor `i`, or releases it. On a single shaft this has no effect.
     pub fn hold(&mut self, i: usize, held: bool) {
-        match &mut self.freedom {
-            Freedom::Rigid(_) => {}
-            Freedom::Phased(phased) => phased.hold(i, held),
-            Freedom::Elastic(elastic) => elastic.hold(i, held),
-            Freedom::Plant(on) => on.held[i] = held,
+        if self.locked[i] != held && !matches!(self.freedom, Freedom::Rigid(_)) {
+            self.locked[i] = held;
+            self.list_sliding();
+        }
+    }
+
+    fn list_sliding(&mut self) {
+        self.sliding.clear();
+        let (positions, nowhere) = (self.positions(), vec![0.0; self.positions()]);
+        for i in 0..self.angles() {
+            let rubs = self.friction_nm(i) > 0.0 || self.resistance_nm(i, &nowhere).is_some();
+            if rubs && !self.locked[i] {
+                self.sliding.push(positions + i);
+            }
+        }
+    }
+
+    /// Dry friction at an angle of the state, N·m.
+    fn friction_nm(&self, i: usize) -> f64 {
+        let each = &self.body().friction_nm;
+        match self.freedom {
+            Freedom::Rigid(_) => each.iter().sum(),
+            _ => each[i],
+        }
+    }
+
+    /// Resistance of a plant to forward rotation at these positions, N·m, if it ever resists.
+    fn resistance_nm(&self, i: usize, q: &[f64]) -> Option<f64> {
+        match &self.freedom {
+            Freedom::Plant(on) => on.plant.resistance_nm(i, q),
+            _ => None,
         }
     }
 
@@ -263,12 +295,31 @@ impl Driven {
         torques
     }
 
-    /// Computes the rates of a state in which the motors give these torques, N·m. See [`Equations::rates`].
-    pub fn rates_under(&self, torques_nm: &[f64; MOST], state: &[f64], rates: &mut [f64]) {
+    /// Returns the rates of a state in which the motors give these torques, N·m. See [`Equations::rates`].
+    pub fn rates_with(&self, torques_nm: &[f64; MOST], t_s: f64, state: &[f64], rates: &mut [f64]) {
+        let contacts = Contacts::at(self, t_s, state, rates);
+        let friction = contacts.friction(self, state);
+        self.rates_of(torques_nm, &friction[..contacts.len()], state, rates);
+    }
+
+    /// Computes the rates of a state under these torques of the motors, and this friction of each sliding rotor.
+    fn rates_of(
+        &self,
+        torques_nm: &[f64; MOST],
+        friction: &[Friction],
+        state: &[f64],
+        rates: &mut [f64],
+    ) {
         let n = self.positions();
-        let mut net = *torques_nm;
+        let (mut net, mut held) = (*torques_nm, self.locked);
         for (net, load) in net.iter_mut().zip(&self.loads_nm) {
             *net -= load;
+        }
+        for (speed, friction) in self.sliding.iter().zip(friction) {
+            match friction {
+                Friction::Holds => held[speed - n] = true,
+                Friction::Force(torque_nm) => net[speed - n] += torque_nm,
+            }
         }
         let (q, rest) = state.split_at(n);
         let (v, integrals) = rest.split_at(n);
@@ -277,15 +328,19 @@ impl Driven {
         speeds.copy_from_slice(v);
         match &self.freedom {
             Freedom::Rigid(rigid) => {
-                accelerations[0] = rigid.acceleration_rad_s2(q[0], v[0], net.iter().sum());
+                accelerations[0] = if held[0] {
+                    0.0
+                } else {
+                    rigid.acceleration_rad_s2(q[0], v[0], net.iter().sum())
+                };
             }
-            Freedom::Phased(phased) => phased.accelerations(q, v, &net, accelerations),
-            Freedom::Elastic(elastic) => elastic.accelerations(q, v, &net, accelerations),
+            Freedom::Phased(phased) => phased.accelerations(q, v, &net, &held, accelerations),
+            Freedom::Elastic(elastic) => elastic.accelerations(q, v, &net, &held, accelerations),
             Freedom::Plant(on) => {
                 let shafts = Shafts {
                     body: &on.body,
                     torques_nm: &net[..self.motors.len()],
-                    held: &on.held[..self.motors.len()],
+                    held: &held[..self.motors.len()],
                 };
                 on.plant.accelerations(&shafts, q, v, accelerations);
             }
@@ -360,10 +415,34 @@ impl Equations for Driven {
     }
 
     fn rates(&self, t_s: f64, state: &[f64], rates: &mut [f64]) {
-        self.rates_under(&self.torques_nm(t_s, state), state, rates);
+        friction::rates(self, t_s, state, rates);
+    }
+
+    fn friction(&self) -> Option<&dyn DryFriction> {
+        (!self.sliding.is_empty()).then_some(self)
     }
 
     fn is_second_order(&self) -> bool {
         self.integrals.is_empty()
+    }
+}
+
+impl DryFriction for Driven {
+    fn speeds(&self) -> &[usize] {
+        &self.sliding
+    }
+
+    fn bounds(&self, state: &[f64], bounds: &mut [[f64; 2]]) {
+        let n = self.positions();
+        for (bounds, speed) in bounds.iter_mut().zip(&self.sliding) {
+            let i = speed - n;
+            let friction_nm = self.friction_nm(i);
+            let resistance_nm = self.resistance_nm(i, &state[..n]).unwrap_or(0.0);
+            *bounds = [-friction_nm - resistance_nm, friction_nm];
+        }
+    }
+
+    fn rates_under(&self, t_s: f64, state: &[f64], friction: &[Friction], rates: &mut [f64]) {
+        self.rates_of(&self.torques_nm(t_s, state), friction, state, rates);
     }
 }

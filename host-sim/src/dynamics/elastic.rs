@@ -16,8 +16,6 @@ pub struct Elastic {
     frame: Option<Frame>,
     /// Damping of each rod, N·s/m.
     damper_ns_per_m: f64,
-    /// Locked rotors, which do not turn whatever the torque.
-    held: [bool; MOST],
 }
 
 impl Elastic {
@@ -31,7 +29,6 @@ impl Elastic {
             corners,
             body,
             frame: None,
-            held: [false; MOST],
         }
     }
 
@@ -40,11 +37,6 @@ impl Elastic {
     pub fn on(mut self, frame: Frame) -> Self {
         self.frame = Some(frame);
         self
-    }
-
-    /// Locks rotor `i`, or releases it.
-    pub fn hold(&mut self, i: usize, held: bool) {
-        self.held[i] = held;
     }
 
     /// Body of the machine.
@@ -85,8 +77,15 @@ impl Elastic {
         plane
     }
 
-    /// Computes the second derivative of each position under each motor's torque, N·m.
-    pub fn accelerations(&self, q: &[f64], v: &[f64], torque: &[f64], out: &mut [f64]) {
+    /// Computes the second derivative of each position under the torque on each rotor, N·m. A rotor that is held does not turn.
+    pub fn accelerations(
+        &self,
+        q: &[f64],
+        v: &[f64],
+        torque: &[f64],
+        held: &[bool; MOST],
+        out: &mut [f64],
+    ) {
         let body = &self.body;
         let n = body.axes();
         let (place, rate) = (self.over_frame(q), self.over_frame(v));
@@ -99,8 +98,8 @@ impl Elastic {
             for (force, share) in forces.iter_mut().zip(self.corners.force(i)) {
                 *force += share * push_n;
             }
-            let net_nm = torque[i] + body.drag_nm(i, v[i]) - push_n * crank.lever_m;
-            out[i] = if self.held[i] {
+            let net_nm = torque[i] - push_n * crank.lever_m;
+            out[i] = if held[i] {
                 0.0
             } else {
                 net_nm / body.rotors_kgm2[i]

@@ -27,7 +27,7 @@ mod motor;
 mod phased;
 mod rigid;
 
-pub use body::{Body, Crank, PlaneMotion, STICTION_RAD_S};
+pub use body::{Body, Crank, PlaneMotion};
 pub use corners::{Corners, FREEDOMS, MOST};
 pub use driven::{Driven, Freedom, OnPlant};
 pub use elastic::Elastic;

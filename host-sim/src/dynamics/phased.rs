@@ -65,15 +65,6 @@ impl Phased {
         self
     }
 
-    /// Locks rotor `i` by infinite inertia, or releases it.
-    pub fn hold(&mut self, i: usize, held: bool) {
-        self.rotor_mobility[i] = if held {
-            0.0
-        } else {
-            self.body.rotors_kgm2[i].recip()
-        };
-    }
-
     /// Body of the machine.
     pub fn body(&self) -> &Body {
         &self.body
@@ -89,8 +80,16 @@ impl Phased {
         self.body.axes() + self.frame.as_ref().map_or(0, Frame::freedoms)
     }
 
-    /// Computes the second derivative of each position under each motor's torque, N·m.
-    pub fn accelerations(&self, q: &[f64], v: &[f64], torque: &[f64], out: &mut [f64]) {
+    /// Computes the second derivative of each position under the torque on each rotor, N·m. A rotor that is held does not turn,
+    /// as if its inertia were infinite.
+    pub fn accelerations(
+        &self,
+        q: &[f64],
+        v: &[f64],
+        torque: &[f64],
+        held: &[bool; MOST],
+        out: &mut [f64],
+    ) {
         let body = &self.body;
         let n = body.axes().min(MOST); // never more, so the compiler need not check each index
         let (alpha, place) = q.split_at(n);
@@ -107,23 +106,27 @@ impl Phased {
         };
         let mut right = [body.load.gravity_mps2, 0.0, 0.0];
         // Weight that the springs carry at rest, and their force in excess of it.
-        let held = [body.weight_n(), 0.0, 0.0];
+        let weight = [body.weight_n(), 0.0, 0.0];
         let mut pull = [0.0; FREEDOMS];
         if let Some(frame) = &self.frame {
             pull = frame.pull(place, rate);
             for f in 0..FREEDOMS {
-                right[f] += (pull[f] + held[f]) / frame.suspended.masses[f];
+                right[f] += (pull[f] + weight[f]) / frame.suspended.masses[f];
             }
         }
         let mut columns = [[0.0; FREEDOMS]; MOST];
         let mut net = [0.0; MOST];
+        let mut mobilities = self.rotor_mobility;
         for i in 0..n {
             let share = self.corners.share(i);
             let lever = cranks[i].lever_m;
             columns[i] = share.map(|share| share * lever);
             let bend_nm = body.rod_n_per_m * warps[i] * lever;
-            net[i] = torque[i] + body.drag_nm(i, omega[i]) - bend_nm;
-            let mobility = self.rotor_mobility[i];
+            net[i] = torque[i] - bend_nm;
+            if held[i] {
+                mobilities[i] = 0.0;
+            }
+            let mobility = mobilities[i];
             left.add(&columns[i], mobility);
             let swing = cranks[i].lever_rate_m * omega[i] * omega[i];
             for f in 0..FREEDOMS {
@@ -132,11 +135,11 @@ impl Phased {
         }
         let y = left.solve(&right);
         for i in 0..n {
-            let held: f64 = (0..FREEDOMS).map(|f| columns[i][f] * y[f]).sum();
-            out[i] = (net[i] - held) * self.rotor_mobility[i];
+            let load: f64 = (0..FREEDOMS).map(|f| columns[i][f] * y[f]).sum();
+            out[i] = (net[i] - load) * mobilities[i];
         }
         if let Some(frame) = &self.frame {
-            let cranks = std::array::from_fn(|f| held[f] - y[f]);
+            let cranks = std::array::from_fn(|f| weight[f] - y[f]);
             frame.accelerations(place, rate, &pull, &cranks, &mut out[n..]);
         }
     }

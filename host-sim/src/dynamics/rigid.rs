@@ -11,18 +11,13 @@ use super::Body;
 pub struct Rigid {
     body: Body,
     rotors_kgm2: f64,
-    friction_nm: f64,
 }
 
 impl Rigid {
     /// Creates a machine of a body, whose rotors turn as one.
     pub fn new(body: Body) -> Self {
         let rotors_kgm2 = body.rotors_kgm2.iter().sum();
-        Self {
-            friction_nm: body.friction_nm.iter().sum(),
-            body,
-            rotors_kgm2,
-        }
+        Self { body, rotors_kgm2 }
     }
 
     /// Body of the machine.
@@ -36,15 +31,14 @@ impl Rigid {
         self.rotors_kgm2 + self.body.load.mass_kg * lever * lever
     }
 
-    /// Acceleration α″, rad/s², under the total torque of all motors, N·m.
+    /// Acceleration α″, rad/s², under the total torque of all motors and of friction, N·m.
     pub fn acceleration_rad_s2(&self, alpha_rad: f64, omega_rad_s: f64, torque_nm: f64) -> f64 {
         let body = &self.body;
         let crank = body.crank(alpha_rad);
         let inertia = self.rotors_kgm2 + body.load.mass_kg * crank.lever_m * crank.lever_m;
         let push_n =
             body.load.mass_kg * crank.lever_rate_m * omega_rad_s * omega_rad_s + body.weight_n();
-        (torque_nm + super::body::drag_nm(self.friction_nm, omega_rad_s) - crank.lever_m * push_n)
-            / inertia
+        (torque_nm - crank.lever_m * push_n) / inertia
     }
 
     /// Kinetic and potential energy, J. It is constant without friction and motors.

@@ -32,7 +32,8 @@ impl Instant<'_> {
     pub fn forces(&self) -> Forces {
         let torques_nm = self.driven.torques_nm(self.t_s, self.state);
         let mut rates = vec![0.0; self.state.len()];
-        self.driven.rates_under(&torques_nm, self.state, &mut rates);
+        self.driven
+            .rates_with(&torques_nm, self.t_s, self.state, &mut rates);
         Forces {
             torque_nm: torques_nm.iter().copied().map(f64::abs).fold(0.0, f64::max),
             platform: self.driven.platform(self.state, &rates),

@@ -11,7 +11,7 @@ use cophase_methods::{Method, Scheme, advance};
 use super::broken::{Broken, Cause};
 use super::instant::Instant;
 use super::step::{Chosen, in_steps_per_tick, steps_for};
-use crate::dynamics::{Driven, FREEDOMS, Field, FrameMotion, PlaneMotion, STICTION_RAD_S};
+use crate::dynamics::{Driven, FREEDOMS, Field, FrameMotion, PlaneMotion};
 use crate::plant::State;
 
 /// Command of a drive at the end of a tick: the position at which it would hold its rotor.
@@ -30,8 +30,6 @@ pub struct Rotors {
     scheme: Scheme,
     method: Box<dyn Method>,
     steps: u32,
-    /// Method near standstill, if dry friction changes too fast there for the step of the chosen method; none otherwise.
-    near_rest: Option<Box<dyn Method>>,
     state: Vec<f64>,
     /// States within the last tick, one before each step.
     within: Vec<f64>,
@@ -58,9 +56,6 @@ struct End {
     /// Torques of the motors, N·m.
     torques_nm: [f64; MAX_AXES],
 }
-
-/// Speed above which dry friction is constant, rad/s: five times the width of its sign change, where tanh is 1 to within 1e-4.
-const NEAR_REST_RAD_S: f64 = 5.0 * STICTION_RAD_S;
 
 /// Factor on the steps of a tick that is replayed to find out why a crank ran away.
 const REPLAY_STEPS: u32 = 16;
@@ -91,14 +86,6 @@ impl Rotors {
         let method = scheme
             .prepare(&driven, step_s)
             .map_err(|refused| refused.to_string())?;
-        let friction_per_s = driven.body().fastest_friction_per_s();
-        let follows_friction = chosen.scheme.is_some()
-            || friction_per_s == 0.0
-            || scheme.check_step(step_s, friction_per_s, 1.0).is_ok();
-        let near_rest = (!follows_friction)
-            .then(|| Scheme::Sdirk4.prepare(&driven, step_s))
-            .transpose()
-            .map_err(|refused| refused.to_string())?;
         let angles: Vec<f64> = commanded
             .iter()
             .map(|commanded| commanded.turns * std::f64::consts::TAU)
@@ -116,7 +103,6 @@ impl Rotors {
             driven,
             scheme,
             method,
-            near_rest,
             steps,
             state,
             commanded,
@@ -199,18 +185,13 @@ impl Rotors {
             self.driven.forget(&mut self.state);
         }
         self.driven.begin_tick(&self.state, self.tick_s);
-        let is_near_rest = self.near_rest.is_some() && self.is_near_rest();
-        let method = match &mut self.near_rest {
-            Some(near_rest) if is_near_rest => near_rest,
-            _ => &mut self.method,
-        };
         if let Some(end) = self.end.take() {
             self.room.replace(end.rates);
         }
         for step in 0..self.steps {
-            let t_s = f64::from(step) * method.step_s();
+            let t_s = f64::from(step) * self.method.step_s();
             self.within.extend_from_slice(&self.state);
-            if let Err(error) = method.step(&self.driven, t_s, &mut self.state) {
+            if let Err(error) = self.method.step(&self.driven, t_s, &mut self.state) {
                 let since_s = (self.ticks - 1) as f64 * self.tick_s;
                 self.broken = Some(error.later(since_s).into());
                 break;
@@ -218,7 +199,7 @@ impl Rotors {
         }
         self.broken = self.broken.or_else(|| self.ran_away());
         // The next tick changes the fields, and may change the state.
-        if self.near_rest.is_some() || self.broken.is_some() {
+        if self.broken.is_some() {
             self.end();
         }
     }
@@ -230,21 +211,9 @@ impl Rotors {
             rates.resize(self.state.len(), 0.0);
             let torques_nm = self.driven.torques_nm(self.tick_s, &self.state);
             self.driven
-                .rates_under(&torques_nm, &self.state, &mut rates);
+                .rates_with(&torques_nm, self.tick_s, &self.state, &mut rates);
             End { rates, torques_nm }
         })
-    }
-
-    /// True if a crank is so slow that its dry friction is not constant, or may become so slow within a tick.
-    fn is_near_rest(&self) -> bool {
-        let from = self.driven.positions();
-        let cranks = from..from + self.driven.angles();
-        let cranks = self.state[cranks.clone()]
-            .iter()
-            .zip(&self.end().rates[cranks]);
-        cranks
-            .into_iter()
-            .any(|(omega, rate)| omega.abs() < NEAR_REST_RAD_S + rate.abs() * self.tick_s)
     }
 
     /// Returns the crank that exceeds the speed limit, if there is one.

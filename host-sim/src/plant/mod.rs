@@ -161,6 +161,12 @@ pub trait Plant: Debug + Send + Sync {
     /// Accelerations of all positions, in rad/s² and m/s².
     fn accelerations(&self, shafts: &Shafts<'_>, q: &[f64], v: &[f64], a: &mut [f64]);
 
+    /// Resistance of the plant to forward rotation of a shaft at these positions, N·m, in addition to dry friction. Like that it
+    /// only opposes motion. `None` if the plant never resists; this is the default.
+    fn resistance_nm(&self, _shaft: usize, _q: &[f64]) -> Option<f64> {
+        None
+    }
+
     /// Computes the torques, N·m, of the plant's own drive law for a control tick. They replace each motor's position loop.
     /// `None` if the plant has no such law. `fields` are the commands, `q` and `v` the state at the start of the tick.
     /// `memory` belongs to the law, and is 0 when the drives are switched on.

@@ -63,6 +63,11 @@ impl Rule for Exact {
         })
     }
 
+    fn fit(&mut self, equations: &dyn Equations, t_s: f64, h: f64) -> Result<(), StepError> {
+        *self = Self::new(equations, h).map_err(|_| StepError::NotFinite { t_s, component: 0 })?;
+        Ok(())
+    }
+
     fn step(
         &mut self,
         equations: &dyn Equations,

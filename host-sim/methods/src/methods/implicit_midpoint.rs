@@ -26,10 +26,10 @@ impl Rule for ImplicitMidpoint {
         evaluations: 2,
     };
 
-    fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
+    fn new(equations: &dyn Equations, _: f64) -> Result<Self, Refused> {
         let dimension = equations.dimension();
         Ok(Self {
-            stage: Stage::new(dimension, 0.5 * step_s),
+            stage: Stage::new(dimension),
             half_move: vec![0.0; dimension],
         })
     }
@@ -42,7 +42,7 @@ impl Rule for ImplicitMidpoint {
         y: &[f64],
         next: &mut [f64],
     ) -> Result<(), StepError> {
-        self.stage.begin(equations, t_s, y)?;
+        self.stage.begin(equations, t_s, 0.5 * h, y)?;
         self.half_move.fill(0.0);
         let middle_s = t_s + 0.5 * h;
         self.stage

@@ -47,10 +47,10 @@ impl Rule for Sdirk4 {
         evaluations: 10,
     };
 
-    fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
+    fn new(equations: &dyn Equations, _: f64) -> Result<Self, Refused> {
         let dimension = equations.dimension();
         Ok(Self {
-            stage: Stage::new(dimension, GAMMA * step_s),
+            stage: Stage::new(dimension),
             moves: core::array::from_fn(|_| vec![0.0; dimension]),
         })
     }
@@ -63,7 +63,7 @@ impl Rule for Sdirk4 {
         y: &[f64],
         next: &mut [f64],
     ) -> Result<(), StepError> {
-        self.stage.begin(equations, t_s, y)?;
+        self.stage.begin(equations, t_s, GAMMA * h, y)?;
         for i in 0..STAGES {
             let (earlier, rest) = self.moves.split_at_mut(i);
             let this = &mut rest[0];

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Rock is fed between two turns of the shaft, counted from power-up, because a crusher starts and stops empty. Rock brakes
-//! a shaft that turns forward, and does not push one back. Under a slowly closing jaw it resists with no more than the
-//! applied torque.
+//! a shaft that turns forward, and does not push one back. So it acts as dry friction does, in one direction: against a shaft at
+//! rest it has no more than the applied torque.
 //!
 //! In the controller's settings the crusher is a Scotch yoke of radius max |z″(φ)|, where z is the displacement of the jaw
 //! at the point of the rock's force. So the program's amax is the largest acceleration of the jaw at that point.
@@ -28,7 +28,7 @@ use std::ops::{Range, RangeInclusive};
 use cophase_methods::problems::crusher::{Jaw, Linkage, Load};
 
 use super::{Plant, Record, Shafts};
-use crate::dynamics::{Body, Mode, PlaneMotion, STICTION_RAD_S};
+use crate::dynamics::{Body, PlaneMotion};
 use crate::machine::Pose;
 use crate::scene::file::Fidelity;
 
@@ -92,14 +92,6 @@ impl Crusher {
     pub fn work_j(&self) -> f64 {
         let torques = samples().map(|phi_rad| self.load.torque_nm(&self.linkage, phi_rad));
         torques.sum::<f64>() * TAU / f64::from(SAMPLES)
-    }
-
-    /// Braking torque of the rock at an angle since power-up and a speed, N·m.
-    fn resistance_nm(&self, phi_rad: f64, omega_rad_s: f64) -> f64 {
-        if omega_rad_s <= 0.0 || !self.fed_rad.contains(&phi_rad) {
-            return 0.0;
-        }
-        self.load.torque_nm(&self.linkage, phi_rad) * (omega_rad_s / STICTION_RAD_S).tanh()
     }
 }
 
@@ -171,8 +163,8 @@ impl Plant for Crusher {
             return;
         }
         let (jaw_kgm2, slope) = self.jaw.inertia_kgm2(&self.linkage, q[0]);
-        let torque_nm = shafts.net_nm(0, v[0]) - self.resistance_nm(q[0], v[0]);
-        a[0] = (torque_nm - 0.5 * v[0] * v[0] * slope) / (shafts.body.rotors_kgm2[0] + jaw_kgm2);
+        a[0] = (shafts.torques_nm[0] - 0.5 * v[0] * v[0] * slope)
+            / (shafts.body.rotors_kgm2[0] + jaw_kgm2);
     }
 
     fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
@@ -189,12 +181,12 @@ impl Plant for Crusher {
         0.5 * (body.rotors_kgm2[0] + jaw_kgm2) * v[0] * v[0]
     }
 
-    fn fastest_mode(&self) -> Mode {
-        // The rock's torque on a slow shaft falls from its full value to 0 within a speed of about [`STICTION_RAD_S`].
-        Mode {
-            omega_rad_s: self.rock_nm() / (self.flywheel_kgm2 * STICTION_RAD_S),
-            zeta: 1.0,
-        }
+    fn resistance_nm(&self, _: usize, q: &[f64]) -> Option<f64> {
+        Some(if self.fed_rad.contains(&q[0]) {
+            self.load.torque_nm(&self.linkage, q[0])
+        } else {
+            0.0
+        })
     }
 
     fn record(&self) -> Box<dyn Record> {

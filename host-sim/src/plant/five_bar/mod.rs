@@ -154,7 +154,7 @@ impl Plant for Arm {
         let (centrifugal, gravity) = (self.arm.centrifugal_nm(q, v), self.arm.gravity_nm(q));
         let net = [0, 1].map(|i| {
             let outside = jacobian[0][i] * force[0] + jacobian[1][i] * force[1];
-            shafts.net_nm(i, v[i]) + outside - centrifugal[i] - gravity[i]
+            shafts.torques_nm[i] + outside - centrifugal[i] - gravity[i]
         });
         let inertia = self.inertia_kgm2(shafts.body, q);
         let free = match (shafts.held[0], shafts.held[1]) {

@@ -210,7 +210,7 @@ impl Plant for Screen {
             let free = if shafts.held[i] {
                 0.0
             } else {
-                (shafts.net_nm(i, v[i]) - moment * self.gravity_mps2 * cosine) / inertia
+                (shafts.torques_nm[i] - moment * self.gravity_mps2 * cosine) / inertia
             };
             force -= along * free;
             if !shafts.held[i] {
