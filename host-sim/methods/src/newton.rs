@@ -12,8 +12,9 @@
 //! **Tolerance.** The iteration ends when it moves no component by more than its tolerance. The tolerance is [`TOLERANCE`] of the
 //! component's own size (|y| + |z|), plus the change by rounding alone: [`ROUNDINGS`] ε of hγ Σ |J_ij| |y_j|, the sum from which
 //! its rate is computed. (A component below 2e-308, where `f64` loses its digits, may move by that.) This last correction is still
-//! made, so the remaining error is smaller by the factor at which the iteration converges. If the iteration limit is reached
-//! instead, the step returns an error.
+//! made, so the remaining error is smaller by the factor at which the iteration converges. Large forces that cancel have rounding
+//! errors that no Jacobian shows. So the iteration also ends where corrections of at most [`STAGNANT`] tolerances no longer shrink by
+//! half: near a solution, only rounding prevents that. If the iteration limit is reached instead, the step returns an error.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -26,6 +27,10 @@ pub const TOLERANCE: f64 = 1e-12;
 
 /// Permitted rounding error of a rate, as a multiple of ε and of the sum of its terms.
 pub const ROUNDINGS: f64 = 16.0;
+
+/// Correction, as a multiple of its tolerance, below which an iteration with a Jacobian of its own that does not shrink it is at the
+/// limit of rounding.
+pub const STAGNANT: f64 = 1e3;
 
 /// Limit of iterations with the Jacobian from the start of the step.
 pub const CHORD_LIMIT: u32 = 10;
@@ -115,8 +120,10 @@ impl Stage {
         for _ in 0..NEWTON_LIMIT {
             self.place(base, z);
             self.linearise(equations, t_s)?;
+            let before = excess;
             excess = self.correct_damped(equations, t_s, base, z);
-            if excess <= 1.0 {
+            let is_rounding = before <= STAGNANT && excess > 0.5 * before;
+            if excess <= 1.0 || is_rounding && excess <= STAGNANT {
                 return Ok(());
             }
             if let Some(component) = z.iter().position(|z| !z.is_finite()) {

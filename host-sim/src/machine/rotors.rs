@@ -10,7 +10,7 @@ use cophase_methods::{Method, Scheme, advance};
 
 use super::broken::{Broken, Cause};
 use super::instant::Instant;
-use super::step::{Chosen, in_steps_per_tick, steps_for};
+use super::step::{Chosen, in_steps_per_tick};
 use crate::dynamics::{Driven, FREEDOMS, Field, FrameMotion, PlaneMotion};
 use crate::plant::State;
 
@@ -74,9 +74,8 @@ impl Rotors {
         tick_s: f64,
         chosen: Chosen,
     ) -> Result<Self, String> {
-        let scheme = chosen.scheme.unwrap_or(Scheme::Rk4);
         let mode = driven.fastest_mode();
-        let steps = chosen.steps(|| steps_for(scheme, mode, tick_s, chosen.resolution))?;
+        let (scheme, steps) = chosen.method(mode, tick_s)?;
         let step_s = tick_s / f64::from(steps);
         for mode in std::iter::once(mode).chain(driven.own_modes()) {
             scheme

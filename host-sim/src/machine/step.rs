@@ -56,6 +56,19 @@ impl Chosen {
         self.scheme.is_none() && self.steps_per_tick.is_none()
     }
 
+    /// Returns the method and its steps per tick. Where the scene leaves the method open it is RK4, or SDIRK4 if RK4 would take too many
+    /// steps: that has no limit of stability, and only has to resolve the motion.
+    pub(super) fn method(&self, mode: Mode, tick_s: f64) -> Result<(Scheme, u32), String> {
+        let with = |scheme| {
+            let steps = self.steps(|| steps_for(scheme, mode, tick_s, self.resolution))?;
+            Ok((scheme, steps))
+        };
+        match self.scheme {
+            Some(scheme) => with(scheme),
+            None => with(Scheme::Rk4).or_else(|refused| with(Scheme::Sdirk4).map_err(|_| refused)),
+        }
+    }
+
     /// Returns the steps per tick: those of the scene, or else those that `needed` returns, multiplied by 2 for each halving.
     pub(super) fn steps(
         &self,

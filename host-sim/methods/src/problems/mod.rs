@@ -6,6 +6,7 @@
 //! | problem | tests |
 //! | --- | --- |
 //! | [`Oscillator`] | stability, order, energy: the solution is a formula |
+//! | [`DenHartog`] | dry friction: stick and slip; each part of the motion is a formula |
 //! | [`Pendulum`] | smooth and nonlinear; conservative, or damped and driven |
 //! | [`Andrews`] | a closed-loop linkage at speed: seven bodies, six constraints |
 //! | [`Hires`] | mildly stiff chemistry |
@@ -21,6 +22,7 @@ pub mod bouncing_ball;
 pub mod cam;
 pub mod chain;
 pub mod crusher;
+pub mod den_hartog;
 pub mod five_bar;
 pub mod hires;
 pub mod oscillator;
@@ -33,6 +35,7 @@ pub use bouncing_ball::BouncingBall;
 pub use cam::{Cam, Law, Motion};
 pub use chain::{Chain, Links, Mode, Shaft};
 pub use crusher::Crusher;
+pub use den_hartog::DenHartog;
 pub use five_bar::FiveBarArm;
 pub use hires::Hires;
 pub use oscillator::Oscillator;
