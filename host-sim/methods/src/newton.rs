@@ -5,7 +5,7 @@
 //! [`CHORD_LIMIT`] iterations do not converge, the solution starts again with a new Jacobian at each iteration, up to
 //! [`NEWTON_LIMIT`].
 //!
-//! **Damping.** Where a rate saturates, as dry friction does near standstill, full corrections can jump between the two saturated
+//! **Damping.** Where a rate saturates, as that of a torque limit does, full corrections can jump between the two saturated
 //! sides forever. So these later iterations halve a correction, up to [`HALVINGS`] times, until the next one by the same Jacobian
 //! is shorter. This is the natural monotonicity test of P. Deuflhard, *Newton Methods for Nonlinear Problems*, 2004, section 3.3.
 //!

@@ -52,13 +52,13 @@ impl Equations for Growth {
     }
 }
 
-/// A rotor with dry friction that reverses over 0.06 rad/s: ω′ = push − rate · tanh(ω/0.06), in rad/s².
-struct Friction {
+/// A rotor behind a speed loop whose torque saturates within 0.06 rad/s: ω′ = push − rate · tanh(ω/0.06), in rad/s².
+struct Saturating {
     push: f64,
     rate: f64,
 }
 
-impl Equations for Friction {
+impl Equations for Saturating {
     fn dimension(&self) -> usize {
         1
     }
@@ -68,24 +68,24 @@ impl Equations for Friction {
     }
 }
 
-/// If this fails, corrections are not damped. They jump from one side of standstill to the other, and a machine with strong
-/// friction cannot come to rest.
+/// If this fails, corrections are not damped. They jump from one saturated side to the other, and a strong loop cannot bring its rotor
+/// to rest.
 #[test]
-fn friction_brings_a_rotor_to_rest() {
+fn a_saturating_loop_brings_a_rotor_to_rest() {
     for scheme in [Scheme::ImplicitMidpoint, Scheme::Sdirk4] {
         for rate in [10.0, 100.0, 1e3, 1e4, 1e5] {
             for part in [-0.9, 0.0, 0.3, 0.9] {
-                let friction = Friction {
+                let rotor = Saturating {
                     push: part * rate,
                     rate,
                 };
                 for speed in [-40.0_f64, -0.7, 0.01, 3.0, 20.0] {
-                    let mut method = scheme.prepare(&friction, 5e-4).unwrap();
+                    let mut method = scheme.prepare(&rotor, 5e-4).unwrap();
                     let mut y = [speed];
-                    // Twice the stopping time with a tenth of the friction: that much remains at the largest push.
+                    // Twice the stopping time with a tenth of the torque: that much remains at the largest push.
                     let steps = 2.0 * speed.abs() / (rate * 0.1 * 5e-4) + 100.0;
                     for step in 0..(steps as u32).min(5_000) {
-                        let stepped = method.step(&friction, f64::from(step) * 5e-4, &mut y);
+                        let stepped = method.step(&rotor, f64::from(step) * 5e-4, &mut y);
                         assert_eq!(
                             stepped,
                             Ok(()),

@@ -62,6 +62,9 @@ fn close(found: f64, right: f64, scale: f64) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// Rotors of which none is held.
+const FREE: [bool; super::MOST] = [false; super::MOST];
+
 proptest! {
     /// If this fails, the shaft needs another torque than the one for which `cophase design` sizes motors.
     #[test]
@@ -93,7 +96,7 @@ proptest! {
         body.rotors_kgm2.fill(2e-3);
         let apart = Phased::new(body.clone());
         let mut found = vec![0.0; n];
-        apart.accelerations(&vec![alpha; n], &vec![omega; n], &vec![torque; n], &mut found);
+        apart.accelerations(&vec![alpha; n], &vec![omega; n], &vec![torque; n], &FREE, &mut found);
         let together = Rigid::new(body).acceleration_rad_s2(alpha, omega, n as f64 * torque);
         for found in found {
             prop_assert!((found - together).abs() < 1e-9 * (1e3 + together.abs()));
@@ -108,7 +111,7 @@ proptest! {
     ) {
         let machine = Phased::new(body(alpha.len(), platform));
         let mut acceleration = vec![0.0; alpha.len()];
-        machine.accelerations(&alpha, &omega, &torque, &mut acceleration);
+        machine.accelerations(&alpha, &omega, &torque, &FREE, &mut acceleration);
         let gained = gain(&alpha, &omega, &acceleration, |q, v| machine.energy_j(q, v));
         // The power that flows between rotors and rods is larger than the power of the motors.
         let flow = 200.0 * 12e-3 * 2e6 * 24e-3;
@@ -126,7 +129,7 @@ proptest! {
         let machine = Elastic::new(body(alpha.len(), platform), 0.0);
         let (q, v) = ([&alpha[..], &place].concat(), [&omega[..], &rate].concat());
         let mut a = vec![0.0; q.len()];
-        machine.accelerations(&q, &v, &torque, &mut a);
+        machine.accelerations(&q, &v, &torque, &FREE, &mut a);
         let gained = gain(&q, &v, &a, |q, v| machine.energy_j(q, v));
         let flow = 200.0 * 12e-3 * 2e6 * 60e-3;
         close(gained, given(&torque, &omega), flow)?;
@@ -150,11 +153,11 @@ proptest! {
         let mut a = vec![0.0; q.len()];
         let gained = if elastic {
             let machine = Elastic::new(body(n, platform), 0.0).on(frame);
-            machine.accelerations(&q, &v, &torque, &mut a);
+            machine.accelerations(&q, &v, &torque, &FREE, &mut a);
             gain(&q, &v, &a, |q, v| machine.energy_j(q, v))
         } else {
             let machine = Phased::new(body(n, platform)).on(frame);
-            machine.accelerations(&q, &v, &torque, &mut a);
+            machine.accelerations(&q, &v, &torque, &FREE, &mut a);
             gain(&q, &v, &a, |q, v| machine.energy_j(q, v))
         };
         let flow = 200.0 * 12e-3 * 2e6 * 60e-3;
@@ -175,8 +178,8 @@ proptest! {
         let without = Phased::new(body(n, platform));
         let (q, v) = ([&alpha[..], &[0.0; 3]].concat(), [&omega[..], &[0.0; 3]].concat());
         let (mut found, mut right) = (vec![0.0; n + 3], vec![0.0; n]);
-        with.accelerations(&q, &v, &torque, &mut found);
-        without.accelerations(&alpha, &omega, &torque, &mut right);
+        with.accelerations(&q, &v, &torque, &FREE, &mut found);
+        without.accelerations(&alpha, &omega, &torque, &FREE, &mut right);
         let scale = right.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
         for (found, right) in found.iter().zip(&right) {
             prop_assert!((found - right).abs() < 1e-8 * scale, "{found}, not {right}");
@@ -194,7 +197,7 @@ proptest! {
         let n = alpha.len();
         let (quasi_static, elastic) = (Phased::new(body(n, platform)), Elastic::new(body(n, platform), 0.0));
         let mut right = vec![0.0; n];
-        quasi_static.accelerations(&alpha, &omega, &torque, &mut right);
+        quasi_static.accelerations(&alpha, &omega, &torque, &FREE, &mut right);
         let plane = quasi_static.plane(&alpha, &omega, &right);
         let body = quasi_static.body();
         // Corner forces that push the platform with y, in a plane. The compression is the corner's share of y, over k.
@@ -208,7 +211,7 @@ proptest! {
             std::array::from_fn(|f| plane.place[f] - y[f] / spread[f] / body.rod_n_per_m);
         let (q, v) = ([&alpha[..], &place].concat(), [&omega[..], &plane.rate].concat());
         let mut found = vec![0.0; n + 3];
-        elastic.accelerations(&q, &v, &torque, &mut found);
+        elastic.accelerations(&q, &v, &torque, &FREE, &mut found);
         let right = [&right[..], &plane.acceleration].concat();
         let scale = right.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
         for (i, (found, right)) in found.iter().zip(&right).enumerate() {
@@ -259,7 +262,7 @@ fn dampers_take_energy() {
         let q = [&alpha[..], &[height], &[0.0; 8]].concat();
         let v = [&[0.0; 4][..], &rates].concat();
         let mut a = vec![0.0; q.len()];
-        machine.accelerations(&q, &v, &[0.0; 4], &mut a);
+        machine.accelerations(&q, &v, &[0.0; 4], &FREE, &mut a);
         let lost = gain(&q, &v, &a, |q, v| machine.energy_j(q, v));
         // Springs exchange a few watts. Dampers take c v²: at least some hundred N·s/m times about 0.1 m²/s².
         assert!(lost < -10.0, "{lost} W, rods {in_rods}, frame {in_frame}");

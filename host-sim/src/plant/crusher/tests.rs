@@ -29,7 +29,7 @@ fn the_plant_moves_as_the_published_crusher() {
         published.rates(0.0, &[phi, omega], &mut rates);
         let shafts = Shafts {
             body: &body,
-            torques_nm: &[published.motor_nm(omega)],
+            torques_nm: &[published.motor_nm(omega) - resistance_nm(&ours, phi)],
             held: &[false],
         };
         let mut a = [0.0];
@@ -58,20 +58,44 @@ fn energy_is_conserved() {
     assert!((after / before - 1.0).abs() < 1e-9, "{before} J, {after} J");
 }
 
+fn resistance_nm(crusher: &Crusher, phi: f64) -> f64 {
+    crusher.resistance_nm(0, &[phi]).unwrap()
+}
+
 /// If this fails, rock pushes back a shaft that it has stopped, or drives one at standstill. Broken rock has no spring force.
 #[test]
 fn rock_brakes_and_does_not_push() {
     let ours = crusher(1.3e6);
     let [from, to] = ours.load.acts_rad();
     let phi = 0.5 * (from + to);
-    assert!(ours.resistance_nm(phi, 10.0) > 1000.0);
-    assert_eq!(ours.resistance_nm(phi, 0.0), 0.0);
-    assert_eq!(ours.resistance_nm(phi, -10.0), 0.0);
     let empty = Crusher {
         fed_rad: 100.0..200.0,
-        ..ours
+        ..ours.clone()
     };
-    assert_eq!(empty.resistance_nm(phi, 10.0), 0.0);
+    let acceleration = |crusher: &Crusher, omega: f64, load_nm: f64| {
+        let body = Body::of_shafts(vec![FLYWHEEL_KGM2]);
+        let on = OnPlant::new(body, std::sync::Arc::new(crusher.clone()));
+        let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
+        let mut driven = Driven::new(Freedom::Plant(Box::new(on)), vec![off]);
+        driven.loads_nm[0] = load_nm;
+        let mut rates = [0.0; 2];
+        driven.rates(0.0, &[phi, omega], &mut rates);
+        rates[1]
+    };
+    let braked = acceleration(&ours, 10.0, 0.0) - acceleration(&empty, 10.0, 0.0);
+    assert!(braked < -1000.0 / (2.0 * FLYWHEEL_KGM2), "{braked}");
+    // It holds a shaft against the motor, up to its torque, and lets go of one that turns back.
+    assert_eq!(acceleration(&ours, 0.0, 0.0), 0.0);
+    assert_eq!(
+        acceleration(&ours, 0.0, -0.99 * resistance_nm(&ours, phi)),
+        0.0
+    );
+    assert!(acceleration(&ours, 0.0, -1.01 * resistance_nm(&ours, phi)) > 0.0);
+    for (omega, load_nm) in [(-10.0, 0.0), (0.0, 50.0)] {
+        let free = acceleration(&empty, omega, load_nm);
+        assert_eq!(acceleration(&ours, omega, load_nm), free);
+    }
+    assert_eq!(resistance_nm(&empty, phi), 0.0);
 }
 
 /// If this fails, the jaw's acceleration is not the second derivative of its position, or the amplitude is not the largest one.

@@ -125,8 +125,10 @@ impl Equations for Led<'_> {
                 .machine
                 .motor
                 .torque_nm(&self.field(t_s), alpha, omega, 0.0);
+        // The shaft turns forward throughout, so its friction is constant.
+        let net = torque - MOTORS as f64 * FRICTION_NM;
         rates[0] = omega;
-        rates[1] = self.machine.rigid.acceleration_rad_s2(alpha, omega, torque);
+        rates[1] = self.machine.rigid.acceleration_rad_s2(alpha, omega, net);
     }
 
     fn is_second_order(&self) -> bool {

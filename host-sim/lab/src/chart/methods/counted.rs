@@ -3,6 +3,7 @@
 
 use std::cell::Cell;
 
+use cophase_methods::friction::{DryFriction, Friction};
 use cophase_methods::{Differences, Equations, Linear};
 use nalgebra::DMatrix;
 
@@ -59,6 +60,32 @@ impl Equations for Counted<'_> {
 
     fn linear(&self) -> Option<&dyn Linear> {
         self.equations.linear().is_some().then_some(self)
+    }
+
+    fn friction(&self) -> Option<&dyn DryFriction> {
+        self.equations.friction().is_some().then_some(self)
+    }
+}
+
+impl Counted<'_> {
+    fn rubbing(&self) -> &dyn DryFriction {
+        let friction = self.equations.friction();
+        friction.expect("`friction` returned these equations because there is some")
+    }
+}
+
+impl DryFriction for Counted<'_> {
+    fn speeds(&self) -> &[usize] {
+        self.rubbing().speeds()
+    }
+
+    fn bounds(&self, y: &[f64], bounds: &mut [[f64; 2]]) {
+        self.rubbing().bounds(y, bounds);
+    }
+
+    fn rates_under(&self, t_s: f64, y: &[f64], friction: &[Friction], rates: &mut [f64]) {
+        self.count(1);
+        self.rubbing().rates_under(t_s, y, friction, rates);
     }
 }
 
