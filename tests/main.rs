@@ -11,6 +11,7 @@ mod electronic_cam;
 mod faults;
 mod five_bar;
 mod followers;
+mod friction;
 mod holds;
 mod homing;
 mod late;

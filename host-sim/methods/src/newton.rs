@@ -10,11 +10,11 @@
 //! is shorter. This is the natural monotonicity test of P. Deuflhard, *Newton Methods for Nonlinear Problems*, 2004, section 3.3.
 //!
 //! **Tolerance.** The iteration ends when it moves no component by more than its tolerance. The tolerance is [`TOLERANCE`] of the
-//! component's own size (|y| + |z|), plus the change by rounding alone: [`ROUNDINGS`] ε of hγ Σ |J_ij| |y_j|, the sum from which
-//! its rate is computed. (A component below 2e-308, where `f64` loses its digits, may move by that.) This last correction is still
-//! made, so the remaining error is smaller by the factor at which the iteration converges. Large forces that cancel have rounding
-//! errors that no Jacobian shows. So the iteration also ends where corrections of at most [`STAGNANT`] tolerances no longer shrink by
-//! half: near a solution, only rounding prevents that. If the iteration limit is reached instead, the step returns an error.
+//! component's own size (|y| + |z|), plus the change by rounding alone. Rounding is [`ROUNDINGS`] ε of hγ times the largest rate of any
+//! component, or sum Σ |J_ij| |y_j| from which one is computed. The largest, because a component may be at rest between large forces
+//! that cancel, of which neither its rate nor its Jacobian has a trace: the tilt of a heavy platform on equal rods. (A component below
+//! 2e-308, where `f64` loses its digits, may move by that.) This last correction is still made, so the remaining error is smaller by the
+//! factor at which the iteration converges. If the iteration limit is reached instead, the step returns an error.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -27,10 +27,6 @@ pub const TOLERANCE: f64 = 1e-12;
 
 /// Permitted rounding error of a rate, as a multiple of ε and of the sum of its terms.
 pub const ROUNDINGS: f64 = 16.0;
-
-/// Correction, as a multiple of its tolerance, below which an iteration with a Jacobian of its own that does not shrink it is at the
-/// limit of rounding.
-pub const STAGNANT: f64 = 1e3;
 
 /// Limit of iterations with the Jacobian from the start of the step.
 pub const CHORD_LIMIT: u32 = 10;
@@ -59,8 +55,8 @@ pub(crate) struct Stage {
     whole: DVector<f64>,
     /// Tolerance of each component's correction.
     allowed: Vec<f64>,
-    /// Change of each component by rounding alone, at most.
-    rounding: Vec<f64>,
+    /// Largest sum of the terms of a rate.
+    terms: f64,
 }
 
 impl Stage {
@@ -79,7 +75,7 @@ impl Stage {
             start: zeros(),
             whole: DVector::zeros(dimension),
             allowed: zeros(),
-            rounding: zeros(),
+            terms: 0.0,
         }
     }
 
@@ -120,10 +116,8 @@ impl Stage {
         for _ in 0..NEWTON_LIMIT {
             self.place(base, z);
             self.linearise(equations, t_s)?;
-            let before = excess;
             excess = self.correct_damped(equations, t_s, base, z);
-            let is_rounding = before <= STAGNANT && excess > 0.5 * before;
-            if excess <= 1.0 || is_rounding && excess <= STAGNANT {
+            if excess <= 1.0 {
                 return Ok(());
             }
             if let Some(component) = z.iter().position(|z| !z.is_finite()) {
@@ -200,9 +194,11 @@ impl Stage {
 
     /// Sets the tolerance of each component for a stage whose state is `self.at` and that moves to `z`.
     fn allow(&mut self, z: &[f64]) {
+        let rates = self.rates.iter().map(|rate| rate.abs());
+        let rounding = ROUNDINGS * f64::EPSILON * self.h_gamma_s * rates.fold(self.terms, f64::max);
         for (i, allowed) in self.allowed.iter_mut().enumerate() {
             let size = self.at[i].abs() + z[i].abs();
-            *allowed = TOLERANCE * size + self.rounding[i] + f64::MIN_POSITIVE;
+            *allowed = TOLERANCE * size + rounding + f64::MIN_POSITIVE;
         }
     }
 
@@ -235,13 +231,11 @@ impl Stage {
                 component: entry % self.jacobian.nrows(),
             });
         }
-        for (row, rounding) in self.rounding.iter_mut().enumerate() {
-            let entries = self.jacobian.row(row);
-            let terms: f64 = (entries.iter().zip(&self.at))
-                .map(|(entry, y)| (entry * y).abs())
-                .sum();
-            *rounding = ROUNDINGS * f64::EPSILON * h_gamma * terms;
-        }
+        let sums = self.jacobian.row_iter().map(|entries| {
+            let terms = entries.iter().zip(&self.at);
+            terms.map(|(entry, y)| (entry * y).abs()).sum()
+        });
+        self.terms = sums.fold(0.0, f64::max);
         let jacobian = &self.jacobian;
         let regular = self.factors.factor(|matrix| {
             matrix.zip_apply(jacobian, |entry, partial| *entry = -h_gamma * partial);

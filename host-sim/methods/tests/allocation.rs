@@ -33,8 +33,7 @@ static COUNTED: Counted = Counted;
 #[test]
 fn a_step_allocates_nothing() {
     let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToCam);
-    let machines: [&dyn Equations; 4] =
-        [&chain, &Andrews, &Pendulum::DRIVEN, &DenHartog::STOPPING];
+    let machines: [&dyn Equations; 4] = [&chain, &Andrews, &Pendulum::DRIVEN, &DenHartog::STOPPING];
     for machine in machines {
         for scheme in Scheme::ALL {
             // Where a contact changes, exact discretisation needs another matrix.
