@@ -330,6 +330,133 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw, mechanism: Mechanism) ->
     Ok(())
 }
 
+/// Scene of a machine with much friction for a seed, as TOML: two to four cranks with rods of either kind, some on a frame, with
+/// steppers, servos or induction motors. Each crank has a friction from 0 to 5 N·m. Tolerances are so narrow that torque moves the cranks.
+/// Nothing disturbs them.
+pub fn rubbing(seed: u64) -> String {
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_rubbing(&mut text, seed, &mut draw);
+    text
+}
+
+fn write_rubbing(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
+    let axes = draw.0.random_range(2..=4_usize);
+    let radius_mm = draw.scale(3.0, 15.0);
+    let load_kg = draw.scale(1.0, 20.0);
+    let top_hz = draw.scale(4.0, 15.0);
+    let has_frame = draw.chance(0.4);
+    writeln!(
+        text,
+        "name = \"rubbing-{seed}\"\n[control]\ntick_hz = 1000\nsettle_s = 0.02\n[machine]"
+    )?;
+    writeln!(
+        text,
+        "crank_radius_mm = {radius_mm:.4}\nlambda = {:.3}\nload_kg = {load_kg:.3}\nmount_radius_mm = {:.1}",
+        draw.between(0.1, 0.45),
+        draw.between(80.0, 400.0)
+    )?;
+    writeln!(text, "rod_n_per_um = {:.2}", draw.scale(1.0, 200.0))?;
+    let rods = ["elastic", "quasi-static"][usize::from(draw.chance(0.4))];
+    writeln!(text, "rods = \"{rods}\"")?;
+    if has_frame {
+        writeln!(text, "[frame]\nmass_kg = {:.1}", draw.scale(20.0, 300.0))?;
+        writeln!(text, "suspension_n_per_mm = {:.1}", draw.scale(20.0, 600.0))?;
+        writeln!(text, "suspension_zeta = {:.3}", draw.between(0.03, 0.3))?;
+    }
+    writeln!(
+        text,
+        "[questions]\nlag_deg = {:.5}\nspread_deg = {:.5}\ntorque_percent = {:.3}",
+        draw.scale(1e-4, 1e-1),
+        draw.scale(1e-4, 1e-1),
+        draw.scale(0.05, 5.0)
+    )?;
+    if has_frame {
+        writeln!(text, "ground_percent = {:.3}", draw.scale(0.1, 5.0))?;
+    }
+    writeln!(
+        text,
+        "[limits]\nspeed_hz = {:.4}\nacceleration_hz_per_s = {:.3}\njerk_hz_per_s2 = {:.1}\nhoming_speed_hz = 4",
+        1.1 * top_hz,
+        top_hz * draw.between(3.0, 8.0),
+        200.0 * top_hz
+    )?;
+    writeln!(
+        text,
+        "[drift]\ntilt_limit_mrad = 100\nwarp_limit_deg = 60\ncommon_limit_deg = 90\nreading_error_deg = 3"
+    )?;
+    let omega = TAU * top_hz;
+    let radius_m = radius_mm * 1e-3;
+    let peak_nm = load_kg / axes as f64 * radius_m * (9.8 + 0.6 * radius_m * omega * omega);
+    let frictions: Vec<f64> = (0..axes)
+        .map(|_| {
+            if draw.chance(0.1) {
+                0.0
+            } else {
+                draw.between(0.0, 5.0)
+            }
+        })
+        .collect();
+    let most_nm = frictions
+        .iter()
+        .copied()
+        .fold(peak_nm, |sum, friction| sum.max(peak_nm + friction));
+    let rotor = draw.scale(1e-4, 5e-3);
+    let whole = rotor + load_kg / axes as f64 * radius_m * radius_m;
+    writeln!(
+        text,
+        "[axes]\ncount = {axes}\nsteps_per_turn = 3200\nrotor_inertia_kgm2 = {rotor:.3e}"
+    )?;
+    match draw.0.random_range(0..3_usize) {
+        0 => {
+            let torque = most_nm * draw.scale(1.5, 6.0);
+            writeln!(
+                text,
+                "drive = \"stepper\"\ndamping_nms = {:.4}\npull_out = [[0, {torque:.3}], [{:.3}, {:.3}]]",
+                whole * draw.scale(20.0, 200.0),
+                top_hz * draw.between(1.3, 2.0),
+                0.8 * torque
+            )?;
+        }
+        1 => {
+            let rated_nm = most_nm * draw.scale(1.0, 20.0);
+            writeln!(
+                text,
+                "drive = \"induction\"\nindex = false\ninduction = {{ rated_nm = {rated_nm:.3}, rated_slip_hz = {:.3}, breakdown_ratio = {:.3}, position_gain_per_s = {:.2} }}",
+                draw.scale(0.1, 2.0),
+                draw.between(1.5, 3.5),
+                draw.scale(5.0, 30.0)
+            )?;
+        }
+        _ => {
+            writeln!(
+                text,
+                "drive = \"servo\"\n[axes.servo]\nposition_gain_per_s = {:.1}\nvelocity_gain_nms = {:.4}",
+                draw.scale(30.0, 300.0),
+                whole * draw.scale(60.0, 800.0)
+            )?;
+            if draw.chance(0.3) {
+                writeln!(text, "integral_s = {:.4}", draw.scale(0.02, 0.3))?;
+            }
+        }
+    }
+    for (axis, friction) in frictions.iter().enumerate() {
+        writeln!(
+            text,
+            "[[axis]]\nnumber = {axis}\nfriction_nm = {friction:.4}"
+        )?;
+    }
+    let speed = omega * draw.between(0.3, 1.0);
+    let amax_g = (radius_m * speed * speed / 9.80665).max(0.02);
+    writeln!(
+        text,
+        "[[program]]\namax_g = {amax_g:.4}\nramp_s = {:.3}\nhold_s = {:.3}",
+        draw.between(0.2, 0.4),
+        draw.between(0.1, 0.2)
+    )
+}
+
 fn questions(text: &mut String, has_frame: bool, draw: &mut Draw) -> std::fmt::Result {
     let mut requested = String::new();
     let mut request = |key: &str, chance: f64, low: f64, high: f64| {

@@ -5,6 +5,7 @@
 //!
 //!     COPHASE_MACHINES=10000 COPHASE_SEED=1000000 cargo test --release -p host-sim --test bounds -- --nocapture
 
+mod friction;
 mod machines;
 
 use std::fmt::Write;
@@ -280,13 +281,7 @@ fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<
     let method = Machine::new(&Checked::new(scene.clone()).ok()?)
         .ok()?
         .method();
-    let tick_s = 1.0 / f64::from(scene.control.tick_hz);
-    // The step count that dry friction needs: RK4 is stable up to 2.78 of its rate.
-    let rotor = scene.axes.rotor_inertia_kgm2;
-    let frictions = scene.axis.iter().filter_map(|axis| axis.friction_nm);
-    let friction = frictions.fold(scene.axes.friction_nm, f64::max);
-    let least = (friction / (0.06 * rotor) * tick_s / 1.5).ceil() as u32;
-    let mut steps = method.map_or(1, |(_, steps)| steps).max(least).max(1);
+    let mut steps = method.map_or(1, |(_, steps)| steps);
     let mut before: Option<Answers> = None;
     loop {
         scene.method.steps_per_tick = Some(steps);
