@@ -8,10 +8,53 @@ use crate::axes::per_axis;
 use crate::machine::Pose;
 use crate::sim::{Moment, Observer};
 
+/// Largest value of a quantity that is sampled at the ends of steps, and what of its peak may be hidden between two samples.
+///
+/// Near its peak a smooth quantity is a parabola. One with the second difference d of equally spaced samples exceeds the largest of them
+/// by at most |d|/8.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Peak {
+    value: f64,
+    hidden: f64,
+    /// True if the largest sample is the last one, or the first of fewer than three.
+    is_last: bool,
+    /// Last two samples, the earlier one first, and the number of all.
+    last: [f64; 2],
+    count: u64,
+}
+
+impl Peak {
+    /// Adds a sample, one step after the last one.
+    fn sample(&mut self, value: f64) {
+        let [before, last] = self.last;
+        self.last = [last, value];
+        self.count += 1;
+        let hidden = if self.count > 2 {
+            (before - 2.0 * last + value).abs() / 8.0
+        } else {
+            0.0
+        };
+        if self.count == 1 || value > self.value {
+            (self.value, self.hidden, self.is_last) = (value, hidden, true);
+        } else if self.is_last {
+            self.hidden = self.hidden.max(hidden);
+            self.is_last = self.count < 3;
+        }
+    }
+
+    /// Adds a value at the moment of the last sample: commands jump there.
+    fn jump(&mut self, value: f64) {
+        self.last[1] = value;
+        if value > self.value {
+            (self.value, self.is_last) = (value, true);
+        }
+    }
+}
+
 /// Answers of a run, one for each of [`Output::ALL`]; `None` for an output that its model level does not compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answers {
-    greatest: [Option<f64>; Output::ALL.len()],
+    peaks: [Option<Peak>; Output::ALL.len()],
     /// True if the machine's equations diverged.
     is_broken: bool,
     /// Commanded positions of the cranks at the end of the last tick, turns.
@@ -21,7 +64,12 @@ pub struct Answers {
 impl Answers {
     /// Returns one answer.
     pub fn of(&self, output: Output) -> Option<f64> {
-        self.greatest[output as usize]
+        self.peaks[output as usize].map(|peak| peak.value)
+    }
+
+    /// Returns by how much one answer may be too small, because it is sampled at the ends of steps.
+    pub fn hidden(&self, output: Output) -> f64 {
+        self.peaks[output as usize].map_or(0.0, |peak| peak.hidden)
     }
 
     /// Returns true if no motor lost a step or reached its torque limit, and the equations did not diverge. Otherwise, later
@@ -30,38 +78,46 @@ impl Answers {
         !self.is_broken && self.of(Output::Slips).is_none_or(|axes| axes == 0.0)
     }
 
-    fn most(&mut self, output: Output, value: f64) {
-        let most = &mut self.greatest[output as usize];
-        *most = Some(most.map_or(value, |most| most.max(value)));
+    /// Adds a value: a sample one step after the last one, or at the same moment.
+    fn most(&mut self, output: Output, value: f64, jumps: bool) {
+        let peak = self.peaks[output as usize].get_or_insert_default();
+        if jumps && peak.count > 0 {
+            peak.jump(value);
+        } else {
+            peak.sample(value);
+        }
     }
 
     /// Adds the deviations of the cranks from their commanded positions, turns.
-    fn errors(&mut self, errors: impl Iterator<Item = f64>) {
+    fn errors(&mut self, errors: impl Iterator<Item = f64>, jumps: bool) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for error in errors {
             low = low.min(error * 360.0);
             high = high.max(error * 360.0);
         }
-        self.most(Output::Lag, high.max(-low));
-        self.most(Output::Spread, high - low);
+        self.most(Output::Lag, high.max(-low), jumps);
+        self.most(Output::Spread, high - low, jumps);
     }
 
     /// Adds tilt and acceleration of the platform.
-    fn posed(&mut self, pose: &Pose) {
-        self.most(Output::Tilt, pose.tilt_x_mrad.hypot(pose.tilt_y_mrad));
-        self.most(Output::Amax, pose.accel_mps2.abs());
+    fn posed(&mut self, pose: &Pose, jumps: bool) {
+        let tilt_mrad = pose.tilt_x_mrad.hypot(pose.tilt_y_mrad);
+        self.most(Output::Tilt, tilt_mrad, jumps);
+        self.most(Output::Amax, pose.accel_mps2.abs(), jumps);
     }
 
     /// Adds the values at the end of a tick.
     fn at_end(&mut self, moment: &Moment<'_>) {
-        self.errors(moment.errors());
-        self.posed(&moment.pose());
+        // Where nothing is integrated, ticks are no samples of anything smooth.
+        let jumps = moment.machine.rotors().is_none();
+        self.errors(moment.errors(), jumps);
+        self.posed(&moment.pose(), jumps);
         if let Some(frame) = moment.machine.frame() {
-            self.most(Output::Ground, frame.ground_n.abs());
+            self.most(Output::Ground, frame.ground_n.abs(), jumps);
         }
         let torques = (0..moment.axis_count()).filter_map(|i| moment.machine.motor_torque_nm(i));
         if let Some(torque) = torques.map(f64::abs).max_by(f64::total_cmp) {
-            self.most(Output::Torque, torque);
+            self.most(Output::Torque, torque, jumps);
         }
     }
 
@@ -73,14 +129,16 @@ impl Answers {
             .into_iter()
             .flat_map(|it| it.within_mps2())
         {
-            self.most(Output::Amax, accel_mps2.abs());
+            self.most(Output::Amax, accel_mps2.abs(), true);
         }
         let Some(rotors) = machine.rotors() else {
             return;
         };
         let per_tick = 1e9 / (moment.end_ns - moment.start_ns) as f64;
         let before = self.aim_before;
-        for instant in rotors.within() {
+        for (step, instant) in rotors.within().enumerate() {
+            // The last tick ended where this one begins.
+            let jumps = step == 0;
             let part = instant.t_s * per_tick;
             let turns = per_axis(moment.axis_count(), |i| {
                 moment.actual_turns[i] - (rotors.turns(i) - instant.turns(i))
@@ -88,12 +146,13 @@ impl Answers {
             let aims = per_axis(moment.axis_count(), |i| {
                 before[i] + part * (moment.aim_turns[i] - before[i])
             });
-            self.errors(turns.iter().zip(&aims).map(|(turns, aim)| turns - aim));
+            let errors = turns.iter().zip(&aims).map(|(turns, aim)| turns - aim);
+            self.errors(errors, jumps);
             let forces = instant.forces();
-            self.most(Output::Torque, forces.torque_nm);
-            self.posed(&machine.pose_within(&turns, &aims, &forces));
+            self.most(Output::Torque, forces.torque_nm, jumps);
+            self.posed(&machine.pose_within(&turns, &aims, &forces), jumps);
             if let Some(frame) = instant.frame() {
-                self.most(Output::Ground, frame.ground_n.abs());
+                self.most(Output::Ground, frame.ground_n.abs(), jumps);
             }
         }
     }
@@ -111,7 +170,7 @@ impl Observer for Answers {
             .map(|(i, _)| 1_u64 << i)
             .sum::<u64>();
         let before = self.of(Output::Slips).unwrap_or(0.0) as u64;
-        self.greatest[Output::Slips as usize] = Some((before | overloaded) as f64);
+        self.most(Output::Slips, (before | overloaded) as f64, true);
         self.is_broken |= machine.broken().is_some();
         if moves {
             self.within(moment);

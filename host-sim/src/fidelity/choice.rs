@@ -29,7 +29,7 @@ pub struct Judged {
     pub value: Option<f64>,
     /// Difference in a sample, and the model level compared with; `None` before the sample was run.
     pub measured: Option<(f64, Fidelity)>,
-    /// Change in a sample by half the step; `None` if nothing is integrated, and before the sample was run.
+    /// Error by the method's step, as a sample shows it; `None` if nothing is integrated, and before the sample was run.
     pub step_error: Option<f64>,
 }
 

@@ -11,7 +11,7 @@ use crate::scene::{Checked, SceneError};
 /// Limit of halvings. A change that remains after that does not come from the step.
 const MOST_HALVINGS: u32 = 6;
 
-/// Factor from the change by half a step to the error. It is 2 for a method of order 1, and less for higher orders.
+/// Factor from the change by half a step to the error of the step. It is 2 for a method of order 1, and less for higher orders.
 const OF_HALF_A_STEP: f64 = 2.0;
 
 /// Answers of a scene on a model level, and their errors by the method's step.
@@ -68,9 +68,18 @@ impl Settled {
         }
     }
 
-    fn step_error(&self, output: Output) -> Option<f64> {
+    /// Returns the change of an answer by half the step.
+    fn change(&self, output: Output) -> Option<f64> {
         let both = self.answers.of(output).zip(self.finer?.of(output));
         both.map(|(found, finer)| output.difference(found, finer))
+    }
+
+    /// Returns the error of an answer by the step: of the method, and by a peak between the ends of two steps. The peaks of both runs
+    /// may be hidden equally, so the change does not show the second.
+    fn step_error(&self, output: Output) -> Option<f64> {
+        let (found, change) = self.answers.of(output).zip(self.change(output))?;
+        let peak = output.difference(found + self.answers.hidden(output), found);
+        Some(OF_HALF_A_STEP * change + peak)
     }
 
     fn is_short_for(&self, questions: &Questions) -> bool {
@@ -78,8 +87,8 @@ impl Settled {
             // Otherwise only the set of slipping motors can be compared.
             let is_compared = output == Output::Slips || self.is_regular;
             let allowed = output.tolerance(questions).filter(|_| is_compared);
-            let both = allowed.zip(self.step_error(output));
-            both.is_none_or(|(tolerance, error)| error <= STEP_PART * tolerance)
+            let both = allowed.zip(self.change(output));
+            both.is_none_or(|(tolerance, change)| change <= STEP_PART * tolerance)
         })
     }
 
@@ -92,7 +101,7 @@ impl Settled {
             judged.step_error = self.step_error(judged.output);
             let is_known = self.is_short && self.is_regular;
             let both = judged.bound.zip(judged.step_error).filter(|_| is_known);
-            judged.bound = both.map(|(bound, error)| bound + OF_HALF_A_STEP * error);
+            judged.bound = both.map(|(bound, error)| bound + error);
         }
     }
 }

@@ -33,7 +33,7 @@ struct OutputReport {
     /// Difference from another model level in a sample of the scene.
     measured: Option<f64>,
     against: Option<&'static str>,
-    /// Change in the sample by half the method's step; `None` if nothing is integrated.
+    /// Error by the method's step, as the sample shows it; `None` if nothing is integrated.
     step_error: Option<f64>,
 }
 

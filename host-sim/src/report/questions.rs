@@ -76,7 +76,7 @@ fn answered(judged: &Judged, checked: &Checked, outcome: &Outcome) -> String {
         )
     });
     let step_error = judged.step_error.map_or_else(String::new, |off| {
-        format!("; half the time step changes it by {}", with_unit(off))
+        format!("; at most {} by the time step", with_unit(off))
     });
     format!(
         "{}: {value}. Error: {allowed} allowed; {limit}{measured}{step_error}.",
