@@ -1,8 +1,11 @@
-//! Push button of the operator: start, and reset after a fault.
+//! Push button of the operator: start, and reset after a fault. Order of its commands and those of a host.
 //!
 //! The level of the button is read once a tick. Contacts bounce for some milliseconds, and a long wire picks up pulses.
 //! So a level counts once it has lasted [`STEADY_S`]. A press is the *change* to pressed: a button that is held, or
 //! stuck, gives one command.
+//!
+//! The loop takes one command a tick. One that comes at the same time as another waits for the next tick, so that each is obeyed, or
+//! refused with a reason.
 
 use crate::supervisor::{Command, State};
 
@@ -47,6 +50,49 @@ impl Button {
     }
 }
 
+/// Button and host, which share the loop's one command a tick.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    button: Button,
+    /// A press has not been taken yet.
+    is_pressed: bool,
+}
+
+impl Panel {
+    /// Creates a panel whose button has to be released before it gives a command.
+    #[cold]
+    pub fn new(tick_hz: u32) -> Self {
+        Self {
+            button: Button::new(tick_hz),
+            is_pressed: false,
+        }
+    }
+
+    /// Reads the button's level of one tick, and returns whose command the loop takes in it. `waiting` is the host's next command, which
+    /// goes on waiting unless it is the host's turn. A stop comes first, then a press.
+    pub const fn turn(&mut self, down: bool, waiting: Option<Command>) -> Option<Source> {
+        self.is_pressed |= self.button.read(down);
+        match waiting {
+            Some(Command::Stop | Command::StopNow) => Some(Source::Host),
+            _ if self.is_pressed => {
+                self.is_pressed = false;
+                Some(Source::Button)
+            }
+            Some(_) => Some(Source::Host),
+            None => None,
+        }
+    }
+}
+
+/// Source of a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The button: [`command`].
+    Button,
+    /// The host.
+    Host,
+}
+
 /// Command of a press: a reset in the fault state, otherwise a start.
 pub const fn command(state: State) -> Command {
     match state {
@@ -84,6 +130,43 @@ mod tests {
     #[test]
     fn a_button_stuck_since_power_up_requests_nothing() {
         assert!(presses(&[true; 1000]).is_empty());
+    }
+
+    /// If this fails, a command that comes in the tick of another one is lost, or delays a stop.
+    #[test]
+    fn of_a_press_and_a_hosts_command_at_once_neither_is_lost() {
+        for (queue, expected) in [
+            (
+                std::vec![Command::Hold],
+                [Some(Source::Button), Some(Source::Host), None],
+            ),
+            (
+                std::vec![Command::Stop],
+                [Some(Source::Host), Some(Source::Button), None],
+            ),
+            (
+                std::vec![Command::Hold, Command::Stop],
+                [Some(Source::Button), Some(Source::Host), Some(Source::Host)],
+            ),
+            (std::vec![], [Some(Source::Button), None, None]),
+        ] {
+            let mut panel = Panel::new(TICK_HZ);
+            for _ in 0..STEADY {
+                assert_eq!(panel.turn(false, None), None);
+            }
+            for _ in 1..STEADY {
+                assert_eq!(panel.turn(true, None), None);
+            }
+            let mut waiting = queue.iter().copied().peekable();
+            for source in expected {
+                let turn = panel.turn(true, waiting.peek().copied());
+                assert_eq!(turn, source, "{queue:?}");
+                if turn == Some(Source::Host) {
+                    waiting.next();
+                }
+            }
+            assert_eq!(waiting.next(), None);
+        }
     }
 
     proptest! {

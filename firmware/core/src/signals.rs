@@ -4,7 +4,7 @@ use crate::drift::{AxisSet, IndexPulse, Modes};
 use crate::pulse::{Run, Runs, Sharing};
 use crate::servo::Setpoint;
 use crate::shaft::Motion;
-use crate::supervisor::{Command, Fault, SafetyInputs, State};
+use crate::supervisor::{Command, Fault, RefusedCommand, SafetyInputs, State};
 use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
 
 /// Feedback that the loop reads at a deadline.
@@ -163,8 +163,12 @@ pub struct Telemetry {
     pub event: Option<Fault>,
     /// Number of events so far.
     pub event_count: u32,
+    /// Command of this tick that was not possible, and had no effect.
+    pub refused: Option<RefusedCommand>,
     /// True while a hold command stops the program's time.
     pub holding: bool,
+    /// True while a jog turns the machine.
+    pub jogs: bool,
     /// True once homing is over.
     pub homed: bool,
     /// True once the program is over.
@@ -227,7 +231,9 @@ impl Telemetry {
             home_offset: Turns::ZERO,
             event: None,
             event_count: 0,
+            refused: None,
             holding: false,
+            jogs: false,
             homed: false,
             program_done: false,
             override_permille: 1000,

@@ -1,12 +1,14 @@
-//! Conditions of requests: the states of the machine in which each request is possible.
+//! Conditions of requests: the situations of the machine in which each request is possible.
 
-use cophase_core::supervisor::State;
+use cophase_core::supervisor::{Command, RefusalReason, Situation, State};
 
-use crate::message::{File, Refusal, Request};
+use crate::message::{File, Refusal, Request, StopKind};
 
 /// Condition of the machine for a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
+    /// The supervisor would obey this command ([`Command::check`]).
+    Command(Command),
     /// The machine is in one of these states.
     In(&'static [State]),
     /// The drives are off.
@@ -15,18 +17,23 @@ pub enum Condition {
 
 impl Condition {
     const ANY: Self = Self::In(&State::ALL);
-    const AT_REST: Self = Self::In(&[State::Idle, State::Parked]);
 
-    /// Checks a machine in a state, with its drives on or off.
+    /// Checks a machine in a situation, with its drives on or off.
     ///
     /// # Errors
-    /// [`Refusal::State`] if the machine does not meet the condition.
+    /// The reason why the machine does not meet the condition.
     #[expect(
         clippy::result_large_err,
         reason = "a refusal holds its text, as there is no heap"
     )]
-    pub fn check(self, state: State, drives_are_on: bool) -> Result<(), Refusal> {
+    pub fn check(self, situation: &Situation, drives_are_on: bool) -> Result<(), Refusal> {
+        let state = situation.state;
         let is_met = match self {
+            Self::Command(command) => {
+                return command
+                    .check(situation)
+                    .map_err(|reason| refusal(reason, state));
+            }
             Self::In(states) => states.contains(&state),
             Self::DrivesOff => !drives_are_on,
         };
@@ -38,32 +45,46 @@ impl Condition {
     }
 }
 
+const fn refusal(reason: RefusalReason, state: State) -> Refusal {
+    match reason {
+        RefusalReason::State | RefusalReason::Ends => Refusal::State { state: state as u8 },
+        RefusalReason::EnableOpen => Refusal::EnableOpen,
+        RefusalReason::StopActive => Refusal::StopActive,
+        RefusalReason::NotHomed => Refusal::NotHomed,
+        RefusalReason::ProgramRuns => Refusal::ProgramRuns,
+        RefusalReason::Jogs => Refusal::Jogs,
+    }
+}
+
 impl Request<'_> {
-    /// Condition of the machine for this request. A jog that is repeated while the machine jogs has none, and the end of a file has that of
-    /// the file ([`File::condition`]).
+    /// Command that the request gives to the loop.
+    pub const fn command(&self) -> Option<Command> {
+        Some(match self {
+            Self::Start => Command::Start,
+            Self::Home => Command::Home,
+            Self::Jog => Command::Jog,
+            Self::Stop(StopKind::AtPhase) => Command::Stop,
+            Self::Stop(StopKind::Now) => Command::StopNow,
+            Self::Hold => Command::Hold,
+            Self::Resume => Command::Resume,
+            Self::Reset => Command::Reset,
+            Self::ResetPeak => Command::ResetPeak,
+            Self::Override { permille } => Command::Override(*permille),
+            _ => return None,
+        })
+    }
+
+    /// Condition of the machine for this request. The end of a file has that of the file ([`File::condition`]).
     pub const fn condition(&self) -> Condition {
+        if let Some(command) = self.command() {
+            return Condition::Command(command);
+        }
         match self {
-            Self::Arm | Self::Start => Condition::AT_REST,
-            Self::Home | Self::Output { .. } => Condition::In(&[State::Idle]),
-            Self::Jog => Condition::In(&[State::Parked]),
-            Self::Hold | Self::Resume => Condition::In(&[State::Run]),
-            Self::Reset => Condition::In(&[State::Fault]),
+            // Every motion begins where a start is possible.
+            Self::Arm => Condition::Command(Command::Start),
+            Self::Output { .. } => Condition::In(&[State::Idle]),
             Self::Restart | Self::Unlock | Self::OnlyAxis(_) => Condition::DrivesOff,
-            Self::Identify { .. }
-            | Self::Read { .. }
-            | Self::BeginWrite { .. }
-            | Self::Write { .. }
-            | Self::FinishWrite
-            | Self::Control(_)
-            | Self::Disarm
-            | Self::Stop(_)
-            | Self::Override { .. }
-            | Self::Counters
-            | Self::Events { .. }
-            | Self::Stream { .. }
-            | Self::StreamStatus { .. }
-            | Self::ResetPeak
-            | Self::Inputs => Condition::ANY,
+            _ => Condition::ANY,
         }
     }
 }
@@ -72,7 +93,7 @@ impl File {
     /// Condition of the machine for the end of a file that is written, at which it takes effect or is stored.
     pub const fn condition(self) -> Condition {
         match self {
-            Self::Program => Condition::AT_REST,
+            Self::Program => Condition::In(&[State::Idle, State::Parked]),
             Self::Settings => Condition::DrivesOff,
         }
     }

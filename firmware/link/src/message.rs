@@ -7,7 +7,9 @@
 use core::fmt::Write;
 
 pub use cophase_core::program::MAX_OVERRIDE_PERMILLE;
-use cophase_core::supervisor::{FAULT_BYTES, Fault, State};
+use cophase_core::supervisor::{
+    FAULT_BYTES, Fault, REFUSED_COMMAND_BYTES, RefusalReason, RefusedCommand, State,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::frame::FrameCounts;
@@ -311,6 +313,12 @@ pub enum Refusal {
     Busy,
     #[error("bring-up is locked; unlock it first")]
     Locked,
+    #[error("{}", RefusalReason::NotHomed.text())]
+    NotHomed,
+    #[error("{}", RefusalReason::ProgramRuns.text())]
+    ProgramRuns,
+    #[error("{}", RefusalReason::Jogs.text())]
+    Jogs,
 }
 
 /// Name of the state of a number.
@@ -410,6 +418,23 @@ impl From<&Fault> for FaultRecord {
     }
 }
 
+/// Refused command in its wire format ([`RefusedCommand::to_bytes`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RefusedRecord(pub [u8; REFUSED_COMMAND_BYTES]);
+
+impl RefusedRecord {
+    /// The refused command; none if a part of it is unknown here.
+    pub fn command(&self) -> Option<RefusedCommand> {
+        RefusedCommand::from_bytes(&self.0)
+    }
+}
+
+impl From<&RefusedCommand> for RefusedRecord {
+    fn from(refused: &RefusedCommand) -> Self {
+        Self(refused.to_bytes())
+    }
+}
+
 /// Event of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventRecord {
@@ -436,6 +461,8 @@ pub enum Event {
     Late(u32),
     /// Events were lost before this one.
     Lost(u32),
+    /// A command was not possible, and had no effect.
+    Refused(RefusedRecord),
 }
 
 /// Counters of the link and the loop.

@@ -6,6 +6,7 @@
 //! axes takes about 50 bytes.
 
 use cophase_core::signals::Telemetry;
+use cophase_core::supervisor::{SafetyInputs, Situation, State};
 use cophase_core::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
 
 /// Set of channels, a bit for each [`Channel`].
@@ -58,6 +59,8 @@ pub mod flags {
     pub const HOMED: u8 = 1 << 5;
     /// The program is over.
     pub const PROGRAM_DONE: u8 = 1 << 6;
+    /// A jog turns the machine.
+    pub const JOGS: u8 = 1 << 7;
 }
 
 /// State of the loop at the end of a tick. The numbers are those of [`Telemetry`].
@@ -121,6 +124,7 @@ impl Sample {
             (flags::FAULT, telemetry.fault.is_some()),
             (flags::HOMED, telemetry.homed),
             (flags::PROGRAM_DONE, telemetry.program_done),
+            (flags::JOGS, telemetry.jogs),
         ] {
             all |= if is_set { bit } else { 0 };
         }
@@ -140,6 +144,22 @@ impl Sample {
             phase_error: telemetry.phase_error.map(Turns::to_bits),
             modes: [modes.common, modes.tilt_x, modes.tilt_y, modes.warp].map(Turns::to_bits),
             correction: telemetry.correction.map(Turns::to_bits),
+        }
+    }
+
+    /// The part of the machine's state that decides which commands are possible.
+    pub fn situation(&self) -> Situation {
+        let has = |flag: u8| self.flags & flag != 0;
+        let state = State::ALL.get(usize::from(self.state));
+        Situation {
+            state: state.copied().unwrap_or_default(),
+            inputs: SafetyInputs {
+                enable: has(flags::ENABLE),
+                stop: has(flags::STOP),
+            },
+            jogs: has(flags::JOGS),
+            homed: has(flags::HOMED),
+            ends: false,
         }
     }
 

@@ -1,9 +1,9 @@
 //! Changes of the loop from tick to tick, which become log lines and events.
 
 use cophase_core::signals::Telemetry;
-use cophase_core::supervisor::{Fault, State};
+use cophase_core::supervisor::{Fault, RefusedCommand, State};
 
-use crate::message::{Event, FaultRecord};
+use crate::message::{Event, FaultRecord, RefusedRecord};
 
 /// Something that changed in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +17,8 @@ pub enum Change {
         /// True if it is the latched fault.
         latched: bool,
     },
+    /// A command that was not possible.
+    Refused(RefusedCommand),
     /// Deadlines missed so far.
     Missed(u32),
     /// Deadlines met late so far.
@@ -35,6 +37,7 @@ impl From<&Change> for Event {
                     Self::Reported(record)
                 }
             }
+            Change::Refused(refused) => Self::Refused(RefusedRecord::from(refused)),
             Change::Missed(all) => Self::Missed(*all),
             Change::Late(all) => Self::Late(*all),
         }
@@ -72,6 +75,9 @@ impl Watch {
         {
             let latched = telemetry.fault == Some(fault);
             publish(Change::Event { fault, latched });
+        }
+        if let Some(refused) = telemetry.refused {
+            publish(Change::Refused(refused));
         }
         if telemetry.state != self.state {
             self.state = telemetry.state;

@@ -6,7 +6,8 @@ use cophase_core::units::{Phase, Turns};
 use cophase_link::frame::{self, FrameCounts, MAX_FRAME_BYTES};
 use cophase_link::message::{
     Control, ControlRequest, Counters, Event, EventRecord, FaultRecord, File, Identity, Inputs,
-    Message, Name, Output, Refusal, ReplyBody, Request, Status, StopKind, Text, VERSION,
+    Message, Name, Output, Refusal, RefusedRecord, ReplyBody, Request, Status, StopKind, Text,
+    VERSION,
 };
 use cophase_link::sample::ALL_CHANNELS;
 
@@ -90,6 +91,9 @@ fn refusals() -> Vec<Refusal> {
         Refusal::NotStored(text),
         Refusal::Busy,
         Refusal::Locked,
+        Refusal::NotHomed,
+        Refusal::ProgramRuns,
+        Refusal::Jogs,
     ]
 }
 
@@ -112,6 +116,7 @@ fn messages() -> Vec<Message<'static>> {
         Event::Missed(3),
         Event::Late(4),
         Event::Lost(5),
+        Event::Refused(RefusedRecord([0, 3, 0])),
     ];
     let events = (0..)
         .zip(events)

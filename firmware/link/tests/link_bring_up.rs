@@ -9,6 +9,7 @@ mod support;
 use cophase_core::settings::{HostLossReaction, HostLossSettings};
 use cophase_core::supervisor::{Command, State};
 use cophase_link::message::{ControlRequest, Event, File, Output, Refusal, ReplyBody, Request};
+use cophase_link::sample::flags;
 use cophase_link::server::{OUTPUT_MS, UNLOCKED_S};
 use support::device::{Effect, INPUTS};
 use support::line::{Host, TestHub, hub};
@@ -111,7 +112,7 @@ fn requests_that_need_drives_off_are_refused_while_holding() {
     let mut hub = hub();
     let mut host = operator(&mut hub);
     host.request(&mut hub, &Request::Unlock).unwrap();
-    hub.device().enters_with(State::Fault, true);
+    hub.device().enters_with(State::Fault, flags::DRIVES);
     hub.poll();
     let begin = Request::BeginWrite {
         file: File::Settings,

@@ -28,9 +28,11 @@ impl Controller {
         let before = self.supervisor.state();
         let was_well = !self.supervisor.has_fault();
         let could_hold = self.supervisor.drives_enabled() && !self.supervisor.cuts();
-        let mut action = self
+        let decision = self
             .supervisor
             .step(feedback.inputs, feedback.command, &input);
+        let mut action = decision.action;
+        self.output.telemetry.refused = decision.refused;
         let now = self.supervisor.state();
         if now != before {
             match self.refusal(before, now) {
@@ -273,6 +275,7 @@ impl Controller {
         }
         telemetry.program_ticks = self.cursor.elapsed();
         telemetry.holding = action == Action::Hold;
+        telemetry.jogs = self.supervisor.jogs();
         telemetry.motion = self.motion;
         telemetry.override_permille = self.amplitude.permille();
         if self.drift.take_changed() {

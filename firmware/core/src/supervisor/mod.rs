@@ -20,12 +20,16 @@
 //! time. The drives are on in homing, run, stop and parked. In the fault state they are on, too, while the machine *holds*: after a
 //! coordinated stop whose faults all hold, until a reset, a loss of the enable input, or a fault that cuts or disables. A reaction becomes
 //! harder with later faults, and never milder.
+//!
+//! A command is obeyed, or refused with a reason that is reported: [`Command::check`] has the table.
 
 mod fault;
 pub mod reaction;
+mod request;
 
 pub use fault::{FAULT_BYTES, Fault, FaultKind};
 pub use reaction::{Reaction, reaction};
+pub use request::{REFUSED_COMMAND_BYTES, RefusalReason, RefusedCommand, Situation};
 
 use crate::units::Phase;
 
@@ -87,7 +91,7 @@ pub struct SafetyInputs {
 pub enum Command {
     /// Run the program. From idle the machine homes first. When parked it continues, or starts again if it was over.
     Start,
-    /// Home, and park. A machine that is not idle ignores it.
+    /// Home an idle machine, and park.
     Home,
     /// Turn a parked machine at homing speed, for [`JOG_S`]. A repetition restarts this time.
     Jog,
@@ -163,6 +167,15 @@ pub enum Action {
     Park,
     /// Stop as fast as the limits allow.
     StopFast,
+}
+
+/// Decision of the supervisor for one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Decision {
+    /// Action of the shaft.
+    pub action: Action,
+    /// Command of this tick, if it was not possible.
+    pub refused: Option<RefusedCommand>,
 }
 
 /// State machine of the supervisor.
@@ -258,19 +271,65 @@ impl Supervisor {
         State::Fault
     }
 
-    /// Updates the state for one tick, and returns the action of the shaft.
+    /// Updates the state for one tick.
     pub fn step(
         &mut self,
         inputs: SafetyInputs,
         command: Option<Command>,
         input: &SupervisorInput,
-    ) -> Action {
+    ) -> Decision {
         let is_faulted = input.fault.is_some() && self.drives_enabled();
         if let Some(fault) = &input.fault {
             self.latch(fault, input);
         }
+        let refused = match command {
+            Some(command) => self.refuse(command, inputs, input, is_faulted),
+            None => None,
+        };
+        let command = if refused.is_none() { command } else { None };
         self.state = self.next_state(inputs, command, input, is_faulted);
-        self.action()
+        Decision {
+            action: self.action(),
+            refused,
+        }
+    }
+
+    /// True while a jog turns the machine.
+    pub const fn jogs(&self) -> bool {
+        self.jogging > 0 && matches!(self.state, State::Run)
+    }
+
+    /// Refuses a command that is not possible.
+    #[inline(never)] // seldom
+    fn refuse(
+        &self,
+        command: Command,
+        inputs: SafetyInputs,
+        input: &SupervisorInput,
+        is_faulted: bool,
+    ) -> Option<RefusedCommand> {
+        let state = self.state;
+        let ends = match state {
+            // A reset in the same tick as a new fault was meant for the fault before.
+            State::Fault => is_faulted,
+            State::Run if !self.jogs() && input.program_done => true,
+            _ => self.fault.is_some(),
+        };
+        let situation = Situation {
+            state,
+            inputs,
+            jogs: self.jogs(),
+            homed: input.homed,
+            ends,
+        };
+        command
+            .check(&situation)
+            .err()
+            .map(|reason| RefusedCommand {
+                command,
+                state,
+                reason,
+            })
     }
 
     /// Keeps the first fault, as later ones may be its consequences. Only a better name replaces it. Each may make the
@@ -299,6 +358,7 @@ impl Supervisor {
         self.cut()
     }
 
+    /// Returns the next state. A command is one that is possible.
     fn next_state(
         &mut self,
         inputs: SafetyInputs,
@@ -317,11 +377,7 @@ impl Supervisor {
             return self.cut();
         }
         match self.state {
-            State::Idle
-                if matches!(command, Some(Command::Start | Command::Home))
-                    && inputs.enable
-                    && !inputs.stop =>
-            {
+            State::Idle if matches!(command, Some(Command::Start | Command::Home)) => {
                 self.settling = self.settle_ticks;
                 self.begin();
                 self.only_homes = command == Some(Command::Home);
@@ -352,12 +408,12 @@ impl Supervisor {
             State::Parked if self.fault.is_some() && !inputs.enable => self.cut(),
             State::Parked if self.fault.is_some() => State::Fault,
             State::Parked if !inputs.enable => State::Idle,
-            State::Parked if !inputs.stop && input.homed && command == Some(Command::Jog) => {
+            State::Parked if command == Some(Command::Jog) => {
                 self.begin();
                 self.jogging = self.jog_ticks;
                 State::Run
             }
-            State::Parked if !inputs.stop && command == Some(Command::Start) => {
+            State::Parked if command == Some(Command::Start) => {
                 self.begin();
                 // The machine may have been stopped before homing was over.
                 if input.homed {
@@ -367,8 +423,7 @@ impl Supervisor {
                 }
             }
             State::Parked => State::Parked,
-            // A reset in the same tick as a new fault was meant for the fault before.
-            State::Fault if command == Some(Command::Reset) && !is_faulted => {
+            State::Fault if command == Some(Command::Reset) => {
                 self.fault = None;
                 self.cuts = self.has_brake;
                 State::Idle

@@ -1,7 +1,7 @@
 //! Access: which session has control, and whether it may start a motion or bring the machine up.
 
 use crate::message::{Control, Refusal};
-use crate::sample::{Sample, flags};
+use crate::sample::Sample;
 
 /// Time for which a machine stays armed, seconds.
 pub const ARMED_S: u32 = 30;
@@ -94,14 +94,8 @@ impl Access {
         }
     }
 
-    pub(super) fn arm(
-        &mut self,
-        session: usize,
-        now_ms: u32,
-        sample: &Sample,
-    ) -> Result<(), Refusal> {
+    pub(super) fn arm(&mut self, session: usize, now_ms: u32) -> Result<(), Refusal> {
         self.check_control(session)?;
-        check_inputs(sample)?;
         self.armed_until_ms = Some(now_ms.wrapping_add(1000 * ARMED_S));
         Ok(())
     }
@@ -111,9 +105,8 @@ impl Access {
     }
 
     /// Checks that a session may start a motion. One arm allows one motion: [`Self::disarm`] follows a motion that starts.
-    pub(super) fn check_armed(&self, session: usize, sample: &Sample) -> Result<(), Refusal> {
+    pub(super) fn check_armed(&self, session: usize) -> Result<(), Refusal> {
         self.check_control(session)?;
-        check_inputs(sample)?;
         if self.is_armed() {
             Ok(())
         } else {
@@ -124,7 +117,8 @@ impl Access {
     /// A permission ends with its time. The permission to move also ends when an input forbids motion.
     pub(super) fn expire(&mut self, now_ms: u32, sample: &Sample) {
         let is_over = |until: u32| has_come(until, now_ms);
-        if self.armed_until_ms.is_some_and(is_over) || check_inputs(sample).is_err() {
+        let inputs = sample.situation().inputs;
+        if self.armed_until_ms.is_some_and(is_over) || !inputs.enable || inputs.stop {
             self.disarm();
         }
         if self.unlocked_until_ms.is_some_and(is_over) {
@@ -136,14 +130,4 @@ impl Access {
 /// True if a time of the wrapping clock is not in the future.
 pub(super) const fn has_come(time_ms: u32, now_ms: u32) -> bool {
     time_ms.wrapping_sub(now_ms).cast_signed() <= 0
-}
-
-fn check_inputs(sample: &Sample) -> Result<(), Refusal> {
-    if sample.flags & flags::ENABLE == 0 {
-        Err(Refusal::EnableOpen)
-    } else if sample.flags & flags::STOP != 0 {
-        Err(Refusal::StopActive)
-    } else {
-        Ok(())
-    }
 }

@@ -35,7 +35,8 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         let Some(until_ms) = self.held.until_ms else {
             return;
         };
-        if has_come(until_ms, now_ms) || !self.access.is_unlocked() || self.state() != State::Idle {
+        let state = self.latest.situation().state;
+        if has_come(until_ms, now_ms) || !self.access.is_unlocked() || state != State::Idle {
             self.release_held();
         }
     }

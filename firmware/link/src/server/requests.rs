@@ -1,10 +1,10 @@
 //! Requests: the conditions, the effect and the reply of each.
 
-use cophase_core::supervisor::{Command, State};
+use cophase_core::supervisor::Command;
 use cophase_core::units::Turns;
 
 use super::device::{Device, SettingsRefusal};
-use super::{EVENTS, Hub, state_of};
+use super::{EVENTS, Hub};
 use crate::message::{
     ControlRequest, Counters, EVENTS_IN_REPLY, EventRecord, File, MAX_CHUNK_BYTES,
     MAX_OVERRIDE_PERMILLE, Message, Refusal, ReplyBody, Request, Status, StopKind, VERSION,
@@ -43,12 +43,10 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     }
 
     fn act(&mut self, session: usize, request: &Request<'_>) -> Result<Answer, Refusal> {
-        let (state, drives_are_on) = (self.state(), self.drives_are_on());
-        // While the machine jogs, the request is repeated and needs no further arm.
-        let repeats_jog = *request == Request::Jog && state == State::Run;
-        if !repeats_jog {
-            request.condition().check(state, drives_are_on)?;
-        }
+        let situation = self.latest.situation();
+        request
+            .condition()
+            .check(&situation, self.drives_are_on())?;
         match *request {
             Request::Identify { version } => {
                 if version != VERSION {
@@ -89,12 +87,13 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             Request::Control(ControlRequest::Release) => self.access.release(session),
             Request::Arm => {
                 let now_ms = self.device.now_ms();
-                self.access.arm(session, now_ms, &self.latest)?;
+                self.access.arm(session, now_ms)?;
             }
             Request::Disarm => self.access.disarm(),
             Request::Start => self.start(session, Command::Start)?,
             Request::Home => self.start(session, Command::Home)?,
-            Request::Jog if repeats_jog => self.controlled(session, Command::Jog)?,
+            // While the machine jogs, the request is repeated and needs no further arm.
+            Request::Jog if situation.jogs => self.controlled(session, Command::Jog)?,
             Request::Jog => self.start(session, Command::Jog)?,
             Request::Stop(StopKind::AtPhase) => self.command(Command::Stop)?,
             Request::Stop(StopKind::Now) => self.command(Command::StopNow)?,
@@ -125,9 +124,9 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
 
     fn finish_write(&mut self, session: usize) -> Result<(), Refusal> {
         self.access.check_control(session)?;
-        let (state, drives_are_on) = (self.state(), self.drives_are_on());
+        let (situation, drives_are_on) = (self.latest.situation(), self.drives_are_on());
         let (file, bytes) = self.upload.finish(session)?;
-        file.condition().check(state, drives_are_on)?;
+        file.condition().check(&situation, drives_are_on)?;
         match file {
             File::Program => self.device.load_program(bytes).map_err(Refusal::Rejected),
             File::Settings => self
@@ -142,7 +141,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
 
     /// Starts a motion.
     fn start(&mut self, session: usize, command: Command) -> Result<(), Refusal> {
-        self.access.check_armed(session, &self.latest)?;
+        self.access.check_armed(session)?;
         self.release_held();
         self.command(command)?;
         self.access.disarm();
@@ -161,10 +160,6 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         } else {
             Err(Refusal::Busy)
         }
-    }
-
-    pub(super) fn state(&self) -> State {
-        state_of(self.latest.state)
     }
 
     pub(super) fn status(&self, session: usize) -> Status {

@@ -63,17 +63,27 @@ impl RecordingDevice {
         device
     }
 
-    /// The machine is in a state, with the enable input closed.
+    /// The machine is in a state, homed, with the enable input closed. A run is that of a program.
     pub fn enters(&mut self, state: State) {
-        self.enters_with(state, !matches!(state, State::Idle | State::Fault));
+        let drives = match state {
+            State::Idle | State::Fault => 0,
+            _ => flags::DRIVES,
+        };
+        self.enters_with(state, drives | flags::HOMED);
     }
 
-    /// The machine is in a state, with the drives on or off.
-    pub fn enters_with(&mut self, state: State, drives: bool) {
-        let inputs = flags::ENABLE | if drives { flags::DRIVES } else { 0 };
+    /// The machine is in a state, with the enable input closed and further flags.
+    pub fn enters_with(&mut self, state: State, flags: u8) {
+        self.enters_with_inputs(state, flags, true, false);
+    }
+
+    /// The machine is in a state, with levels of the inputs and further flags.
+    pub fn enters_with_inputs(&mut self, state: State, more: u8, enable: bool, stop: bool) {
+        let enable = if enable { flags::ENABLE } else { 0 };
+        let stop = if stop { flags::STOP } else { 0 };
         self.samples.push_back(Sample {
             state: state as u8,
-            flags: inputs,
+            flags: more | enable | stop,
             ..Sample::ZERO
         });
     }

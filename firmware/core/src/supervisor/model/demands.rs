@@ -1,7 +1,8 @@
 //! Demands on every tick of the supervisor, stated only on its inputs and outputs.
 
+use super::key;
 use crate::supervisor::{
-    Action, Command, Reaction, SafetyInputs, State, Supervisor, SupervisorInput,
+    Action, Command, Decision, Reaction, SafetyInputs, State, Supervisor, SupervisorInput,
 };
 
 /// Input of one tick.
@@ -72,7 +73,7 @@ pub(super) fn check(
     owed: Owed,
     input: &Input,
     after: &Supervisor,
-    action: Action,
+    Decision { action, .. }: Decision,
 ) -> Owed {
     let (from, to) = (before.state, after.state);
     let owes = owed.after(before, input);
@@ -215,4 +216,44 @@ pub(super) fn check(
         say("an immediate stop that waits for the phase")
     );
     owes
+}
+
+/// Checks that a command is either obeyed or refused, against the same tick without the command. A command is obeyed if it makes a
+/// difference, now or by a mode that it sets; and one that is refused makes none.
+pub(super) fn demand_an_answer(
+    before: &Supervisor,
+    input: &Input,
+    after: &Supervisor,
+    decision: Decision,
+) {
+    let Some(command) = input.command else {
+        assert_eq!(decision.refused, None, "nothing to refuse: {input:?}");
+        return;
+    };
+    let mut without = before.clone();
+    let untouched = without.step(input.inputs, None, &input.observed);
+    let state = |supervisor| key(supervisor, Owed::Nothing);
+    let makes_a_difference = state(after) != state(&without) || decision.action != untouched.action;
+    let say = |what: &str| std::format!("{what}: {command:?} in {before:?}, by {input:?}");
+    if let Some(refused) = decision.refused {
+        assert!(!makes_a_difference, "{}", say("refused, and obeyed"));
+        assert_eq!((refused.command, refused.state), (command, before.state));
+        return;
+    }
+    let is_obeyed_already = match command {
+        // These change nothing in the supervisor itself.
+        Command::ResetPeak | Command::Override(_) => true,
+        // Nothing turns, or it is stopping already.
+        Command::Stop | Command::StopNow => !matches!(after.state, State::Homing | State::Run),
+        Command::Hold => before.holding,
+        Command::Resume => !before.holding,
+        // The jog has its whole time left.
+        Command::Jog => after.jogging == after.jog_ticks,
+        Command::Start | Command::Home | Command::Reset => false,
+    };
+    assert!(
+        makes_a_difference || is_obeyed_already,
+        "{}",
+        say("dropped without a word")
+    );
 }

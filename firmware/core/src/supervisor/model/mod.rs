@@ -13,7 +13,7 @@
 mod demands;
 
 use super::*;
-use demands::{Input, Owed, check};
+use demands::{Input, Owed, check, demand_an_answer};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::vec::Vec;
 
@@ -124,8 +124,9 @@ fn explore(inputs: &[Input]) -> BTreeMap<Key, BTreeSet<Key>> {
         let mut next = BTreeSet::new();
         for input in inputs {
             let mut after = supervisor.clone();
-            let action = after.step(input.inputs, input.command, &input.observed);
-            let owed = check(&supervisor, owed, input, &after, action);
+            let decision = after.step(input.inputs, input.command, &input.observed);
+            let owed = check(&supervisor, owed, input, &after, decision);
+            demand_an_answer(&supervisor, input, &after, decision);
             if next.insert(key(&after, owed)) {
                 open.push_back((after, owed));
             }
@@ -241,8 +242,8 @@ fn all_sequences_of_six_events_stay_within_the_graph() {
             let mut input = held;
             event(&mut input);
             let mut after = supervisor.clone();
-            let action = after.step(input.inputs, input.command, &input.observed);
-            let owed = check(&supervisor, owed, &input, &after, action);
+            let decision = after.step(input.inputs, input.command, &input.observed);
+            let owed = check(&supervisor, owed, &input, &after, decision);
             assert!(
                 graph.contains_key(&key(&after, owed)),
                 "not in the graph: {after:?}"
