@@ -7,10 +7,10 @@ use core::future::Future;
 
 use cophase_core::control_loop::{Io, SubmissionResult};
 use cophase_core::drift::{IndexFilter, IndexPulse};
-use cophase_core::panel::{self, Button};
+use cophase_core::panel::{self, Panel, Source};
 use cophase_core::program::Program;
 use cophase_core::signals::{Feedback, Output};
-use cophase_core::supervisor::{Command, State};
+use cophase_core::supervisor::State;
 use cophase_core::units::{MAX_AXES, PerAxis};
 use cophase_link::sample::flags;
 use embassy_time::Instant;
@@ -39,8 +39,8 @@ pub struct Board {
     pub read_to: Option<Instant>,
     /// Watchdog, which restarts a loop that hangs.
     pub watchdog: Fed,
-    /// Start and reset.
-    pub button: Button,
+    /// Start and reset, and whose turn it is to give a command.
+    pub panel: Panel,
     /// Timing of the index pulses.
     pub index: Index,
     /// Commands and samples of the host link.
@@ -84,20 +84,16 @@ impl Io for Board {
         feedback.index = [None; MAX_AXES];
         self.read_index(&mut feedback.index);
         let levels = lines::read();
-        let pressed = self.button.read(levels.start());
         let inputs = lines::safety_inputs(levels);
         self.inputs = if inputs.enable { flags::ENABLE } else { 0 };
         self.inputs |= if inputs.stop { flags::STOP } else { 0 };
-        let from_host = self.link.command();
         feedback.inputs = inputs;
         levels.read_alarms(&self.alarms, &mut feedback.alarm);
         feedback.fifo_underrun = self.fifo_underrun.take();
-        // A host's stop has priority, and then a press of the button. Any other command of the host was for another
-        // state.
-        feedback.command = match from_host {
-            Some(Command::Stop | Command::StopNow) => from_host,
-            _ if pressed => Some(panel::command(self.state)),
-            _ => from_host,
+        feedback.command = match self.panel.turn(levels.start(), self.link.waiting()) {
+            Some(Source::Button) => Some(panel::command(self.state)),
+            Some(Source::Host) => self.link.take(),
+            None => None,
         };
         // The counts of encoders stay zero: this board has no pins left for encoders.
     }

@@ -2,7 +2,7 @@
 
 use cophase_core::controller::Controller;
 use cophase_core::drift::IndexFilter;
-use cophase_core::panel::Button;
+use cophase_core::panel::Panel;
 use cophase_core::settings::{Settings, SettingsError};
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_core::units::MAX_AXES;
@@ -83,7 +83,7 @@ pub fn make(
         index: Index::new(tick_us * CYCLES_PER_US, first_axis),
         filter: IndexFilter::new(width, axes, levels),
         watchdog: Fed::start(watchdog, tick_us),
-        button: Button::new(settings.tick_hz),
+        panel: Panel::new(settings.tick_hz),
         ticks: 0,
         state: State::Idle,
         reporter,

@@ -4,7 +4,7 @@
 //! Notes that do not fit in the queue are lost, and their number is logged.
 
 use cophase_core::signals::Output;
-use cophase_core::supervisor::{Fault, FaultKind, State};
+use cophase_core::supervisor::{Fault, FaultKind, RefusedCommand, State};
 use cophase_core::units::{PerAxis, Turns};
 use cophase_link::message::Event;
 use cophase_link::watch::{Change, Watch};
@@ -43,6 +43,7 @@ enum What {
         fault: Fault,
         latched: bool,
     },
+    Refused(RefusedCommand),
     Missed(u32),
     Late(u32),
     Lost(u32),
@@ -55,6 +56,7 @@ impl Note {
         let event = match self.what {
             What::State { state, .. } => Event::State(state as u8),
             What::Event { fault, latched } => (&Change::Event { fault, latched }).into(),
+            What::Refused(refused) => (&Change::Refused(refused)).into(),
             What::Missed(all) => Event::Missed(all),
             What::Late(all) => Event::Late(all),
             What::Lost(notes) => Event::Lost(notes),
@@ -107,6 +109,7 @@ impl NoteQueue {
                 axes,
             },
             Change::Event { fault, latched } => What::Event { fault, latched },
+            Change::Refused(refused) => What::Refused(refused),
             Change::Missed(all) => What::Missed(all),
             Change::Late(all) => What::Late(all),
         };
@@ -149,6 +152,15 @@ pub fn log(note: &Note) {
             );
         }
         What::Event { fault, latched } => log_fault(tick, &fault, latched),
+        What::Refused(refused) => {
+            defmt::warn!(
+                "tick {=u32}: refused: {=str} in state {}, {}",
+                tick,
+                refused.command.name(),
+                refused.state,
+                refused.reason
+            );
+        }
         What::Missed(all) => {
             defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all);
         }

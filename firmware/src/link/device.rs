@@ -53,8 +53,13 @@ pub struct LoopEnd {
 }
 
 impl LoopEnd {
-    /// Next command, if there is one.
-    pub fn command(&mut self) -> Option<Command> {
+    /// Next command, which waits until it is taken.
+    pub fn waiting(&self) -> Option<Command> {
+        self.commands.peek().copied()
+    }
+
+    /// Takes the next command.
+    pub fn take(&mut self) -> Option<Command> {
         self.commands.dequeue()
     }
 

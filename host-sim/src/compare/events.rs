@@ -43,7 +43,13 @@ impl Event {
 
     fn is_of_every_controller(&self) -> bool {
         let state = |state: &State| describe(&EventKind::State(*state)) == self.words();
-        let starts = ["fault: ", "reported: ", "running the program", "going on"];
+        let starts = [
+            "fault: ",
+            "reported: ",
+            "refused: ",
+            "running the program",
+            "going on",
+        ];
         State::ALL.iter().any(state) || starts.iter().any(|start| self.what.starts_with(start))
     }
 }

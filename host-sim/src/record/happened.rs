@@ -37,6 +37,11 @@ pub(super) fn events(records: &[EventRecord], runs: &[(u32, u32)], tick_ns: u64)
                     note(EventKind::Reported(fault));
                 }
             }
+            Reported::Refused(refused) => {
+                if let Some(refused) = refused.command() {
+                    note(EventKind::Refused(refused));
+                }
+            }
             Reported::Missed(all) => {
                 note(EventKind::Missed {
                     deadlines: all.saturating_sub(missed),
@@ -76,6 +81,9 @@ pub(super) fn mark(scope: &mut ScopeData, event: &Event) {
         EventKind::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
         EventKind::Fault { fault, .. } => {
             scope.mark(event.t_s, &format!("fault: {}", kind(fault.kind)));
+        }
+        EventKind::Refused(refused) => {
+            scope.mark(event.t_s, &format!("refused: {}", refused.command.name()));
         }
         EventKind::Reported(fault) => {
             scope.mark(event.t_s, &format!("reported: {}", kind(fault.kind)));

@@ -6,6 +6,7 @@ mod lists;
 mod model;
 mod questions;
 mod recorded;
+mod remedy;
 mod standing;
 mod summary;
 mod warnings;
@@ -13,9 +14,10 @@ mod words;
 mod written;
 
 pub use recorded::{Frames, RecordedReport, recorded_summary};
+pub use remedy::remedy;
 pub use summary::{coupling, summary};
 pub use warnings::warnings;
-pub use words::{describe, fault_words, notable};
+pub use words::{describe, fault_words, notable, refused_words};
 pub use written::Written;
 
 use std::collections::BTreeMap;

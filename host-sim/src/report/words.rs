@@ -1,8 +1,9 @@
 //! Descriptions of events and faults.
 
-use cophase_core::supervisor::{Command, Fault, FaultKind, State};
+use cophase_core::supervisor::{Fault, FaultKind, RefusalReason, RefusedCommand, State};
 use cophase_core::units::Turns;
 
+use super::remedy::remedy;
 use crate::scene::file::{FaultAt, InputLine, Lines};
 use crate::sim::events::{Event, EventKind};
 use crate::units::degrees;
@@ -27,7 +28,8 @@ pub fn describe(what: &EventKind) -> String {
         EventKind::LetGo => "the drives are off, and hold no longer".to_owned(),
         EventKind::Running { from_s: 0.0 } => "running the program".to_owned(),
         EventKind::Running { from_s } => format!("going on with the program at its {from_s:.3} s"),
-        EventKind::Commanded(command) => format!("command: {}", command_name(command)),
+        EventKind::Commanded(command) => format!("command: {}", command.name()),
+        EventKind::Refused(refused) => format!("refused: {}", refused_words(&refused)),
         EventKind::Input { line, active } => {
             let line = match line {
                 InputLine::Enable => "enable",
@@ -182,19 +184,13 @@ pub fn fault_words(fault: &Fault) -> String {
     words
 }
 
-const fn command_name(command: Command) -> &'static str {
-    match command {
-        Command::Start => "start",
-        Command::Stop => "stop",
-        Command::Hold => "hold",
-        Command::Resume => "resume",
-        Command::ResetPeak => "reset-peak",
-        Command::Reset => "reset",
-        Command::Home => "home",
-        Command::Jog => "jog",
-        Command::StopNow => "stop-now",
-        Command::Override(_) => "override",
-    }
+/// Describes a command that was not possible, and what to do.
+pub fn refused_words(refused: &RefusedCommand) -> String {
+    let remedy = match refused.reason {
+        RefusalReason::State => format!("; it is possible {}", remedy(refused.command.states())),
+        _ => String::new(),
+    };
+    format!("{refused}{remedy}")
 }
 
 /// Returns the ending of a noun after a count.

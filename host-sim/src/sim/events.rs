@@ -1,6 +1,6 @@
 //! Events of a run.
 
-use cophase_core::supervisor::{Command, Fault, State};
+use cophase_core::supervisor::{Command, Fault, RefusedCommand, State};
 use cophase_core::units::PerAxis;
 
 use crate::scene::file::{FaultAt, InputLine};
@@ -33,6 +33,8 @@ pub enum EventKind {
     },
     /// A command was given.
     Commanded(Command),
+    /// A command was not possible, and had no effect.
+    Refused(RefusedCommand),
     /// A safety input changed.
     Input {
         /// Input that changed.

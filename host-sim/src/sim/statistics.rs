@@ -239,6 +239,9 @@ impl Statistics {
 
     #[cold]
     fn publish(&mut self, new_events: NewEvents, telemetry: &Telemetry, t_s: f64) {
+        if let Some(refused) = new_events.refused {
+            self.note(t_s, EventKind::Refused(refused));
+        }
         if let Some(fault) = new_events.reported {
             self.reported += 1;
             self.note(t_s, EventKind::Reported(fault));

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 
+use cophase_core::supervisor::State;
 use cophase_link::Condition;
 use cophase_link::client::Client;
 use cophase_link::frame::{FrameCounts, MAX_FRAME_BYTES};
@@ -12,9 +13,9 @@ use cophase_link::message::{
     Request, Status, VERSION,
 };
 use cophase_link::sample::{Sample, unpack};
+use host_sim::report;
 use host_sim::scene::file::FaultAt;
 
-use super::remedy::remedy;
 use super::transport::Transport;
 
 /// Longest wait for a reply. A flash erase takes up to 0.4 s.
@@ -69,6 +70,20 @@ impl LinkError {
                 }
             }
             other => other,
+        }
+    }
+}
+
+/// Returns when a request of this condition is possible, and how the machine gets there.
+fn remedy(condition: Condition) -> String {
+    match condition {
+        Condition::Command(command) => report::remedy(command.states()),
+        Condition::In(states) => report::remedy(states.iter().copied()),
+        Condition::DrivesOff => {
+            format!(
+                "while the drives are off: {}",
+                report::remedy([State::Idle])
+            )
         }
     }
 }
@@ -151,6 +166,16 @@ impl Connection {
         request: &Request<'_>,
     ) -> Result<(), LinkError> {
         self.done(name, request, request.condition(), 0)
+    }
+
+    /// Makes a request on behalf of another one, whose name and condition a refusal states.
+    pub(crate) fn prepare(
+        &mut self,
+        name: &'static str,
+        request: &Request<'_>,
+        purpose: &Request<'_>,
+    ) -> Result<(), LinkError> {
+        self.done(name, request, purpose.condition(), RETRIES)
     }
 
     /// Makes a request that may be repeated.

@@ -5,7 +5,6 @@ mod bring_up;
 pub(crate) mod connection;
 mod operate;
 mod record;
-mod remedy;
 mod session;
 pub(crate) mod show;
 pub(crate) mod transport;

@@ -95,8 +95,14 @@ pub(super) fn begin(
     name: &'static str,
     request: &Request<'_>,
 ) -> Result<(), LinkError> {
-    link.repeatable("arm", &Request::Arm)?;
-    link.command(name, request)
+    // An operator who asks to home is told when that is possible, and nothing of arming.
+    link.prepare(name, &Request::Arm, request)?;
+    let begun = link.command(name, request);
+    if begun.is_err() {
+        // What was refused must not leave the machine armed for something else.
+        link.repeatable("disarm", &Request::Disarm)?;
+    }
+    begun
 }
 
 /// Begins a motion, and waits for its end if that is requested.

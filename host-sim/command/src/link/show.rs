@@ -201,5 +201,9 @@ pub(crate) fn what(event: &Event) -> String {
         Event::Missed(all) => format!("{all} deadlines missed so far"),
         Event::Late(all) => format!("{all} deadlines met late so far"),
         Event::Lost(count) => format!("{count} events lost before the next"),
+        Event::Refused(record) => match record.command() {
+            Some(refused) => format!("refused: {}", report::refused_words(&refused)),
+            None => "refused: unknown; use the `cophase` of the firmware's version".to_owned(),
+        },
     }
 }

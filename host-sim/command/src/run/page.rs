@@ -34,6 +34,9 @@ pub(super) fn mark(scope: &mut ScopeData, outcome: &Outcome) {
             EventKind::Reported(fault) => {
                 scope.mark(event.t_s, &format!("reported: {}", fault.kind));
             }
+            EventKind::Refused(refused) => {
+                scope.mark(event.t_s, &format!("refused: {}", refused.command.name()));
+            }
             EventKind::LetGo
             | EventKind::Commanded(_)
             | EventKind::Input { .. }

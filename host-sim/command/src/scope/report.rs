@@ -178,6 +178,7 @@ impl<'a> Report<'a> {
             Event::Reported(_) => "reported",
             Event::Missed(_) | Event::Late(_) => "deadline",
             Event::Lost(_) => "lost",
+            Event::Refused(_) => "refused",
         };
         Self::Event(EventReport {
             number: record.number,

@@ -245,7 +245,10 @@ impl<'a> Watch<'a> {
 
     /// Records what is reported in a moment and was not reported before it.
     fn fault_events(&mut self, telemetry: &Telemetry, place: Place) {
-        let Some(NewEvents { reported, latched }) = self.event_watch.tick(telemetry) else {
+        let Some(NewEvents {
+            reported, latched, ..
+        }) = self.event_watch.tick(telemetry)
+        else {
             return;
         };
         let turns = self.turns_before();
