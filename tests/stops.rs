@@ -205,3 +205,31 @@ fn drives_that_are_off_get_no_pulses() {
         "the trim is made once the machine moves"
     );
 }
+
+/// If this fails, an operator whose start does nothing is not told why, nor what to do.
+#[test]
+fn a_start_that_comes_in_a_stop_is_reported_with_what_to_do() {
+    let stop_s = 1.5;
+    let start_s = 1.55;
+    let watched =
+        scripted(&(command(0.0, "start") + &command(stop_s, "stop") + &command(start_s, "start")));
+    assert_eq!(watched.at(start_s).state, Stop);
+    assert_eq!(watched.states(), [Homing, Run, Stop, Parked]);
+    let events = host_sim::report::notable(&watched.outcome.statistics.events);
+    let mut said = events
+        .iter()
+        .map(|event| (event.t_s, host_sim::report::describe(&event.what)))
+        .filter(|(_, what)| what.starts_with("refused: "));
+    let (t_s, what) = said.next().expect("an event");
+    // The loop reads the command at a deadline, and its answer is played from the next one on.
+    assert!((start_s..=start_s + 2.0 / HZ).contains(&t_s), "{t_s} s");
+    assert!(
+        what.contains("`start`") && what.contains("in state stop"),
+        "{what}"
+    );
+    assert!(
+        what.contains("possible in state idle") && what.contains("or parked"),
+        "{what}"
+    );
+    assert_eq!(said.next(), None);
+}

@@ -194,6 +194,34 @@ fn refusals_name_the_reason() {
     assert!(served.out(&["log"]).contains("No event"), "something moved");
 }
 
+/// If this fails, an operator is told about arming, of which he asked nothing, or a command that the machine drops seems to be obeyed.
+#[test]
+fn a_command_to_a_running_machine_is_refused_under_its_own_name() {
+    let served = Served::new(&scene_holding(1.0, 5.0, 1000.0));
+    served.out(&["start", "--yes"]);
+    while !served.out(&["log"]).contains("run") {}
+    let home = served.refused(&["home", "--yes"]);
+    let idle = "home: refused: not possible in state run; it is possible in state idle (";
+    assert!(
+        home.contains(idle) && !home.contains("parked (once"),
+        "{home}"
+    );
+    let jog = served.refused(&["jog", "--yes"]);
+    assert!(
+        jog.contains("jog: refused: a program runs; `stop` it first"),
+        "{jog}"
+    );
+    served.out(&["stop", "--now"]);
+    while !served.out(&["log"]).contains("parked") {}
+    // The arm that came before the refusal is taken back.
+    let home = served.refused(&["home", "--yes"]);
+    assert!(
+        home.contains("home: refused: not possible in state parked"),
+        "{home}"
+    );
+    assert!(!served.out(&["monitor", "--for", "0.3"]).contains("armed"));
+}
+
 #[test]
 fn an_unreachable_controller_is_named_in_the_error() {
     for (to, problem) in [

@@ -168,16 +168,6 @@ impl Connection {
         self.done(name, request, request.condition(), 0)
     }
 
-    /// Makes a request on behalf of another one, whose name and condition a refusal states.
-    pub(crate) fn prepare(
-        &mut self,
-        name: &'static str,
-        request: &Request<'_>,
-        purpose: &Request<'_>,
-    ) -> Result<(), LinkError> {
-        self.done(name, request, purpose.condition(), RETRIES)
-    }
-
     /// Makes a request that may be repeated.
     pub(crate) fn repeatable(
         &mut self,

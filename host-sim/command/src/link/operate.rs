@@ -95,14 +95,19 @@ pub(super) fn begin(
     name: &'static str,
     request: &Request<'_>,
 ) -> Result<(), LinkError> {
-    // An operator who asks to home is told when that is possible, and nothing of arming.
-    link.prepare(name, &Request::Arm, request)?;
-    let begun = link.command(name, request);
-    if begun.is_err() {
-        // What was refused must not leave the machine armed for something else.
-        link.repeatable("disarm", &Request::Disarm)?;
+    match link.repeatable("arm", &Request::Arm) {
+        // The motion's own refusal has its name, its reason and its remedy.
+        Err(LinkError::Refused { .. } | LinkError::NotNow { .. }) => link.command(name, request),
+        armed => {
+            armed?;
+            let begun = link.command(name, request);
+            if begun.is_err() {
+                // A motion that is refused must not leave the machine armed for another.
+                link.repeatable("disarm", &Request::Disarm)?;
+            }
+            begun
+        }
     }
-    begun
 }
 
 /// Begins a motion, and waits for its end if that is requested.

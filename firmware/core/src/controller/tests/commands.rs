@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::mechanism::Mechanism as _;
-use crate::supervisor::JOG_S;
+use crate::supervisor::{JOG_S, RefusalReason};
 
 /// If this fails, a host cannot home a machine without also starting its program.
 #[test]
@@ -132,4 +132,53 @@ fn a_program_is_loaded_while_the_machine_rests() {
     play(&mut controller, Some(Command::Start), 3 * HZ / 2, false);
     let requested: f64 = controller.output.telemetry.amax_requested.to_num();
     assert!((requested - 30.0).abs() < 1e-9, "{requested}");
+}
+
+/// Returns the reason why a command was refused in the next tick, if it was.
+fn reason(controller: &mut Controller, command: Command) -> Option<RefusalReason> {
+    play(controller, Some(command), 1, false);
+    let refused = controller.output.telemetry.refused?;
+    assert_eq!(refused.command, command);
+    Some(refused.reason)
+}
+
+/// If this fails, an operator who jogs a machine whose homing was interrupted waits for a motion that never comes.
+#[test]
+fn a_jog_after_an_interrupted_homing_is_refused() {
+    let mut controller = controller(&sample::settings(2), 2.0);
+    play(&mut controller, Some(Command::Home), 100, false);
+    play(&mut controller, Some(Command::StopNow), 6000, false);
+    let telemetry = &controller.output.telemetry;
+    assert_eq!((telemetry.state, telemetry.homed), (State::Parked, false));
+    assert_eq!(
+        reason(&mut controller, Command::Jog),
+        Some(RefusalReason::NotHomed)
+    );
+    assert_eq!(controller.output.telemetry.state, State::Parked);
+}
+
+/// If this fails, a jog while a program runs seems to be obeyed, or a hold while the machine jogs.
+#[test]
+fn a_jog_in_a_program_and_a_hold_in_a_jog_are_refused() {
+    let mut controller = running(100.0);
+    assert_eq!(
+        reason(&mut controller, Command::Jog),
+        Some(RefusalReason::ProgramRuns)
+    );
+    assert_eq!(reason(&mut controller, Command::Hold), None);
+    assert_eq!(
+        reason(&mut controller, Command::Home),
+        Some(RefusalReason::State)
+    );
+    play(&mut controller, Some(Command::Stop), 6000, false);
+    assert_eq!(reason(&mut controller, Command::Jog), None);
+    assert_eq!(
+        reason(&mut controller, Command::Hold),
+        Some(RefusalReason::Jogs)
+    );
+    play(&mut controller, None, 1, false);
+    assert_eq!(
+        controller.output.telemetry.refused, None,
+        "an event of one tick"
+    );
 }
