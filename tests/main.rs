@@ -14,6 +14,7 @@ mod followers;
 mod friction;
 mod holds;
 mod homing;
+mod inputs;
 mod late;
 mod lost_shafts;
 mod machine_words;

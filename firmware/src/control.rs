@@ -83,7 +83,7 @@ impl Io for Board {
         lines::sync(self.sync);
         feedback.index = [None; MAX_AXES];
         self.read_index(&mut feedback.index);
-        let levels = lines::read();
+        let levels = lines::read_latched();
         let inputs = lines::safety_inputs(levels);
         self.inputs = if inputs.enable { flags::ENABLE } else { 0 };
         self.inputs |= if inputs.stop { flags::STOP } else { 0 };

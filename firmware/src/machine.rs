@@ -73,7 +73,8 @@ pub fn make(
     }
     let axes = settings.axes.len();
     let tick = Duration::from_micros(tick_us.into());
-    let lines = lines::read();
+    // Edges that were noted while the lines were set up are none of the machine's.
+    let lines = lines::read_latched();
     let levels = (0..axes).fold(0, |levels, axis| {
         levels | u32::from(lines.index(first_axis + axis)) << axis
     });

@@ -90,7 +90,7 @@ pub fn readings(checked: &Checked, ticks: std::ops::Range<u64>) -> Vec<Feedback>
     let mut faults = host_sim::faults::Faults::new(checked);
     let read = |tick: u64| {
         let mut feedback = Feedback::of(None);
-        faults.read(tick * 500, &mut feedback);
+        faults.read((tick * 500).saturating_sub(500), tick * 500, &mut feedback);
         feedback
     };
     ticks.map(read).collect()

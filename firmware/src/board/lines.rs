@@ -5,6 +5,9 @@
 //!
 //! A line whose settings have another active level than [`WiringSettings::DEFAULT`] is inverted where it enters or leaves
 //! the chip, by the pin's own override. So is DIR of an axis that is reversed. So the rest of the firmware has the default levels only.
+//!
+//! ALARM and STOP are *latched*: the chip notes their edges by itself, so that a pulse between two readings is not lost. Either edge shows
+//! that the line was active since the last reading, whatever its active level is.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -12,6 +15,7 @@ use cophase_core::settings::{InputWiring, WiringSettings};
 use cophase_core::supervisor::{SafetyInputs, State};
 use cophase_link::message::{Inputs, Output};
 use embassy_rp::pac;
+use embassy_rp::pac::io::regs::Int;
 use embassy_rp::pac::io::vals::{Inover, Outover};
 
 use super::{guard, now_us, pins};
@@ -192,6 +196,75 @@ fn set(pin: u8, high: bool) {
 /// Reads all inputs at one instant.
 pub fn read() -> Levels {
     Levels(pac::SIO.gpio_in(0).read())
+}
+
+/// Registers that note edges have four bits a pin, and eight pins each.
+const PINS_OF_REGISTER: u8 = 8;
+
+/// Both edges of a pin in its register.
+const EDGES: u32 = 0b1100;
+
+/// Bits of both edges of all latched pins in a register.
+const fn latched(register: u8) -> u32 {
+    let (mut bits, mut axis) = (0, 0);
+    while axis <= pins::AXES {
+        let pin = if axis < pins::AXES {
+            pins::ALARM[axis]
+        } else {
+            pins::STOP
+        };
+        if pin / PINS_OF_REGISTER == register {
+            bits |= EDGES << (pin % PINS_OF_REGISTER * 4);
+        }
+        axis += 1;
+    }
+    bits
+}
+
+/// Registers of the latched pins, and their bits there.
+const LATCHES: [(u8, u32); 2] = [(2, latched(2)), (3, latched(3))];
+
+const _: () = {
+    let count = LATCHES[0].1.count_ones() + LATCHES[1].1.count_ones();
+    assert!(
+        count as usize == 2 * (pins::AXES + 1),
+        "every latched pin has a register"
+    );
+};
+
+/// Reads all inputs as [`read`] does. A latched line reads active also if it was so at any time since the last call.
+#[inline(always)]
+pub fn read_latched() -> Levels {
+    let levels = read();
+    let [(first, of_first), (second, of_second)] = LATCHES;
+    let bank = pac::IO_BANK0;
+    let edges = [
+        bank.intr(first.into()).read().0 & of_first,
+        bank.intr(second.into()).read().0 & of_second,
+    ];
+    if edges[0] | edges[1] == 0 {
+        return levels;
+    }
+    add_edges(levels, edges)
+}
+
+/// Adds lines with edges to those that are active, and clears what was noted. An edge that comes between reading and clearing is that of
+/// a line which is reported now.
+#[inline(never)] // seldom
+fn add_edges(Levels(mut levels): Levels, edges: [u32; 2]) -> Levels {
+    for ((register, _), edges) in LATCHES.into_iter().zip(edges) {
+        pac::IO_BANK0.intr(register.into()).write_value(Int(edges));
+        let mut rest = edges;
+        let mut bit = 1 << (register * PINS_OF_REGISTER);
+        while rest != 0 {
+            if rest & EDGES != 0 {
+                levels |= bit;
+            }
+            rest >>= 4;
+            bit <<= 1;
+        }
+    }
+    Levels(levels)
 }
 
 /// Enable and stop inputs for the loop. A loss of the enable input that is over is reported once.

@@ -202,8 +202,9 @@ impl Faults {
     }
 
     /// Applies the active faults to the feedback that is read at `now_us`. The safety inputs already have their
-    /// scheduled levels.
-    pub fn read(&mut self, now_us: u64, feedback: &mut Feedback) {
+    /// scheduled levels. The board notes alarms and safety inputs between two readings, so one that was active at any time since the
+    /// last reading, at `since_us`, is read.
+    pub fn read(&mut self, since_us: u64, now_us: u64, feedback: &mut Feedback) {
         if self.is_idle {
             return;
         }
@@ -216,8 +217,16 @@ impl Faults {
                 *counts = counts.wrapping_add(nearest(noise.draw(number)) as i32);
             }
         }
-        for planned in self.planned.iter().filter(|planned| planned.is_on(now_us)) {
+        for planned in &self.planned {
             let fault = &planned.fault;
+            let from_us = if is_noted(fault.kind) {
+                since_us
+            } else {
+                now_us
+            };
+            if !planned.is_on_within(from_us, now_us) {
+                continue;
+            }
             match (fault.kind, fault.axis) {
                 (FaultName::EncoderGlitch, Some(axis)) => {
                     let counts = fault.counts.unwrap_or(0) as i32;
@@ -262,6 +271,12 @@ const fn is_of_a_tick(kind: FaultName) -> bool {
             | Kind::StepFifoUnderrun
             | Kind::LoadStep
     )
+}
+
+/// True for kinds of faults on lines whose changes the board notes between two readings.
+const fn is_noted(kind: FaultName) -> bool {
+    use FaultName as Kind;
+    matches!(kind, Kind::DriveAlarm | Kind::EnableLoss | Kind::StopInput)
 }
 
 /// True for kinds of faults that begin within a tick.

@@ -32,7 +32,12 @@ impl Planned {
 
     /// True if the fault is active at a time.
     pub const fn is_on(&self, at_us: u64) -> bool {
-        self.from_us <= at_us && at_us < self.until_us
+        self.is_on_within(at_us, at_us)
+    }
+
+    /// True if the fault is active at any time from `since_us` to `at_us`.
+    pub const fn is_on_within(&self, since_us: u64, at_us: u64) -> bool {
+        self.from_us <= at_us && since_us < self.until_us
     }
 }
 

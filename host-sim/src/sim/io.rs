@@ -45,6 +45,8 @@ pub struct SimulatedIo<P> {
     sensors: Axes<IndexSensor>,
     /// Sensors whose lines or filters may still change, one bit each. The others are skipped until an event reaches them.
     awake: u8,
+    /// Time of the last reading, µs.
+    read_us: u64,
     /// Time up to which the sensors have been read, µs: the end of a tick.
     sensed_us: u64,
     schedule: Schedule,
@@ -107,6 +109,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             statistics: Statistics::new(checked, machine.platform.mechanism()),
             machine,
             awake: u8::MAX,
+            read_us: 0,
             sensed_us: 0,
             schedule,
             faults: Faults::new(checked),
@@ -330,10 +333,11 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             encoder: self.machine.encoders(),
             alarm: std::array::from_fn(alarm),
             fifo_underrun: None,
-            inputs: self.schedule.lines(),
+            inputs: self.schedule.read_lines(),
             command,
         };
-        self.faults.read(now, &mut feedback);
+        let since = std::mem::replace(&mut self.read_us, now);
+        self.faults.read(since, now, &mut feedback);
         self.take_note(now);
         feedback
     }

@@ -3,8 +3,19 @@
 use cophase_core::supervisor::{Command, SafetyInputs};
 
 use crate::scene::Checked;
-use crate::scene::file::{CommandName, FaultName, InputAt, InputLine};
+use crate::scene::file::{CommandName, FaultName, InputAt, InputLine, MIN_ENABLE_LOSS_US};
 use crate::virtual_time::TICKS_PER_S;
+
+/// Inputs that were active between two readings.
+#[derive(Clone, Copy, Debug, Default)]
+struct Noted {
+    /// The stop input was active.
+    stop: bool,
+    /// The enable input was open for long enough.
+    enable_loss: bool,
+    /// Time at which the enable input opened last, µs.
+    opened_us: u64,
+}
 
 /// Commands and input changes, in order of time.
 #[derive(Clone, Debug)]
@@ -18,7 +29,10 @@ pub struct Schedule {
     requested_us: u64,
     next_command: usize,
     next_input: usize,
+    /// Levels after all changes so far.
     lines: SafetyInputs,
+    /// Changes since the last reading, as the board notes them between two readings.
+    noted: Noted,
     expected_us: u64,
     /// Latest end of the run, µs.
     end_us: u64,
@@ -91,6 +105,7 @@ impl Schedule {
                 enable: true,
                 stop: false,
             },
+            noted: Noted::default(),
             expected_us,
             end_us: expected_us + PATIENCE_US,
         }
@@ -114,16 +129,34 @@ impl Schedule {
             return None;
         }
         self.next_input += 1;
+        let noted = &mut self.noted;
         match input.line {
-            InputLine::Enable => self.lines.enable = input.active,
-            InputLine::Stop => self.lines.stop = input.active,
+            InputLine::Enable => {
+                if self.lines.enable && !input.active {
+                    noted.opened_us = at;
+                }
+                if !self.lines.enable && input.active {
+                    noted.enable_loss |= at - noted.opened_us >= MIN_ENABLE_LOSS_US;
+                }
+                self.lines.enable = input.active;
+            }
+            InputLine::Stop => {
+                noted.stop |= self.lines.stop || input.active;
+                self.lines.stop = input.active;
+            }
         }
         Some(input)
     }
 
-    /// Safety inputs, with all changes so far.
-    pub const fn lines(&self) -> SafetyInputs {
-        self.lines
+    /// Reads the safety inputs, after [`Self::input`] has returned all changes: their levels, and what was active at any time since the
+    /// last reading.
+    pub fn read_lines(&mut self) -> SafetyInputs {
+        let noted = core::mem::take(&mut self.noted);
+        self.noted.opened_us = noted.opened_us;
+        SafetyInputs {
+            enable: self.lines.enable && !noted.enable_loss,
+            stop: self.lines.stop || noted.stop,
+        }
     }
 
     /// True if no event is left.
@@ -164,6 +197,7 @@ impl Schedule {
         self.next_command = earlier.next_command;
         self.next_input = earlier.next_input;
         self.lines = earlier.lines;
+        self.noted = earlier.noted;
         self
     }
 

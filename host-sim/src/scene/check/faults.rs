@@ -4,7 +4,9 @@
 //! model level all cranks are on one shaft.
 
 use super::numbers::range;
-use crate::scene::file::{Axes, Drive, FaultAt, FaultName, Fidelity, Lines, Noise, Scene};
+use crate::scene::file::{
+    Axes, Drive, FaultAt, FaultName, Fidelity, Lines, MIN_ENABLE_LOSS_US, Noise, Scene,
+};
 use crate::scene::{Checked, SceneError};
 
 /// Keys of a `[[fault]]` that a kind takes, beside `at_s` and `kind`.
@@ -134,6 +136,15 @@ fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
     range(&at(i, "at_s"), fault.at_s, 0.0, 1e6)?;
     if let Some(for_s) = fault.for_s {
         range(&at(i, "for_s"), for_s, 1e-6, 1e6)?;
+        let min_s = MIN_ENABLE_LOSS_US as f64 * 1e-6;
+        if fault.kind == FaultName::EnableLoss && for_s < min_s {
+            return Err(SceneError::at(
+                at(i, "for_s"),
+                format!(
+                    "{for_s} s is too short: a controller takes an enable loss of less than {min_s} s for noise; give {min_s} or more"
+                ),
+            ));
+        }
     }
     let signed = |key: &str, value: Option<f64>, most: f64| {
         let Some(value) = value else { return Ok(()) };

@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Shortest loss of the enable input that the board does not take for noise, µs (`docs/wiring.md`).
+pub const MIN_ENABLE_LOSS_US: u64 = 10;
+
 /// Fault that is injected at a time. [`FaultName`] lists the values that each kind takes; others are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]

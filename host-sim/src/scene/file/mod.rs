@@ -21,7 +21,7 @@ pub use cam::{CamShaft, Damper, LawName};
 pub use cam_table::{CamSegment, CamTable};
 pub use control::{Band, Control, Correction, Drift, Index, Limits, Pulse};
 pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
-pub use fault::{FaultAt, FaultName, Lines, Noise};
+pub use fault::{FaultAt, FaultName, Lines, MIN_ENABLE_LOSS_US, Noise};
 pub use fidelity::{Fidelity, Method, MethodName};
 pub use machine::{Foundation, Frame, Machine, Platform, Rods};
 pub use program::{Segment, Shape};
