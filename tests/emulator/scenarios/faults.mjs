@@ -54,6 +54,7 @@ const CASES = [
   ['homing-range-exceeded', 'stop in homing', refuses, ['homing-range-exceeded']],
   ['start-out', 'corrected in homing', parks, [], { corrects: true }],
   ['drive-alarm', 'stop', stops, ['drive-alarm']],
+  ['drive-alarm-short', 'stop', stops, ['drive-alarm']],
   ['at-once', 'stop', stops, ['drive-alarm', 'stop-input']],
   ['overrun', 'stop', stops, ['overrun'], { stands: true }],
   ['step-fifo-underrun', 'stop', stops, ['step-fifo-underrun'], { differs: true }],

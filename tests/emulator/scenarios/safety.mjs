@@ -9,6 +9,7 @@ import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { starve } from '../bench/starve.mjs';
+import { MIN_PULSE } from '../sweeps/alarms.mjs';
 
 /** Halfway into a tick, so that nothing is decided by a race with the deadline. */
 const HALF_TICK_S = 250e-6;
@@ -41,6 +42,13 @@ const halfATickLater = (machine) => machine.board.cycle + Math.round(HALF_TICK_S
 const input = (pin, level) => (machine) => {
   machine.happened = halfATickLater(machine);
   machine.set(pin, level, machine.happened);
+};
+
+/** A line is active for two cycles, halfway between two readings. */
+const between = (pin) => (machine) => {
+  const [last] = machine.ticks().slice(-1);
+  machine.happened = last.entry + machine.tick + Math.round(machine.tick / 2);
+  machine.board.stimulus.pulse(machine.happened, pin, MIN_PULSE);
 };
 
 // ---- expected ends ----
@@ -209,6 +217,8 @@ const CASES = [
   ['… while the loop computes', losesEnableInATick, cuts(/enable-loss/, 20e-6)],
   ['drive alarm', input(pins.ALARM[1], 1), faults(/drive-alarm on axis 1/, false)],
   ['alarm, broken wire', input(pins.ALARM[3], null), faults(/drive-alarm on axis 3/, false)],
+  ['alarm between readings', between(pins.ALARM[2]), faults(/drive-alarm on axis 2/, false)],
+  ['stop between readings', between(pins.STOP), parks],
   ['loop late by a deadline', (machine) => machine.freeze(0.0012), goesOn],
   ['loop overrun', (machine) => machine.freeze(0.0031), faults(/overrun/, true)],
   ['… again and again', stumble, faults(/overrun/, true)],

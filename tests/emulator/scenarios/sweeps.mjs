@@ -8,6 +8,7 @@ import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { isSelected } from '../bench/sweep.mjs';
 import { Snapshot } from '../board/snapshot.mjs';
+import { alarms } from '../sweeps/alarms.mjs';
 import { enablePulses } from '../sweeps/enable.mjs';
 import { Follow } from '../sweeps/follow.mjs';
 import { freezes } from '../sweeps/freezes.mjs';
@@ -20,16 +21,17 @@ import { offsetOf, standsFor } from './index.mjs';
 export const title = 'Sweeps: failures at every moment';
 
 export function run(outcome) {
-  if (isSelected('freezes', 'releases', 'enable', 'panics', 'starts')) {
+  if (isSelected('freezes', 'releases', 'enable', 'alarms', 'panics', 'starts')) {
     const played = scene('sweep');
     const settings = settingsOf(played);
     const predicted = predict(played);
     const fresh = () => new Machine({ ...played, settings });
-    if (isSelected('freezes', 'releases', 'enable', 'panics')) {
+    if (isSelected('freezes', 'releases', 'enable', 'alarms', 'panics')) {
       const moving = running(played, fresh(), 0.09, predicted);
       freezes(outcome, moving);
       releases(outcome, moving);
       enablePulses(outcome, moving);
+      alarms(outcome, moving);
       panics(outcome, moving);
     }
     starts(outcome, { fresh, predicted });

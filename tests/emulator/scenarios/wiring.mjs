@@ -9,6 +9,7 @@ import { log } from '../bench/log.mjs';
 import { Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { act } from '../bench/play.mjs';
+import { MIN_PULSE } from '../sweeps/alarms.mjs';
 import { edgesOff } from './parity.mjs';
 
 /** Every line at its unusual level. */
@@ -67,6 +68,17 @@ function brokenWires(outcome, wiring) {
     outcome.check(lines.some((text) => pattern.test(text)), `${name} wiring, ${line} broken: the log says ${pattern}, not ${lines.slice(-3).join(' / ')}`);
     outcome.check(machine.level('enable') === drives, `${name} wiring, ${line} broken: the drives are ${drives ? 'on' : 'off'}`);
   }
+  const machine = new Machine({ ...played, settings });
+  machine.boot();
+  machine.start();
+  machine.run(0.2);
+  const [last] = machine.ticks().slice(-1);
+  const amid = last.entry + Math.round(1.5 * machine.tick);
+  machine.set(pins.ALARM[2], 1, amid);
+  machine.set(pins.ALARM[2], 0, amid + MIN_PULSE);
+  machine.run(0.5);
+  const short = log(machine.board).some((text) => /drive-alarm on axis 2/.test(text));
+  outcome.check(short, `${name} wiring: an alarm between two readings counts`);
   outcome.say(`${name} wiring: a broken wire of ${cases.map(([line]) => line).join(', ')} stops the machine`);
 }
 
