@@ -167,8 +167,8 @@ pub struct Telemetry {
     pub refused: Option<RefusedCommand>,
     /// True while a hold command stops the program's time.
     pub holding: bool,
-    /// True while a jog turns the machine.
-    pub jogs: bool,
+    /// True while the master turns at homing speed: in homing, and in a jog.
+    pub is_at_homing_speed: bool,
     /// True once homing is over.
     pub homed: bool,
     /// True once the program is over.
@@ -233,7 +233,7 @@ impl Telemetry {
             event_count: 0,
             refused: None,
             holding: false,
-            jogs: false,
+            is_at_homing_speed: false,
             homed: false,
             program_done: false,
             override_permille: 1000,

@@ -124,7 +124,10 @@ impl Sample {
             (flags::FAULT, telemetry.fault.is_some()),
             (flags::HOMED, telemetry.homed),
             (flags::PROGRAM_DONE, telemetry.program_done),
-            (flags::JOGS, telemetry.jogs),
+            (
+                flags::JOGS,
+                telemetry.is_at_homing_speed && telemetry.state == State::Run,
+            ),
         ] {
             all |= if is_set { bit } else { 0 };
         }

@@ -28,11 +28,9 @@ impl Controller {
         let before = self.supervisor.state();
         let was_well = !self.supervisor.has_fault();
         let could_hold = self.supervisor.drives_enabled() && !self.supervisor.cuts();
-        let decision = self
+        let mut action = self
             .supervisor
             .step(feedback.inputs, feedback.command, &input);
-        let mut action = decision.action;
-        self.output.telemetry.refused = decision.refused;
         let now = self.supervisor.state();
         if now != before {
             match self.refusal(before, now) {
@@ -270,12 +268,16 @@ impl Controller {
         if telemetry.fault.is_some() || self.supervisor.has_fault() {
             telemetry.fault = self.supervisor.fault();
         }
+        let refused = self.supervisor.refused();
+        if telemetry.refused.is_some() || refused.is_some() {
+            telemetry.refused = refused;
+        }
         if !matches!(action, Action::Play | Action::Hold) {
             telemetry.amax_requested = Amax::ZERO;
         }
         telemetry.program_ticks = self.cursor.elapsed();
         telemetry.holding = action == Action::Hold;
-        telemetry.jogs = self.supervisor.jogs();
+        telemetry.is_at_homing_speed = action == Action::Home;
         telemetry.motion = self.motion;
         telemetry.override_permille = self.amplitude.permille();
         if self.drift.take_changed() {

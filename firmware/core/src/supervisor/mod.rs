@@ -169,15 +169,6 @@ pub enum Action {
     StopFast,
 }
 
-/// Decision of the supervisor for one tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Decision {
-    /// Action of the shaft.
-    pub action: Action,
-    /// Command of this tick, if it was not possible.
-    pub refused: Option<RefusedCommand>,
-}
-
 /// State machine of the supervisor.
 #[derive(Clone, Debug)]
 pub struct Supervisor {
@@ -199,6 +190,8 @@ pub struct Supervisor {
     /// Ticks for which the drives settle after they were switched on.
     settle_ticks: u32,
     settling: u32,
+    /// Command of the last tick, if it was not possible.
+    refused: Option<RefusedCommand>,
 }
 
 impl Supervisor {
@@ -217,6 +210,7 @@ impl Supervisor {
             jog_ticks,
             settle_ticks,
             settling: 0,
+            refused: None,
         }
     }
 
@@ -271,27 +265,30 @@ impl Supervisor {
         State::Fault
     }
 
-    /// Updates the state for one tick.
+    /// Updates the state for one tick, and returns the action of the shaft. The answer to the command is [`Self::refused`].
     pub fn step(
         &mut self,
         inputs: SafetyInputs,
         command: Option<Command>,
         input: &SupervisorInput,
-    ) -> Decision {
+    ) -> Action {
         let is_faulted = input.fault.is_some() && self.drives_enabled();
         if let Some(fault) = &input.fault {
             self.latch(fault, input);
         }
-        let refused = match command {
-            Some(command) => self.refuse(command, inputs, input, is_faulted),
-            None => None,
-        };
-        let command = if refused.is_none() { command } else { None };
-        self.state = self.next_state(inputs, command, input, is_faulted);
-        Decision {
-            action: self.action(),
-            refused,
+        // In most ticks there is no command, neither now nor in the tick before.
+        let mut command = command;
+        if command.is_some() || self.refused.is_some() {
+            self.refused = self.refuse(command, inputs, input, is_faulted);
+            command = command.filter(|_| self.refused.is_none());
         }
+        self.state = self.next_state(inputs, command, input, is_faulted);
+        self.action()
+    }
+
+    /// Command of the last tick, if it was not possible.
+    pub const fn refused(&self) -> Option<RefusedCommand> {
+        self.refused
     }
 
     /// True while a jog turns the machine.
@@ -303,11 +300,12 @@ impl Supervisor {
     #[inline(never)] // seldom
     fn refuse(
         &self,
-        command: Command,
+        command: Option<Command>,
         inputs: SafetyInputs,
         input: &SupervisorInput,
         is_faulted: bool,
     ) -> Option<RefusedCommand> {
+        let command = command?;
         let state = self.state;
         let ends = match state {
             // A reset in the same tick as a new fault was meant for the fault before.

@@ -168,6 +168,7 @@ impl fmt::Display for RefusalReason {
 
 /// A command that was not possible, and had no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(align(4))] // It is copied by words, and so is all that may hold one.
 pub struct RefusedCommand {
     /// The command.
     pub command: Command,

@@ -94,7 +94,7 @@ fn for_every_step(
                     ..SupervisorInput::default()
                 };
                 let mut supervisor = in_state(state);
-                let action = supervisor.step(inputs, command, &input).action;
+                let action = supervisor.step(inputs, command, &input);
                 check(state, inputs, command, input, &supervisor, action);
             }
         }
@@ -238,7 +238,7 @@ fn a_disabling_fault_switches_drives_off_even_during_a_stop() {
     };
     for state in [State::Homing, State::Run, State::Stop, State::Parked] {
         let mut supervisor = in_state(state);
-        assert_eq!(supervisor.step(SAFE, None, &disables).action, Action::Stand);
+        assert_eq!(supervisor.step(SAFE, None, &disables), Action::Stand);
         assert_eq!(supervisor.state(), State::Fault);
         assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Runaway);
     }
@@ -247,8 +247,8 @@ fn a_disabling_fault_switches_drives_off_even_during_a_stop() {
         fault: Some(Fault::new(FaultKind::Tilt)),
         ..SupervisorInput::default()
     };
-    assert_eq!(supervisor.step(SAFE, None, &stops).action, Action::StopFast);
-    assert_eq!(supervisor.step(SAFE, None, &disables).action, Action::Stand);
+    assert_eq!(supervisor.step(SAFE, None, &stops), Action::StopFast);
+    assert_eq!(supervisor.step(SAFE, None, &disables), Action::Stand);
     assert_eq!(
         supervisor.fault().unwrap().kind,
         FaultKind::Tilt,
@@ -337,7 +337,7 @@ fn enable_loss_a_harder_fault_or_a_reset_ends_holding() {
         let mut supervisor = stopped_by(&[Reaction::StopAndHold], false, false);
         let say = std::format!("{inputs:?} {command:?} {input:?}");
         assert_eq!(
-            supervisor.step(inputs, command, &input).action,
+            supervisor.step(inputs, command, &input),
             Action::Stand,
             "{say}"
         );
@@ -388,7 +388,7 @@ fn a_hold_does_not_outlive_its_run() {
         at_rest: true,
         ..SupervisorInput::default()
     };
-    let mut step = |command| supervisor.step(SAFE, command, &homed).action;
+    let mut step = |command| supervisor.step(SAFE, command, &homed);
     assert_eq!(step(Some(Command::Hold)), Action::Hold);
     step(Some(Command::Stop));
     assert_eq!(step(None), Action::Park);

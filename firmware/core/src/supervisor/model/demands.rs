@@ -2,7 +2,7 @@
 
 use super::key;
 use crate::supervisor::{
-    Action, Command, Decision, Reaction, SafetyInputs, State, Supervisor, SupervisorInput,
+    Action, Command, Reaction, SafetyInputs, State, Supervisor, SupervisorInput,
 };
 
 /// Input of one tick.
@@ -73,7 +73,7 @@ pub(super) fn check(
     owed: Owed,
     input: &Input,
     after: &Supervisor,
-    Decision { action, .. }: Decision,
+    action: Action,
 ) -> Owed {
     let (from, to) = (before.state, after.state);
     let owes = owed.after(before, input);
@@ -224,18 +224,18 @@ pub(super) fn demand_an_answer(
     before: &Supervisor,
     input: &Input,
     after: &Supervisor,
-    decision: Decision,
+    action: Action,
 ) {
     let Some(command) = input.command else {
-        assert_eq!(decision.refused, None, "nothing to refuse: {input:?}");
+        assert_eq!(after.refused(), None, "nothing to refuse: {input:?}");
         return;
     };
     let mut without = before.clone();
     let untouched = without.step(input.inputs, None, &input.observed);
     let state = |supervisor| key(supervisor, Owed::Nothing);
-    let makes_a_difference = state(after) != state(&without) || decision.action != untouched.action;
+    let makes_a_difference = state(after) != state(&without) || action != untouched;
     let say = |what: &str| std::format!("{what}: {command:?} in {before:?}, by {input:?}");
-    if let Some(refused) = decision.refused {
+    if let Some(refused) = after.refused() {
         assert!(!makes_a_difference, "{}", say("refused, and obeyed"));
         assert_eq!((refused.command, refused.state), (command, before.state));
         return;

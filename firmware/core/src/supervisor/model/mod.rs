@@ -94,6 +94,7 @@ fn key(supervisor: &Supervisor, owed: Owed) -> Key {
         settling,
         settle_ticks: _,
         jog_ticks: _,
+        refused: _,
     } = *supervisor;
     let modes = [holding, stops_now, only_homes];
     (
@@ -124,9 +125,9 @@ fn explore(inputs: &[Input]) -> BTreeMap<Key, BTreeSet<Key>> {
         let mut next = BTreeSet::new();
         for input in inputs {
             let mut after = supervisor.clone();
-            let decision = after.step(input.inputs, input.command, &input.observed);
-            let owed = check(&supervisor, owed, input, &after, decision);
-            demand_an_answer(&supervisor, input, &after, decision);
+            let action = after.step(input.inputs, input.command, &input.observed);
+            let owed = check(&supervisor, owed, input, &after, action);
+            demand_an_answer(&supervisor, input, &after, action);
             if next.insert(key(&after, owed)) {
                 open.push_back((after, owed));
             }
@@ -242,8 +243,8 @@ fn all_sequences_of_six_events_stay_within_the_graph() {
             let mut input = held;
             event(&mut input);
             let mut after = supervisor.clone();
-            let decision = after.step(input.inputs, input.command, &input.observed);
-            let owed = check(&supervisor, owed, &input, &after, decision);
+            let action = after.step(input.inputs, input.command, &input.observed);
+            let owed = check(&supervisor, owed, &input, &after, action);
             assert!(
                 graph.contains_key(&key(&after, owed)),
                 "not in the graph: {after:?}"
