@@ -47,6 +47,8 @@ pub struct Board {
     pub link: LoopEnd,
     /// Levels of the inputs that were read last, as a sample has them.
     pub inputs: u8,
+    /// Index pulses of all axes so far, wrapping.
+    pub index_count: u8,
     /// Alarm inputs of the machine's axes.
     pub alarms: AlarmInputs,
     /// Log of states and faults.
@@ -64,15 +66,27 @@ impl Board {
         let Some(mut deadline) = self.read_to else {
             return;
         };
+        let mut may_have_pulses = false;
         while has_passed(deadline) {
             self.index.read(&mut self.filter);
-            self.index.end_tick(&mut self.filter, pulses);
+            may_have_pulses |= self.index.end_tick(&mut self.filter, pulses);
             let next = deadline
                 .as_ticks()
                 .wrapping_add(self.steps.tick().as_ticks());
             deadline = Instant::from_ticks(next);
         }
         self.read_to = Some(deadline);
+        if may_have_pulses {
+            self.count(pulses);
+        }
+    }
+
+    /// Counts index pulses, for samples.
+    #[inline(never)] // seldom
+    fn count(&mut self, pulses: &PerAxis<Option<IndexPulse>>) {
+        for pulse in pulses {
+            self.index_count = self.index_count.wrapping_add(pulse.is_some().into());
+        }
     }
 }
 
@@ -138,7 +152,8 @@ impl Io for Board {
             } else {
                 0
             };
-            sampler::request(&output.telemetry, self.inputs | drives);
+            let inputs = self.inputs | drives;
+            sampler::request(&output.telemetry, inputs, self.index_count);
         }
         self.ticks = self.ticks.wrapping_add(1);
         SubmissionResult::InTime

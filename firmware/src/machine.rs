@@ -90,6 +90,7 @@ pub fn make(
         reporter,
         link,
         inputs: 0,
+        index_count: 0,
         alarms: AlarmInputs::new(first_axis, axes),
         sync: true,
         fifo_underrun: None,

@@ -153,7 +153,7 @@ impl Observer for Ticks {
             } else {
                 0
             };
-        self.0.push(Sample::new(0, moment.telemetry, flags));
+        self.0.push(Sample::new(0, moment.telemetry, flags, 0));
     }
 }
 

@@ -16,7 +16,7 @@ pub type Channels = u16;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Channel {
-    /// State, flags and the amplitude's override.
+    /// State, flags, the amplitude's override, and the number of index pulses.
     State = 1,
     /// Requested amplitude, m/s², 48 fraction bits.
     Amax = 1 << 1,
@@ -77,6 +77,8 @@ pub struct Sample {
     pub override_permille: u16,
     /// Ticks of the program that are over.
     pub program_ticks: u32,
+    /// Index pulses of all axes since power-up, wrapping.
+    pub index_count: u8,
     /// Requested amplitude, bits of an [`Amax`].
     pub amax: i64,
     /// Speed of the master, bits of [`Turns`].
@@ -105,6 +107,7 @@ impl Sample {
         flags: 0,
         override_permille: 0,
         program_ticks: 0,
+        index_count: 0,
         amax: 0,
         speed: 0,
         acceleration: 0,
@@ -116,8 +119,9 @@ impl Sample {
         correction: [0; MAX_AXES],
     };
 
-    /// Sample of a tick. `flags` has the bits of the drives and the inputs; the others are added.
-    pub fn new(tick: u32, telemetry: &Telemetry, flags: u8) -> Self {
+    /// Sample of a tick. `flags` has the bits of the drives and the inputs; the others are added. `index_count` is the number of index
+    /// pulses so far.
+    pub fn new(tick: u32, telemetry: &Telemetry, flags: u8, index_count: u8) -> Self {
         let mut all = flags;
         for (bit, is_set) in [
             (flags::HOLDING, telemetry.holding),
@@ -138,6 +142,7 @@ impl Sample {
             flags: all,
             override_permille: telemetry.override_permille,
             program_ticks: telemetry.program_ticks as u32,
+            index_count,
             amax: telemetry.amax_requested.to_bits().cast_signed(),
             speed: telemetry.motion.speed.to_bits(),
             acceleration: telemetry.motion.acceleration.to_bits(),
@@ -177,11 +182,13 @@ impl Sample {
         if has(Channel::State) {
             let mut packed = i64::from(self.state)
                 | i64::from(self.flags) << 8
-                | i64::from(self.override_permille) << 16;
+                | i64::from(self.override_permille) << 16
+                | i64::from(self.index_count) << 32;
             visit(&mut packed);
             self.state = packed as u8;
             self.flags = (packed >> 8) as u8;
             self.override_permille = (packed >> 16) as u16;
+            self.index_count = (packed >> 32) as u8;
         }
         if has(Channel::Program) {
             let mut ticks = i64::from(self.program_ticks);

@@ -30,6 +30,9 @@ static TELEMETRY: AtomicPtr<Telemetry> = AtomicPtr::new(ptr::null_mut());
 /// Flags of the requested sample.
 static FLAGS: AtomicU8 = AtomicU8::new(0);
 
+/// Number of index pulses at the requested sample.
+static INDEX_COUNT: AtomicU8 = AtomicU8::new(0);
+
 /// Takes the queue of samples, and enables the interrupt. To be called once.
 #[cold]
 pub fn set_up(samples: Producer<'static, Sample>) {
@@ -45,8 +48,10 @@ pub fn begin(tick: u32) {
     NOW.store(tick, Ordering::Release);
 }
 
-/// Requests a sample of the present tick, with the flags of its inputs and drives. The telemetry must be in a static.
-pub fn request(telemetry: &Telemetry, flags: u8) {
+/// Requests a sample of the present tick, with the flags of its inputs and drives, and the number of index pulses so far. The telemetry
+/// must be in a static.
+pub fn request(telemetry: &Telemetry, flags: u8, index_count: u8) {
+    INDEX_COUNT.store(index_count, Ordering::Relaxed);
     TELEMETRY.store(ptr::from_ref(telemetry).cast_mut(), Ordering::Relaxed);
     FLAGS.store(flags, Ordering::Relaxed);
     interrupt::SWI_IRQ_0.pend();
@@ -57,6 +62,7 @@ fn sample() -> Option<Sample> {
     let tick = NOW.load(Ordering::Acquire);
     let telemetry = TELEMETRY.load(Ordering::Relaxed);
     let flags = FLAGS.load(Ordering::Relaxed);
+    let index_count = INDEX_COUNT.load(Ordering::Relaxed);
     if telemetry.is_null() {
         return None;
     }
@@ -67,7 +73,7 @@ fn sample() -> Option<Sample> {
     }
     // SAFETY: no tick has begun since it was written, so it is whole.
     let telemetry = unsafe { copy.assume_init_ref() };
-    Some(Sample::new(tick, telemetry, flags))
+    Some(Sample::new(tick, telemetry, flags, index_count))
 }
 
 #[interrupt]

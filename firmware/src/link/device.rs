@@ -165,6 +165,7 @@ impl Running {
         if let Some(axis) = only_axis
             && settings.keep_axis(axis)
         {
+            settings.ignore_index();
             self.only_axis = Some(axis as u8);
         }
         self.name.clone_from(&settings.name);

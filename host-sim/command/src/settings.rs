@@ -167,6 +167,7 @@ fn left_out(scene: &Scene) -> Vec<String> {
             ("start_deg", axis.start_deg != 0.0),
             ("friction_nm", axis.friction_nm.is_some()),
             ("pull_out_scale", axis.pull_out_scale != 1.0),
+            ("drive_steps_per_turn", axis.drive_steps_per_turn.is_some()),
         ]
     };
     let happenings = [

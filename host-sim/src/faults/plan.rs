@@ -1,6 +1,6 @@
 //! Beginning and end of each fault, and which faults touch drives and cranks.
 
-use crate::scene::file::{FaultAt, FaultName, Lines, Scene};
+use crate::scene::file::{AxisOverrides, FaultAt, FaultName, Lines, Scene};
 use crate::virtual_time::TICKS_PER_S;
 
 /// Fault with its times, µs since power-up.
@@ -70,6 +70,14 @@ impl Scene {
 
     /// True if faults or noise change the commands of the drives or the loads of the cranks.
     pub fn touches_drives(&self) -> bool {
-        self.noise.load_nm != 0.0 || self.fault.iter().any(FaultAt::touches_drives)
+        self.noise.load_nm != 0.0
+            || self.has_wrong_drive()
+            || self.fault.iter().any(FaultAt::touches_drives)
+    }
+
+    /// True if a drive needs other steps for a turn than the settings say.
+    pub fn has_wrong_drive(&self) -> bool {
+        let differs = |own: &AxisOverrides| own.drive_steps_per_turn.is_some();
+        self.axis.iter().any(differs)
     }
 }

@@ -33,6 +33,9 @@ const ANSWERS_WITHIN: Duration = Duration::from_secs(2);
 /// Reason why a simulated machine cannot be brought up.
 const NO_WIRING: &str = "a simulated machine has no wiring to bring up; connect a board";
 
+/// Reason why something is not possible while only one axis runs.
+const ONE_AXIS: &str = "bring-up has one axis only; restart the controller first";
+
 /// A simulated controller and its machine.
 pub struct SimulatedDevice {
     checked: Checked,
@@ -46,6 +49,8 @@ pub struct SimulatedDevice {
     sampling: u16,
     began: Instant,
     restarts: u32,
+    /// Axis that is the only one until the next restart.
+    only_axis: Option<u8>,
     running: Running,
 }
 
@@ -76,7 +81,7 @@ impl SimulatedDevice {
     }
 
     fn power_up(checked: Checked, speed: f64, is_open: bool) -> Result<Self, SceneError> {
-        let running = Running::new(&checked, speed)?;
+        let running = Running::new(&checked, None, speed)?;
         let mut device = Self {
             checked,
             speed,
@@ -87,6 +92,7 @@ impl SimulatedDevice {
             sampling: 1,
             began: Instant::now(),
             restarts: 0,
+            only_axis: None,
             running,
         };
         device.make_files();
@@ -117,6 +123,9 @@ impl SimulatedDevice {
                 "this simulated machine takes the faults of its scene only",
             );
         }
+        if self.only_axis.is_some() {
+            return refused("", ONE_AXIS);
+        }
         if fault.kind == FaultName::Overrun {
             return refused(
                 "fault[0].kind",
@@ -145,12 +154,22 @@ impl SimulatedDevice {
 }
 
 impl Running {
-    fn new(checked: &Checked, speed: f64) -> Result<Self, SceneError> {
-        let mut controller = Box::new(checked.controller()?);
+    /// Starts the loop of a scene, with all axes or only one.
+    fn new(checked: &Checked, only_axis: Option<u8>, speed: f64) -> Result<Self, SceneError> {
+        let mut checked = checked.clone();
+        let controller = match only_axis {
+            Some(axis) => {
+                checked = checked.only_axis(axis.into());
+                let mut settings = checked.settings.clone();
+                settings.ignore_index();
+                settings.controller()?
+            }
+            None => checked.controller()?,
+        };
+        let mut controller = Box::new(controller);
         let (to_loop, from_host) = sync_channel(COMMANDS);
         let (to_host, from_loop) = sync_channel(WAITING);
         let (made, is_made) = sync_channel(1);
-        let checked = checked.clone();
         let run = move || {
             let ticks = controller.program().0.duration();
             let schedule = Schedule::new(&checked, ticks).without_commands();
@@ -227,16 +246,19 @@ impl Device for SimulatedDevice {
             settings: name(&settings.name),
             settings_crc: header.map_or(0, |header| header.payload_crc),
             program_crc: cophase_link::checksum(&self.program_file),
-            axes: settings.axes.len() as u8,
+            axes: self.axes() as u8,
             tick_hz: settings.tick_hz,
             can_run: self.running.thread.is_some(),
-            only_axis: None,
+            only_axis: self.only_axis,
             restarts: self.restarts,
         }
     }
 
     fn axes(&self) -> usize {
-        self.checked.settings.axes.len()
+        match self.only_axis {
+            Some(_) => 1,
+            None => self.checked.settings.axes.len(),
+        }
     }
 
     fn tick_hz(&self) -> u32 {
@@ -274,6 +296,9 @@ impl Device for SimulatedDevice {
     }
 
     fn load_program(&mut self, bytes: &[u8]) -> Result<(), Text> {
+        if self.only_axis.is_some() {
+            return Err(text(&ONE_AXIS));
+        }
         let mut program = Box::new(Program::new());
         let builder = self.checked.settings.program_builder(&mut program);
         program::fill(bytes, builder).map_err(|error| text(&error))?;
@@ -309,12 +334,15 @@ impl Device for SimulatedDevice {
     }
 
     fn restart(&mut self, only_axis: Option<u8>) -> Result<(), Text> {
-        if only_axis.is_some() {
-            return Err(text(&NO_WIRING));
+        let axes = self.checked.settings.axes.len();
+        if let Some(axis) = only_axis.filter(|&axis| usize::from(axis) >= axes) {
+            return Err(text(&format_args!(
+                "there is no axis {axis}; the settings have {axes}, counted from 0"
+            )));
         }
         let stored = self.stored.take();
         let before = stored.map(|stored| core::mem::replace(&mut self.checked.settings, *stored));
-        let running = match Running::new(&self.checked, self.speed) {
+        let running = match Running::new(&self.checked, only_axis, self.speed) {
             Ok(running) => running,
             Err(error) => {
                 if let Some(before) = before {
@@ -324,6 +352,7 @@ impl Device for SimulatedDevice {
             }
         };
         self.running = running;
+        self.only_axis = only_axis;
         self.restarts = self.restarts.wrapping_add(1);
         // A restart discards a program that was loaded after the previous start.
         self.make_files();

@@ -46,6 +46,8 @@ pub(super) struct Paced<P> {
     tick: u32,
     every: u32,
     inputs: SafetyInputs,
+    /// Index pulses so far, wrapping.
+    index_count: u8,
     watch: Watch,
     program: Option<(Box<Program>, SyncSender<bool>)>,
     lost_events: u32,
@@ -70,6 +72,7 @@ impl<P: FnMut(u64, u64)> Paced<P> {
                 enable: true,
                 stop: false,
             },
+            index_count: 0,
             watch: Watch::new(),
             program: None,
             lost_events: 0,
@@ -119,6 +122,8 @@ impl<P: FnMut(u64, u64)> Io for Paced<P> {
         *feedback = self.inner.read(&mut ());
         feedback.command = self.next_command();
         self.inputs = feedback.inputs;
+        let pulses = feedback.index.iter().flatten().count();
+        self.index_count = self.index_count.wrapping_add(pulses as u8);
     }
 
     fn new_program(&mut self) -> Option<&Program> {
@@ -153,7 +158,7 @@ impl<P: FnMut(u64, u64)> Io for Paced<P> {
             } else {
                 0
             };
-            let sample = Sample::new(self.tick, telemetry, inputs);
+            let sample = Sample::new(self.tick, telemetry, inputs, self.index_count);
             // The tick of the next sample shows that one was lost.
             let _ = self.to_host.try_send(FromLoop::Sample(sample));
         }

@@ -30,6 +30,8 @@ pub struct SimulatedAxis {
     drive: AxisDrive,
     reversed: bool,
     steps_per_turn: f64,
+    /// Steps with which the drive itself makes a turn of the crank; those of the settings, unless its switches differ.
+    drive_steps_per_turn: f64,
     rotor_inertia_kgm2: f64,
     friction_nm: f64,
     ratio: f64,
@@ -126,6 +128,7 @@ impl SimulatedAxis {
             drive,
             reversed: settings.reversed,
             steps_per_turn: f64::from(settings.steps_per_turn),
+            drive_steps_per_turn: f64::from(settings.steps_per_turn),
             rotor_inertia_kgm2: settings.rotor_inertia_kgm2,
             friction_nm,
             ratio,
@@ -325,6 +328,20 @@ impl SimulatedAxis {
     /// Travel of the crank since power-up, turns.
     pub fn travelled_turns(&self) -> f64 {
         self.travelled_turns
+    }
+
+    /// Steps with which the drive itself makes a turn of the crank.
+    pub const fn drive_steps_per_turn(&self) -> f64 {
+        self.drive_steps_per_turn
+    }
+
+    /// Sets the steps with which the drive makes a turn of the crank.
+    #[must_use]
+    pub fn with_drive_steps(mut self, steps_per_turn: Option<u32>) -> Self {
+        if let Some(steps) = steps_per_turn {
+            self.drive_steps_per_turn = f64::from(steps);
+        }
+        self
     }
 
     /// Steps, or encoder counts, per turn of the crank.

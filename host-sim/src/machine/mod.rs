@@ -128,6 +128,7 @@ impl Machine {
                 friction_nm,
                 flag,
             )
+            .with_drive_steps(overrides.and_then(|own| own.drive_steps_per_turn))
         };
         let axes = per_axis(settings.axes.len(), make);
         let rotors = torque::rotors(checked, &pull_out, &axes)?;

@@ -82,6 +82,8 @@ impl Checked {
             Some("trim_deg")
         } else if (1..axes.len()).any(|i| starts(i) != starts(0)) {
             Some("start_deg")
+        } else if self.scene.has_wrong_drive() {
+            Some("drive_steps_per_turn")
         } else if let Some(fault) = self.scene.moving_fault() {
             Some(self.scene.fault[fault].kind.name())
         } else {
@@ -138,6 +140,28 @@ impl Checked {
         let limits = &self.scene.limits;
         (omega / std::f64::consts::TAU)
             .clamp(limits.homing_speed_hz.min(limits.speed_hz), limits.speed_hz)
+    }
+
+    /// Returns the machine of bring-up: the crank of one axis, with its rod detached, and no program. Its index sensor stays.
+    #[must_use]
+    pub fn only_axis(&self, number: usize) -> Self {
+        let mut one = self.clone();
+        let renumber = |own: Option<usize>| own.filter(|&own| own == number).map(|_| 0);
+        let scene = &mut one.scene;
+        scene.axes.count = 1;
+        scene.axis.retain(|own| own.number == number);
+        scene.axis.iter_mut().for_each(|own| own.number = 0);
+        // A fault of another axis, or of two, is none of this crank.
+        scene
+            .fault
+            .retain(|fault| fault.with.is_none() && fault.axis.is_none_or(|axis| axis == number));
+        for fault in &mut scene.fault {
+            fault.axis = renumber(fault.axis);
+        }
+        one.settings.keep_axis(number);
+        one.fidelity = Fidelity::Kinematic;
+        (one.cam, one.plant, one.choice) = (None, None, None);
+        one
     }
 
     /// Creates the controller of this scene.

@@ -85,7 +85,7 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
 
     fn fill(&mut self, moment: &Moment<'_>) {
         // The row has the time of the tick that is played, and not the number of the tick in which it was planned.
-        let sample = Sample::new(0, moment.telemetry, 0);
+        let sample = Sample::new(0, moment.telemetry, 0, 0);
         let row = &mut self.row;
         let (master_turns, command_turns) = (moment.master_turns, moment.command_turns);
         self.rows

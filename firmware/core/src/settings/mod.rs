@@ -280,6 +280,14 @@ impl Settings {
         true
     }
 
+    /// Removes the index sensors, so that the loop does not judge by them: for bring-up, which measures their pulses.
+    #[cold]
+    pub fn ignore_index(&mut self) {
+        for axis in &mut self.axes {
+            axis.index_turns = None;
+        }
+    }
+
     /// Cycles of the step clock in one control tick.
     pub const fn tick_cycles(&self) -> u32 {
         self.clock_hz / self.tick_hz

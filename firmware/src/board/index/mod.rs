@@ -104,14 +104,20 @@ impl Index {
         self.ring = ring;
     }
 
-    /// Ends the tick for the filter, and takes the pulses that it confirmed.
+    /// Ends the tick for the filter, and takes the pulses that it confirmed. Returns false if there can be none.
     #[inline(always)]
-    pub fn end_tick(&mut self, filter: &mut Filter, pulses: &mut PerAxis<Option<IndexPulse>>) {
+    pub fn end_tick(
+        &mut self,
+        filter: &mut Filter,
+        pulses: &mut PerAxis<Option<IndexPulse>>,
+    ) -> bool {
         // In most ticks no line changed. To skip the filter then saves half the cost of reading.
-        if filter.is_pending() {
+        let is_pending = filter.is_pending();
+        if is_pending {
             filter.end_tick(self.tick_cycles as u32, pulses);
         }
         self.advance();
+        is_pending
     }
 
     /// Advances to the next tick.

@@ -79,7 +79,7 @@ pub(super) enum BringUp {
     Inputs(MonitorArgs),
     /// Switch one output between its levels twice a second; the drives must be off
     Output(OutputArgs),
-    /// Restart with one axis, which `home` and `jog` then turn; `restart` ends it
+    /// Restart with one axis, turn it, and compare its index pulses with its steps; `jog` turns it again, `restart` ends it
     Axis(AxisArgs),
 }
 

@@ -3,13 +3,17 @@
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use cophase_link::message::{Identity, Inputs, Output, Request};
+use cophase_core::supervisor::State;
+use cophase_core::units::Turns;
+use cophase_link::message::{Identity, Inputs, Output, Request, StopKind};
+use cophase_link::sample::{Channel, Channels, Sample};
 use cophase_link::server::OUTPUT_MS;
 
 use super::Problem;
 use super::args::{BringUp, LinkArgs, OutputArgs};
-use super::connection::Connection;
-use super::operate::confirm;
+use super::connection::{Connection, Incoming, LinkError};
+use super::measure::{Measurement, Reading};
+use super::operate::{JOG_EVERY, begin, confirm};
 use super::show;
 use crate::Status;
 
@@ -19,6 +23,12 @@ const READ_EVERY: Duration = Duration::from_millis(50);
 /// Time for which an output keeps a level. It is renewed before the controller releases the output.
 const LEVEL_TIME: Duration = Duration::from_millis(500);
 const _: () = assert!(LEVEL_TIME.as_millis() < OUTPUT_MS as u128);
+
+/// Samples a second while an axis is measured.
+const SAMPLES_HZ: u32 = 1000;
+
+/// Longest time to home one crank without looking for its index, or to stop it.
+const REACHES_WITHIN: Duration = Duration::from_secs(60);
 
 pub(super) fn bring_up(
     action: &BringUp,
@@ -35,13 +45,125 @@ pub(super) fn bring_up(
             toggle(link, output, out)?;
         }
         BringUp::Axis(axis) => {
-            let what = "restarts with one axis, which can then be homed and jogged; detach its rod";
+            let what = "restarts with one axis, and turns it at homing speed to measure it; detach its rod";
             unlock(args, axis.yes, what, link, err)?;
             let identity = link.restart(identity, &Request::OnlyAxis(axis.number))?;
             show::identity(&identity, out)?;
+            link.take_control(args.take_over)?;
+            return turn(link, axis.number, &identity, out);
         }
     }
     Ok(Status::Done)
+}
+
+/// Turns the only axis for some turns, and compares its index pulses with what is commanded.
+fn turn(
+    link: &mut Connection,
+    axis: u8,
+    identity: &Identity,
+    out: &mut impl Write,
+) -> Result<Status, Problem> {
+    let channels = [
+        Channel::State,
+        Channel::Phase,
+        Channel::Lead,
+        Channel::Steps,
+    ]
+    .into_iter()
+    .fold(0, |all, channel| all | channel as Channels);
+    // A slow line loses some of more samples.
+    let every = u16::try_from(identity.tick_hz / SAMPLES_HZ)
+        .unwrap_or(u16::MAX)
+        .max(1);
+    link.repeatable("bring-up", &Request::Stream { channels, every })?;
+    begin(link, "home", &Request::Home)?;
+    if !reaches(link, State::Parked)? {
+        return ends_in_fault(link, identity, out);
+    }
+    begin(link, "jog", &Request::Jog)?;
+    let mut measurement = Measurement::default();
+    let mut jog_at = Instant::now() + JOG_EVERY;
+    let mut is_over = false;
+    let mut has_begun = false;
+    while !is_over {
+        if Instant::now() >= jog_at {
+            jog_at = Instant::now() + JOG_EVERY;
+            link.command("jog", &Request::Jog)?;
+        }
+        for sample in samples(link)? {
+            let jogs = sample.situation().jogs;
+            has_begun |= jogs;
+            if jogs {
+                is_over |= measurement.take(reading(&sample));
+            } else if has_begun {
+                return ends_in_fault(link, identity, out);
+            }
+        }
+    }
+    link.repeatable("stop", &Request::Stop(StopKind::AtPhase))?;
+    if !reaches(link, State::Parked)? {
+        return ends_in_fault(link, identity, out);
+    }
+    let finding = measurement.finding();
+    write!(out, "{}", finding.describe(axis))?;
+    writeln!(
+        out,
+        "An index does not show the direction: the crank must have turned in the positive sense. If not, set `reversed`."
+    )?;
+    Ok(if finding.is_right() {
+        Status::Done
+    } else {
+        Status::Fault
+    })
+}
+
+/// Returns the samples that have arrived.
+fn samples(link: &mut Connection) -> Result<Vec<Sample>, LinkError> {
+    match link.next(Duration::from_millis(20))? {
+        Some(Incoming::Samples(samples)) => Ok(samples),
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// Waits until the machine is in a state; returns false if it ends in a fault, or in idle by the enable input.
+fn reaches(link: &mut Connection, goal: State) -> Result<bool, LinkError> {
+    let end = Instant::now() + REACHES_WITHIN;
+    let mut has_left_idle = false;
+    while Instant::now() < end {
+        for sample in samples(link)? {
+            match sample.situation().state {
+                state if state == goal => return Ok(true),
+                State::Fault => return Ok(false),
+                State::Idle if has_left_idle => return Ok(false),
+                state => has_left_idle |= state != State::Idle,
+            }
+        }
+    }
+    Err(LinkError::NoReply("bring-up"))
+}
+
+/// Reports why the axis did not turn on.
+fn ends_in_fault(
+    link: &mut Connection,
+    identity: &Identity,
+    out: &mut impl Write,
+) -> Result<Status, Problem> {
+    show::log(link, identity, out)?;
+    writeln!(
+        out,
+        "The axis stopped before it was measured: the events above say why."
+    )?;
+    Ok(Status::Fault)
+}
+
+fn reading(sample: &Sample) -> Reading {
+    let turns = Turns::from_bits(sample.phase.wrapping_add(sample.lead[0]));
+    Reading {
+        tick: sample.tick,
+        turns: turns.to_num(),
+        steps: sample.steps[0],
+        index_count: sample.index_count,
+    }
 }
 
 fn unlock(

@@ -3,6 +3,7 @@
 mod args;
 mod bring_up;
 pub(crate) mod connection;
+mod measure;
 mod operate;
 mod record;
 mod session;

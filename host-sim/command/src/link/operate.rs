@@ -13,7 +13,7 @@ use super::show::describe;
 use crate::Status;
 
 /// Time between two requests of a jog: less than half the duration of one request.
-const JOG_EVERY: Duration = Duration::from_millis(200);
+pub(super) const JOG_EVERY: Duration = Duration::from_millis(200);
 
 /// Carries out a command.
 pub(super) fn operate(

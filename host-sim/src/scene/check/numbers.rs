@@ -44,7 +44,19 @@ pub(super) fn check_overrides(
     }
     range(&key("start_deg"), overrides.start_deg, -180.0, 180.0)?;
     range(&key("trim_deg"), overrides.trim_deg, -36.0, 36.0)?;
-    range(&key("pull_out_scale"), overrides.pull_out_scale, 0.0, 10.0)
+    range(&key("pull_out_scale"), overrides.pull_out_scale, 0.0, 10.0)?;
+    let Some(steps) = overrides.drive_steps_per_turn else {
+        return Ok(());
+    };
+    range(&key("drive_steps_per_turn"), f64::from(steps), 4.0, 1e6)?;
+    let has_crank = scene.cam.is_none() && overrides.cam.is_none();
+    if has_crank && scene.drive(overrides.number).takes_pulses() {
+        return Ok(());
+    }
+    Err(SceneError::at(
+        key("drive_steps_per_turn"),
+        "is a drive's own count of pulses for a turn of its crank, and this axis has no such drive; leave it out",
+    ))
 }
 
 /// Checks values of machines in which torque moves the cranks.

@@ -180,6 +180,9 @@ pub struct AxisOverrides {
     /// Factor on its pull-out torque, such as for a weaker motor.
     #[serde(default = "one")]
     pub pull_out_scale: f64,
+    /// Steps with which the simulated drive makes a turn of its crank, where its switches, or a gear, differ from the settings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drive_steps_per_turn: Option<u32>,
 }
 
 impl AxisOverrides {
@@ -200,6 +203,7 @@ impl AxisOverrides {
             start_deg: 0.0,
             friction_nm: None,
             pull_out_scale: 1.0,
+            drive_steps_per_turn: None,
         }
     }
 }
