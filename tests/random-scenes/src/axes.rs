@@ -168,6 +168,9 @@ fn one(
             let full = axes.full_steps_per_turn;
             ((axes.steps_per_turn / part / full).max(1) * full).min(axes.steps_per_turn)
         }),
+        drive_steps_per_turn: source
+            .maybe(3, |_| 2 * axes.steps_per_turn)
+            .filter(|_| is_stepper && cam.is_none()),
         ratio: source
             .maybe(3, |_| (basis.ratio.0, basis.ratio.1 + 1))
             .filter(|_| is_free && cam.is_none()),

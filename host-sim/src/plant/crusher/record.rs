@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 
 use super::Crusher;
-use crate::dynamics::STICTION_RAD_S;
 use crate::plant::{Figure, Record, Tick};
 
 /// Speeds within one turn of the shaft, rad/s.
@@ -37,9 +36,6 @@ pub struct CrusherRecord {
     turned: bool,
     stall: Option<Stall>,
 }
-
-/// Speed below which a shaft stands, rad/s. In this model friction and rock hold a shaft that turns by less.
-const STANDS_RAD_S: f64 = STICTION_RAD_S;
 
 /// Fraction of the largest commanded speed below which the shaft counts as stopping on command.
 const STANDING: f64 = 0.1;
@@ -92,7 +88,7 @@ impl CrusherRecord {
             self.turned = false;
         } else if omega > 0.5 * commanded {
             self.turned = true;
-        } else if self.turned && omega < STANDS_RAD_S && self.stall.is_none() {
+        } else if self.turned && omega <= 0.0 && self.stall.is_none() {
             self.stall = Some(Stall {
                 t_s: tick.t_s,
                 turn_deg: phi_rad.rem_euclid(TAU).to_degrees(),
