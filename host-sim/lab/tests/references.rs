@@ -3,8 +3,10 @@
 //!
 //! `cargo test -p cophase-lab --test references -- --nocapture` prints how far they differ from each other.
 
-use cophase_lab::chart::methods::problems::{self, Problem};
+use cophase_lab::chart::methods::problems::{self, Problem, STICK_SLIP_S};
 use cophase_methods::Equations;
+use cophase_methods::friction::{DryFriction, Friction};
+use cophase_methods::problems::DenHartog;
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 
 /// Adapter of this project's equations to `differential-equations`.
@@ -41,6 +43,57 @@ fn solve<const N: usize>(problem: &Problem) -> [Vec<f64>; 2] {
     ]
 }
 
+/// Adapter of an oscillator that slides in one direction, or sticks.
+struct Sliding(DenHartog, Friction);
+
+impl ODE<f64, [f64; 2]> for Sliding {
+    fn diff(&self, t_s: f64, y: &[f64; 2], rates: &mut [f64; 2]) {
+        self.0.rates_under(t_s, y, &[self.1], rates);
+    }
+}
+
+/// Returns the end state of the problem of dry friction, by both methods. They solve each part of the motion between the formula's
+/// moments of change. Each part that slides has to end without speed, which shows that the moment is right.
+fn solve_stick_slip() -> [Vec<f64>; 2] {
+    let oscillator = DenHartog::STOPPING;
+    let phases = oscillator.phases(STICK_SLIP_S, [0.0; 2]);
+    let ends = phases[1..]
+        .iter()
+        .map(|phase| phase.from_s)
+        .chain([STICK_SLIP_S]);
+    let mut states = [[0.0; 2]; 2];
+    let is_last = |end_s: f64| end_s == STICK_SLIP_S;
+    for (phase, end_s) in phases.iter().zip(ends) {
+        if phase.direction == 0.0 {
+            continue;
+        }
+        let sliding = Sliding(
+            oscillator,
+            Friction::Force(-phase.direction * oscillator.friction),
+        );
+        for (state, verner) in states.iter_mut().zip([false, true]) {
+            let method = if verner {
+                ExplicitRungeKutta::rkv988e()
+            } else {
+                ExplicitRungeKutta::dop853()
+            };
+            let method = method
+                .rtol(TOLERANCE)
+                .atol(1e-3 * TOLERANCE)
+                .max_steps(STEPS);
+            let solved = IVP::ode(&sliding, phase.from_s, end_s, *state)
+                .method(method)
+                .solve();
+            *state = *solved.expect("it is smooth").y.last().unwrap();
+            if !is_last(end_s) {
+                assert!(state[1].abs() < 1e-12, "{} m/s at {end_s} s", state[1]);
+                state[1] = 0.0;
+            }
+        }
+    }
+    states.map(Vec::from)
+}
+
 /// Returns the largest difference in the compared components.
 fn differ(a: &[f64], b: &[f64]) -> f64 {
     let each = a.iter().zip(b).map(|(a, b)| (a - b).abs());
@@ -54,6 +107,7 @@ fn reference_answers_are_as_accurate_as_stated() {
     let mut wrong = Vec::new();
     for problem in problems::all().unwrap() {
         let [dop853, verner] = match problem.start.len() {
+            _ if problem.equations.friction().is_some() => solve_stick_slip(),
             2 => solve::<2>(&problem),
             4 => solve::<4>(&problem),
             6 => solve::<6>(&problem),

@@ -178,6 +178,32 @@ impl DenHartog {
     }
 }
 
+/// The same oscillator with friction that reverses smoothly, −F tanh(q′/u), as simulations often have it. It has no rest: a mass that
+/// friction should hold creeps, and near standstill its speed relaxes at the rate F/u.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smoothed {
+    /// Oscillator.
+    pub oscillator: DenHartog,
+    /// Speed u over which friction reverses, m/s, above 0.
+    pub speed_mps: f64,
+}
+
+impl Equations for Smoothed {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn rates(&self, t_s: f64, y: &[f64], rates: &mut [f64]) {
+        let friction = self.oscillator.friction * (y[1] / self.speed_mps).tanh();
+        rates[0] = y[1];
+        rates[1] = self.oscillator.push(t_s, y[0]) - friction;
+    }
+
+    fn is_second_order(&self) -> bool {
+        true
+    }
+}
+
 impl Equations for DenHartog {
     fn dimension(&self) -> usize {
         2

@@ -15,6 +15,7 @@
 //! - [`capture`]: a screen that stays in its resonance;
 //! - [`self_synchronisation`]: a screen with free exciters;
 //! - [`stall`]: a crusher with rock that it does not break;
+//! - [`friction`]: friction that is smoothed, on a mass that sticks and slips;
 //! - [`singular`]: an arm whose path reaches the edge of its workspace;
 //! - [`diverging`]: no panel, but a run that diverges; [`runs`]: running and observing the scenes.
 
@@ -24,6 +25,7 @@ pub mod cam;
 pub mod capture;
 pub mod chain;
 pub mod diverging;
+pub mod friction;
 pub mod lambda;
 pub mod overload;
 mod panel;
@@ -57,6 +59,7 @@ const PANELS: &[Show] = &[
     |_| self_synchronisation::shown(),
     |_| stall::shown(),
     |_| singular::shown(),
+    friction::shown,
 ];
 
 /// Makes the chart.

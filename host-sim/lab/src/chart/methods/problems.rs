@@ -4,8 +4,8 @@
 //! given here. `host-sim/lab/tests/references.rs` solves all of them again with both.
 
 use cophase_methods::problems::{
-    Andrews, Cam, Chain, Crusher, FiveBarArm, Hires, Law, Oscillator, Screen, Shaft, crusher,
-    five_bar,
+    Andrews, Cam, Chain, Crusher, DenHartog, FiveBarArm, Hires, Law, Oscillator, Screen, Shaft,
+    crusher, five_bar,
 };
 use cophase_methods::{Equations, Scheme};
 
@@ -53,6 +53,7 @@ pub fn all() -> Result<Vec<Problem>, ChartError> {
         arm(),
         crusher(),
         oscillator(),
+        stick_slip(),
         andrews(),
         hires(),
     ])
@@ -267,6 +268,26 @@ fn oscillator() -> Problem {
         steps: (64, 10),
     }
 }
+
+/// Returns the problem of dry friction, over two periods of the force: the mass stops in each half of them.
+fn stick_slip() -> Problem {
+    let oscillator = DenHartog::STOPPING;
+    Problem {
+        name: "Den Hartog’s oscillator, stick and slip",
+        unit: "m",
+        default: None,
+        start: vec![0.0; 2],
+        answer: oscillator.exact(STICK_SLIP_S, [0.0; 2])[..1].to_vec(),
+        equations: Box::new(oscillator),
+        end_s: STICK_SLIP_S,
+        uncertainty: 1e-16,
+        required_error: 1e-7,
+        steps: (64, 10),
+    }
+}
+
+/// Duration of the problem of dry friction, s.
+pub const STICK_SLIP_S: f64 = 0.4;
 
 /// Returns Andrews' problem. Its published angles differ by 1.43e-9 from the result on which two libraries agree.
 fn andrews() -> Problem {

@@ -13,7 +13,7 @@ use crate::chart::ink::{Ink, Stroke};
 use crate::chart::picture::{Line, Panel};
 
 /// Range in which the longest stable step is searched, s.
-const STEPS_S: (f64, f64) = (1e-7, 10.0);
+pub(super) const STEPS_S: (f64, f64) = (1e-7, 10.0);
 
 /// Height of a machine's name, relative to the longest of its steps.
 const NAME_ABOVE: f64 = 2.0;
@@ -44,7 +44,12 @@ impl Equations for Linearised {
 
 impl Linearised {
     /// Linearises the components `kept` of a machine at a state; the others do not change.
-    fn new(name: &'static str, equations: &dyn Equations, state: &[f64], kept: &[usize]) -> Self {
+    pub(super) fn new(
+        name: &'static str,
+        equations: &dyn Equations,
+        state: &[f64],
+        kept: &[usize],
+    ) -> Self {
         let n = equations.dimension();
         let mut all = DMatrix::zeros(n, n);
         let mut differences = Differences::new(n);

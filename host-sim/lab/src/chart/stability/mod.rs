@@ -1,6 +1,7 @@
 //! Limits of stability: of methods, as the growth of an oscillation per step against step × frequency; and of the trim of an axis,
-//! in gain × delay.
+//! in gain × delay; and of the treatment of dry friction.
 
+mod friction;
 pub mod machines;
 mod trim;
 
@@ -100,6 +101,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
         progress(ZETAS.len() as u64 + done, of);
     }));
     panels.push(machines::panel(&mut csv)?);
+    panels.push(friction::panel(&mut csv)?);
     let (limited, free): (Vec<_>, Vec<_>) = Scheme::ALL
         .iter()
         .map(|scheme| (scheme, ZETAS.map(|zeta| scheme.stability_limit(zeta))))
@@ -113,7 +115,8 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let free: Vec<_> = free.iter().map(|(scheme, _)| scheme.to_string()).collect();
     let says = format!(
         "From which step × frequency on an oscillation grows, undamped / at damping ratio {}: {}; never with {}. A drift taken \
-         back by a trim dies out up to a gain of 2 sin(π / (2 (2d + 1))) if it is acted on d turns late; beyond, it grows.",
+         back by a trim dies out up to a gain of 2 sin(π / (2 (2d + 1))) if it is acted on d turns late; beyond, it grows. Friction by \
+         contacts leaves these limits as they are; smoothed friction shortens them.",
         ZETAS[1],
         limited.join(", "),
         free.join(", "),
