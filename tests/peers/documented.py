@@ -1,10 +1,12 @@
 """The phased level as docs/model.md states it: constants of a scene, equations, outputs, and a solution by SciPy's DOP853.
 
-Nothing here is from the simulation's code. Commands come from the columns of `trace.csv`. Known are slider-cranks with three or more
+Dry friction sticks and
+slides by events. Nothing here is from the simulation's code. Commands come from the columns of `trace.csv`. Known are slider-cranks with three or more
 steppers, or servos, and quasi-static rods. Names of quantities are those of docs/model.md where it has one.
 """
 
 import csv
+import itertools
 import sys
 from dataclasses import dataclass
 
@@ -13,7 +15,6 @@ from scipy.integrate import solve_ivp
 
 TOLERANCE = 1e-8  # of the solution, relative to what changes within a tick
 DRIVES_ON = ("homing", "run", "stop", "parked")
-CREEP_RAD_S = 0.06
 STANDARD_GRAVITY = 9.80665
 TURN = 2 * np.pi
 
@@ -84,28 +85,64 @@ class Machine:
         torque = np.clip(torque, -self.limit, self.limit)
         return torque, (torque - command.torque - integral) / self.integral_s if self.integral_s else rate
 
-    def accelerations(self, t_s, ahead, omega, integral, command):
-        """Those of the cranks and of the platform; with them the motors' torques and the rates of the integrals."""
+    def accelerations(self, t_s, ahead, omega, integral, command, slides):
+        """Those of the cranks and of the platform; with them the motors' torques, the rates of the integrals, and the friction.
+        `slides` is 1, −1, or 0 for a crank that sticks."""
         angle = command.begin + command.speed * t_s + ahead
         slope, bend = self.crank(angle)
         lever, bend = -self.up * self.radius * slope, -self.up * self.radius * bend
         torque, rate = self.motors(ahead, omega, integral, command)
-        free = torque - self.friction * np.tanh(omega / CREEP_RAD_S)
+        free = torque - self.friction * slides
         if self.rod:
             free = free - self.rod * self.warp(self.heights(angle)) * lever
         reach = self.shares * lever[..., None]  # rows G
         back = np.swapaxes(reach, -1, -2)
         turning = (bend * omega**2) @ self.shares
-        driven = (back @ free[..., None])[..., 0] / self.rotor + turning
+        yields = np.where(slides == 0, 0.0, 1 / self.rotor)
+        driven = (back @ (yields * free)[..., None])[..., 0] + turning
         driven[..., 0] += self.gravity
-        force = np.linalg.solve(self.mobility + back @ reach / self.rotor, driven[..., None])
-        cranks = (free - (reach @ force)[..., 0]) / self.rotor
-        return cranks, (back @ cranks[..., None])[..., 0] + turning, torque, rate
+        force = np.linalg.solve(self.mobility + (back * yields[..., None, :]) @ reach, driven[..., None])
+        net = free - (reach @ force)[..., 0]
+        friction = -np.where(slides == 0, net, self.friction * slides)
+        cranks = yields * net
+        return cranks, (back @ cranks[..., None])[..., 0] + turning, torque, rate, friction
 
-    def rates(self, t_s, y, command):
+    def rates(self, t_s, y, command, slides):
         ahead, omega, integral = y.reshape(3, self.n)
-        cranks, _, _, rate = self.accelerations(t_s, ahead, omega, integral, command)
+        cranks, _, _, rate, _ = self.accelerations(t_s, ahead, omega, integral, command, slides)
         return np.concatenate([omega - command.speed, cranks, rate])
+
+    def slides(self, t_s, y, command):
+        """Direction of each crank, 0 where it sticks. Of all that cranks at rest may do, one obeys the law of friction."""
+        ahead, omega, integral = y.reshape(3, self.n)
+        choices = [(np.sign(speed),) if speed else (0.0, 1.0, -1.0) for speed in omega]
+        best, least = None, np.inf
+        for choice in map(np.array, itertools.product(*choices)):
+            cranks, *_, friction = self.accelerations(t_s, ahead, omega, integral, command, choice)
+            rests = omega == 0
+            beyond = np.where(choice == 0, np.abs(friction) - self.friction, -cranks * choice * self.rotor)
+            wrong = np.max(np.where(rests, beyond, -np.inf))
+            if wrong < least:
+                best, least = choice, wrong
+            if least <= 0:
+                break
+        return best
+
+    def changes(self, slides):
+        """An event for each crank: its speed reverses, or it needs more friction than it has to stick."""
+
+        def change(i):
+            def distance(t_s, y, command, slides):
+                ahead, omega, integral = y.reshape(3, self.n)
+                if slides[i]:
+                    return omega[i] * slides[i]
+                *_, friction = self.accelerations(t_s, ahead, omega, integral, command, slides)
+                return self.friction[i] - abs(friction[i])
+
+            distance.terminal, distance.direction = True, -1
+            return distance
+
+        return [change(i) for i in range(self.n)]
 
 
 @dataclass
@@ -157,13 +194,45 @@ def solve(machine, trace, name):
         if not stands:
             if not command.on:
                 y[2 * machine.n :] = 0
-            part = solve_ivp(
-                machine.rates, (0, machine.tick_s), y, "DOP853", moments, args=(command,), rtol=TOLERANCE, atol=TOLERANCE / 100
-            )
-            if not part.success:
-                sys.exit(f"{name}: no solution at {trace.t_s[row]} s: {part.message}")
-            states, y = part.y.T, part.y[:, -1].copy()
+            states, y = tick(machine, command, moments, y, f"{name}, {trace.t_s[row]} s")
         yield command, moments[:, None], states.reshape(-1, 3, machine.n)
+
+
+def tick(machine, command, moments, y, where):
+    """The states at the moments of a tick, and the last of them. It is solved from one change of friction to the next."""
+    n, from_s, known = machine.n, 0.0, [y.copy()]
+    for _ in range(100):
+        slides = machine.slides(from_s, y, command)
+        left = moments[moments > from_s]
+        part = solve_ivp(
+            machine.rates,
+            (from_s, machine.tick_s),
+            y,
+            "DOP853",
+            left,
+            args=(command, slides),
+            events=machine.changes(slides),
+            rtol=TOLERANCE,
+            atol=TOLERANCE / 100,
+        )
+        if not part.success:
+            sys.exit(f"{where}: no solution: {part.message}")
+        known.extend(part.y.T if len(part.t) else [])
+        if part.status == 0:
+            return np.array(known), known[-1].copy()
+        i = next(i for i, at in enumerate(part.t_events) if len(at))
+        from_s, y = part.t_events[i][0], part.y_events[i][0].copy()
+        if slides[i]:
+            y[n + i] = 0.0
+        else:
+            # The root is where it still sticks; a moment later it slides.
+            y[n + i] = -np.sign(friction_of(machine, from_s, y, command, slides)[i]) * 1e-12
+    sys.exit(f"{where}: friction changes without end")
+
+
+def friction_of(machine, t_s, y, command, slides):
+    *_, friction = machine.accelerations(t_s, *y.reshape(3, machine.n), command, slides)
+    return friction
 
 
 def outputs(machine, command, t_s, states):
@@ -173,7 +242,8 @@ def outputs(machine, command, t_s, states):
     turns = command.turns[0] + (command.turns[1] - command.turns[0]) * t_s / machine.tick_s
     error = np.degrees(angle) - 360 * turns
     plane = machine.heights(angle) @ machine.shares
-    _, accel, torque, _ = machine.accelerations(t_s, ahead, omega, integral, command)
+    slides = np.array([machine.slides(t, state.ravel(), command) for t, state in zip(t_s[:, 0], states)])
+    _, accel, torque, *_ = machine.accelerations(t_s, ahead, omega, integral, command, slides)
     return {
         "actual_deg": np.degrees(angle),
         "tilt_x_mrad": 1e3 * plane[:, 1],

@@ -3,6 +3,7 @@
 mod branch;
 mod cam;
 mod capture;
+mod friction;
 mod motors;
 mod self_synchronisation;
 mod singular;

@@ -1,7 +1,7 @@
 //! Dry friction that is smoothed over a speed, on a mass that sticks and slips.
 //!
 //! Failure: a smooth reversal of friction has an error that no step removes, as the mass creeps where it should stick. The less it is
-//! smoothed, the shorter the step has to be: RK4 diverges from the motion beyond 2.79 relaxation times. Guard: contacts that stick or
+//! smoothed, the shorter the step has to be: beyond 2.79 relaxation times RK4 shakes. Guard: contacts that stick or
 //! slide ([`cophase_methods::friction`]), which all methods use. Then friction neither has an error of its own nor limits the step.
 
 use cophase_methods::problems::DenHartog;
@@ -135,7 +135,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
     let [wide, narrow] = SPEEDS_MPS;
     let levels = SPEEDS_MPS.map(|speed_mps| Level {
         at: At::X(limit_s(speed_mps) * 1e3),
-        label: format!("RK4, {} mm/s", speed_mps * 1e3),
+        label: format!("{} mm/s", speed_mps * 1e3),
     });
     Ok(Shown {
         key: "friction",

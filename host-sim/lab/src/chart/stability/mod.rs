@@ -116,7 +116,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let says = format!(
         "From which step × frequency on an oscillation grows, undamped / at damping ratio {}: {}; never with {}. A drift taken \
          back by a trim dies out up to a gain of 2 sin(π / (2 (2d + 1))) if it is acted on d turns late; beyond, it grows. Friction by \
-         contacts leaves these limits as they are; smoothed friction shortens them.",
+         contacts does not shorten these steps; smoothed friction does.",
         ZETAS[1],
         limited.join(", "),
         free.join(", "),
