@@ -222,6 +222,58 @@ fn a_command_to_a_running_machine_is_refused_under_its_own_name() {
     assert!(!served.out(&["monitor", "--for", "0.3"]).contains("armed"));
 }
 
+/// Brings up axis 1 of a simulated machine whose drive makes a turn with these steps. Returns what is printed, and the exit status.
+fn bring_up(drive_steps: u32, more: &str) -> (String, i32) {
+    let axis = format!("[[axis]]\nnumber = 1\ndrive_steps_per_turn = {drive_steps}\n");
+    let (_folder, scene) = file("wrong.toml", &(scene(1.0, 5.0) + &axis + more));
+    let mut command = Command::cargo_bin("cophase").unwrap();
+    let to = format!("sim:{}", scene.display());
+    let done = command
+        .args(["link", "--to", &to, "bring-up", "axis", "1", "--yes"])
+        .timeout(Duration::from_secs(60))
+        .output()
+        .unwrap();
+    let text = String::from_utf8(done.stdout).unwrap();
+    (text, done.status.code().expect("it ends by itself"))
+}
+
+/// If this fails, wrong microsteps, or a gear that nobody stated, are found only when the platform tilts.
+#[test]
+fn bring_up_of_an_axis_names_a_wrong_ratio_of_steps() {
+    for (steps, words) in [
+        (6400, "6400 steps from index to index, 3200 in the settings"),
+        (6400, "`gear = [2, 1]`"),
+        (1600, "the drive makes twice the steps"),
+        (800, "multiply `steps_per_turn` by 1/4"),
+        (5120, "set its switches to 5/8 of their pulses per turn"),
+        // A belt of 57:11 makes 16,582 steps of 3200, to a step.
+        (16_582, "`gear = [57, 11]`"),
+    ] {
+        let (text, status) = bring_up(steps, "");
+        assert!(
+            text.contains(words) && status == 1,
+            "{steps}: {status}, {text}"
+        );
+    }
+    let (text, status) = bring_up(3200, "");
+    let right = "axis 1: 3200 steps from index to index, as the settings say";
+    assert!(text.contains(right) && status == 0, "{status}, {text}");
+}
+
+/// If this fails, bring-up blames the steps for a crank that stands, or for a dead sensor.
+#[test]
+fn bring_up_of_an_axis_tells_a_missing_pulse_from_a_wrong_ratio() {
+    let dead = "[[fault]]\nat_s = 0\nkind = \"index-missing\"\naxis = 1\n";
+    let (text, status) = bring_up(3200, dead);
+    assert!(
+        text.contains("no index pulse in 20.0 commanded turns") && status == 1,
+        "{text}"
+    );
+    // A fault of another axis is none of this crank.
+    let other = "[[fault]]\nat_s = 0\nkind = \"index-missing\"\naxis = 2\n";
+    assert_eq!(bring_up(3200, other).1, 0);
+}
+
 #[test]
 fn an_unreachable_controller_is_named_in_the_error() {
     for (to, problem) in [
