@@ -206,7 +206,7 @@ fn drives_that_are_off_get_no_pulses() {
     );
 }
 
-/// If this fails, an operator whose start does nothing is not told why, nor what to do.
+/// If this fails, an operator whose start does nothing learns neither why nor what to do.
 #[test]
 fn a_start_that_comes_in_a_stop_is_reported_with_what_to_do() {
     let stop_s = 1.5;

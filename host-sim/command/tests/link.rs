@@ -194,7 +194,7 @@ fn refusals_name_the_reason() {
     assert!(served.out(&["log"]).contains("No event"), "something moved");
 }
 
-/// If this fails, an operator is told about arming, of which he asked nothing, or a command that the machine drops seems to be obeyed.
+/// If this fails, an operator reads about arming, which he did not ask for, or a command that the machine drops seems to be obeyed.
 #[test]
 fn a_command_to_a_running_machine_is_refused_under_its_own_name() {
     let served = Served::new(&scene_holding(1.0, 5.0, 1000.0));
@@ -260,9 +260,9 @@ fn bring_up_of_an_axis_names_a_wrong_ratio_of_steps() {
     assert!(text.contains(right) && status == 0, "{status}, {text}");
 }
 
-/// If this fails, bring-up blames the steps for a crank that stands, or for a dead sensor.
+/// If this fails, bring-up attributes to the steps a crank that stands, or for a dead sensor.
 #[test]
-fn bring_up_of_an_axis_tells_a_missing_pulse_from_a_wrong_ratio() {
+fn bring_up_of_an_axis_distinguishes_a_missing_pulse_from_a_wrong_ratio() {
     let dead = "[[fault]]\nat_s = 0\nkind = \"index-missing\"\naxis = 1\n";
     let (text, status) = bring_up(3200, dead);
     assert!(

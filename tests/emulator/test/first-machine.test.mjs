@@ -108,7 +108,7 @@ const CHECKS = [
   [/load my.toml/, has(/settings/i)],
   [/bring-up inputs/, has(/enable closed +stop inactive +start released/)],
   [/bring-up output/, has(/drive-enable active[^]*drive-enable inactive/)],
-  [/bring-up axis/, has(/axes +1,[^]*Only axis 0/)],
+  [/bring-up axis/, has(/axes +1,[^]*Only axis 0[^]*axis 0: 3200 steps from index to index, as the settings say/)],
   [/home/, has(/parked/i)],
   [/link restart/, has(/4 axes/)],
   [/monitor/, has(/run/i)],

@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_ratio_is_told_with_both_causes() {
+    fn a_wrong_ratio_is_reported_with_both_causes() {
         let text = measured(2.0, 2, |turns| turns).describe(1);
         for words in [
             "axis 1: 6400 steps from index to index, 3200 in the settings",
