@@ -12,6 +12,7 @@ mod faults;
 mod five_bar;
 mod followers;
 mod friction;
+mod gears;
 mod holds;
 mod homing;
 mod inputs;

@@ -31,7 +31,9 @@ impl Axis {
 
     /// Whole steps in that travel.
     fn steps(&self, travelled: i128) -> i64 {
-        ((travelled * i128::from(self.steps_per_turn)) >> FRACTION_BITS) as i64
+        let (motor, crank) = self.gear;
+        let steps = travelled * i128::from(self.steps_per_turn) * i128::from(motor);
+        steps.div_euclid(i128::from(crank) << FRACTION_BITS) as i64
     }
 }
 
@@ -96,7 +98,9 @@ impl Observer for Exact<'_> {
             assert_eq!(*counted, steps, "at {at} ns: edges of axis {i}");
             if !self.off_while_moving {
                 let offset_turns = axis.offset_eighths as f64 / 8.0;
-                let whole = steps as f64 / f64::from(axis.steps_per_turn);
+                let (motor, crank) = axis.gear;
+                let turns = f64::from(crank) / (f64::from(motor) * f64::from(axis.steps_per_turn));
+                let whole = steps as f64 * turns;
                 let off = moment.actual_turns[i] - offset_turns - whole;
                 assert!(
                     off.abs() < 1e-9,
@@ -143,6 +147,7 @@ fn built_in_machines_are_exactly_in_phase() {
         let axes: Vec<Axis> = (0..common.count)
             .map(|i| Axis {
                 ratio: (1, 1),
+                gear: (1, 1),
                 offset_eighths: 0,
                 steps_per_turn: common.steps_per_turn,
                 reversed: checked.overrides(i).is_some_and(|own| own.reversed),

@@ -42,7 +42,7 @@ reversed = true
 [[axis]]
 number = 2
 steps_per_turn = 1000
-ratio = [2, 3]
+gear = [2, 3]
 index = false
 [[program]]
 amax_g = 5

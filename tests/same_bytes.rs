@@ -31,7 +31,7 @@ reversed = true
 trim_deg = -1.5
 [[axis]]
 number = 2
-ratio = [3, 7]
+gear = [3, 7]
 index = false
 [[program]]
 amax_g = 9

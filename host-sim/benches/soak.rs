@@ -18,16 +18,18 @@ use indicatif::ProgressBar;
 
 const AXES: usize = 4;
 
-/// Gear ratio of each axis, as numerator and denominator. The first three are equal, mounted in either direction.
-const GEARS: [(i128, i128); AXES] = [(1, 1), (1, 1), (1, 1), (3, 7)];
+/// Turns of each axis per turn of the master, as numerator and denominator. The first three are equal, mounted in either direction.
+const RATIOS: [(i128, i128); AXES] = [(1, 1), (1, 1), (1, 1), (3, 7)];
+/// Turns of each motor per turn of its axis, likewise.
+const GEARS: [(i128, i128); AXES] = [(1, 1), (17, 9), (1, 1), (57, 11)];
 const STEPS_PER_TURN: i128 = 3200;
 
 const SCENE: &str = r#"
 name = "soak"
-machine = { crank_radius_mm = 10, lambda = 0.25, load_kg = 8 }
+cam = { law = "cycloid", rise_mm = 19.635, rise_deg = 180, dwell_deg = 0, return_deg = 180 }
 limits = { speed_hz = 60, acceleration_hz_per_s = 60, jerk_hz_per_s2 = 600, band = [{ from_hz = 25, to_hz = 29 }] }
 axes = { count = 4, drive = "stepper", steps_per_turn = 3200, index = false }
-axis = [{ number = 1, reversed = true }, { number = 2, drive = "servo" }, { number = 3, ratio = [3, 7] }]
+axis = [{ number = 1, reversed = true, gear = [17, 9] }, { number = 2, drive = "servo" }, { number = 3, ratio = [3, 7], gear = [57, 11] }]
 
 [[program]]
 repeat = 1000
@@ -81,11 +83,12 @@ impl Truth {
     fn check(&mut self, output: &Output) {
         let telemetry = &output.telemetry;
         assert_eq!(telemetry.state, State::Run, "the machine must be at work");
-        for (axis, (numerator, denominator)) in GEARS.into_iter().enumerate() {
+        for (axis, (numerator, denominator)) in RATIOS.into_iter().enumerate() {
             let turned = (self.turned * numerator).div_euclid(denominator);
             let phase = Phase::from_turns(Turns::from_bits(turned as i64)); // wraps like a phase
             assert_eq!(telemetry.axis_phase(axis), phase, "phase of axis {axis}");
-            let steps = (turned * STEPS_PER_TURN) >> FRACTION_BITS;
+            let (motor, shaft) = GEARS[axis];
+            let steps = (turned * STEPS_PER_TURN * motor).div_euclid(shaft << FRACTION_BITS);
             assert_eq!(
                 i128::from(telemetry.steps(axis)),
                 steps,

@@ -123,18 +123,19 @@ fn a_reversed_motor_turns_backward_from_the_start() {
     }
 }
 
-/// If this fails, drives still follow their own lines. Two axes with different commands show it: one turns half as fast.
+/// If this fails, drives still follow their own lines. Two axes with different steps show it: one makes twice as many per turn.
 #[test]
 fn swapped_drive_lines_move_the_other_crank() {
-    let apart = "[[axis]]\nnumber = 1\nratio = [1, 2]\n[[axis]]\nnumber = 2\nreversed = true\n";
+    let apart =
+        "[[axis]]\nnumber = 1\nsteps_per_turn = 25600\n[[axis]]\nnumber = 2\nreversed = true\n";
     for (text, off) in [(unread(KINEMATIC), STEP), (unread(&phased()), SWING)] {
         let samples = with(
             &format!("{text}{apart}"),
             "kind = \"swapped-wiring\"\naxis = 0\nwith = 1\nlines = \"drive\"\n",
         );
         let sample = samples.at(AT_TICK);
-        assert!((sample.actual[0] - sample.command[1]).abs() < off);
-        assert!((sample.actual[1] - sample.command[0]).abs() < off);
+        assert!((sample.actual[0] - 2.0 * sample.command[1]).abs() < off);
+        assert!((sample.actual[1] - sample.command[0] / 2.0).abs() < off);
         // If one axis of the pair is mounted the other way round, each axis receives a reversed direction.
         let turned = with(
             &format!("{text}{apart}"),

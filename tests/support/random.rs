@@ -1,7 +1,7 @@
 //! Random small scenes: any number of axes, mixed drives, gears and offsets, programs with repeats and
 //! bands, and all kinds of events.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt::Write;
 
 use proptest::prelude::*;
@@ -11,6 +11,8 @@ use proptest::prelude::*;
 pub struct Axis {
     /// Crank turns per master turn.
     pub ratio: (u32, u32),
+    /// Motor turns and crank turns that belong together.
+    pub gear: (u32, u32),
     /// In eighths of a turn, which are exact in binary.
     pub offset_eighths: i64,
     /// Steps or counts.
@@ -51,10 +53,10 @@ impl Plan {
     /// The scene file.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "name = \"random\"\n[machine]\nallow_commanded_tilt = true\ncrank_radius_mm = {}\nlambda = {LAMBDA}\nload_kg = 5\n\
+            "name = \"random\"\n{}\n\
              [control]\ntick_hz = {}\npark_deg = 75\nsettle_s = 0.02\n\
              [limits]\nspeed_hz = {}\nacceleration_hz_per_s = {}\njerk_hz_per_s2 = {}\nhoming_speed_hz = 4\n",
-            RADIUS_M * 1e3,
+            self.machine(),
             self.tick_hz,
             self.speed_hz,
             self.acceleration,
@@ -77,12 +79,14 @@ impl Plan {
         for (i, axis) in self.axes.iter().enumerate() {
             text += &format!(
                 "[[axis]]\nnumber = {i}\nreversed = {}\ndrive = \"{}\"\nsteps_per_turn = {}\n\
-                 ratio = [{}, {}]\noffset_deg = {}\nindex_deg = {}\n",
+                 ratio = [{}, {}]\ngear = [{}, {}]\noffset_deg = {}\nindex_deg = {}\n",
                 axis.reversed,
                 if axis.servo { "servo" } else { "stepper" },
                 axis.steps_per_turn,
                 axis.ratio.0,
                 axis.ratio.1,
+                axis.gear.0,
+                axis.gear.1,
                 axis.offset_eighths * 45,
                 axis.offset_eighths * 45
             );
@@ -145,24 +149,49 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// Machine of the scene. Ratios are for machines without a platform: cams that accelerate as the crank.
+    fn machine(&self) -> String {
+        if self.axes.iter().all(|axis| axis.ratio.0 == axis.ratio.1) {
+            let radius_mm = RADIUS_M * 1e3;
+            return format!(
+                "[machine]\nallow_commanded_tilt = true\ncrank_radius_mm = {radius_mm}\nlambda = {LAMBDA}\nload_kg = 5"
+            );
+        }
+        // A cycloid over half a turn accelerates by at most 2 H ω²/π.
+        let rise_mm = RADIUS_M * (1.0 + LAMBDA) * FRAC_PI_2 * 1e3;
+        format!(
+            "[cam]\nlaw = \"cycloid\"\nrise_mm = {rise_mm}\nrise_deg = 180\ndwell_deg = 0\nreturn_deg = 180"
+        )
+    }
+}
+
 fn any_axis() -> impl Strategy<Value = Axis> {
     let ratio = prop_oneof![
         3 => Just((1, 1)),
         1 => (1_u32..=7, 1_u32..=7).prop_filter("at most 3 times as fast", |(p, q)| *p <= 3 * q),
         1 => Just((355, 113)),
     ];
+    let gear = prop_oneof![
+        3 => Just((1, 1)),
+        1 => (1_u32..=7, 1_u32..=7),
+        2 => prop::sample::select(vec![(57_u32, 11_u32), (50, 17), (20, 36), (1000, 999)]),
+    ];
     let offset = prop_oneof![2 => Just(0_i64), 1 => -4_i64..=4];
     let steps = prop::sample::select(vec![1600_u32, 1600, 200, 3217]);
     (
-        ratio,
+        (ratio, gear).prop_filter("at most 5 times as fast", |((p, q), (m, c))| {
+            p * m <= 5 * q * c
+        }),
         offset,
         steps,
         any::<bool>(),
         prop::bool::weighted(0.3),
     )
         .prop_map(
-            |(ratio, offset_eighths, steps_per_turn, reversed, servo)| Axis {
+            |((ratio, gear), offset_eighths, steps_per_turn, reversed, servo)| Axis {
                 ratio,
+                gear,
                 offset_eighths,
                 steps_per_turn,
                 reversed,

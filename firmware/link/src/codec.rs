@@ -25,10 +25,10 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     let pulse = 3 * F64;
     let index_width = F64;
     let index = (SMALL + F64) + 2 * F64;
-    let gear = 2 * U32;
+    let gear = 2 * U32; // The follower's ratio, or the transmission.
     let cam = SMALL + F64;
     let follower = SMALL + if gear > cam { gear } else { cam };
-    let axis = SMALL + U32 + SMALL + follower + F64 + index + SMALL + U32 + 3 * F64;
+    let axis = SMALL + U32 + gear + SMALL + follower + F64 + index + SMALL + U32 + 3 * F64;
     let axes = SMALL + MAX_AXES * axis;
     const { assert!(MAX_CAM_POINTS < 128) }; // The number of points takes one byte.
     let table = U32 + SMALL + MAX_CAM_POINTS * F64;

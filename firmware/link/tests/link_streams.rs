@@ -22,6 +22,7 @@ fn samples(count: u32, seed: u64) -> Vec<Sample> {
             tick,
             state: next() as u8,
             flags: next() as u8,
+            index_count: next() as u8,
             override_permille: next() as u16,
             program_ticks: next() as u32,
             amax: next(),

@@ -33,7 +33,7 @@
 //!
 //! let mut shaft = Shaft::new(ShaftLimits::of(&limits, TICK_HZ));
 //! let timing = PulseTiming::new(&lines, CLOCK_HZ, TICK_HZ)?;
-//! let mut planner = Planner::new(timing, 3200);
+//! let mut planner = Planner::new(timing, StepsPerTurn::whole(3200));
 //! let (mut rates, mut runs) = (StepRates::new(timing.tick()), Runs::new());
 //! let five_turns_a_second = Target::steady(Turns::from_num(5.0 / f64::from(TICK_HZ)));
 //! let mut steps = 0;

@@ -72,19 +72,25 @@ fn solve_stick_slip() -> [Vec<f64>; 2] {
             Friction::Force(-phase.direction * oscillator.friction),
         );
         for (state, verner) in states.iter_mut().zip([false, true]) {
-            let method = if verner {
-                ExplicitRungeKutta::rkv988e()
+            let ivp = IVP::ode(&sliding, phase.from_s, end_s, *state);
+            macro_rules! last_of {
+                ($method:expr) => {
+                    ivp.method(
+                        $method
+                            .rtol(TOLERANCE)
+                            .atol(1e-3 * TOLERANCE)
+                            .max_steps(STEPS),
+                    )
+                    .solve()
+                    .map(|solved| *solved.y.last().unwrap())
+                };
+            }
+            let last = if verner {
+                last_of!(ExplicitRungeKutta::rkv988e())
             } else {
-                ExplicitRungeKutta::dop853()
+                last_of!(ExplicitRungeKutta::dop853())
             };
-            let method = method
-                .rtol(TOLERANCE)
-                .atol(1e-3 * TOLERANCE)
-                .max_steps(STEPS);
-            let solved = IVP::ode(&sliding, phase.from_s, end_s, *state)
-                .method(method)
-                .solve();
-            *state = *solved.expect("it is smooth").y.last().unwrap();
+            *state = last.expect("it is smooth");
             if !is_last(end_s) {
                 assert!(state[1].abs() < 1e-12, "{} m/s at {end_s} s", state[1]);
                 state[1] = 0.0;

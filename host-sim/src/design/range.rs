@@ -76,7 +76,7 @@ impl OutOfRange {
     }
 
     /// Returns the error texts, one per line.
-    pub(super) fn lines(all: &[Self]) -> String {
+    pub fn lines(all: &[Self]) -> String {
         let lines: Vec<String> = all.iter().map(Self::to_string).collect();
         lines.join("\n")
     }

@@ -12,11 +12,12 @@
 //! A servo is at its setpoint, and moves evenly between setpoints. A servo that takes pulses counts them as a stepper's drive does, and
 //! never slips. A servo whose crank was stuck continues from the position at which it stands.
 
-use cophase_core::pulse::Runs;
+use cophase_core::pulse::{Runs, StepsPerTurn};
 use cophase_core::servo::Setpoint;
 use cophase_core::settings::AxisSettings;
 use cophase_core::units::Phase;
 
+use super::at_crank::AtCrank;
 use super::drive::AxisDrive;
 use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
@@ -29,9 +30,13 @@ use crate::units::{nearest, nm, turns};
 pub struct SimulatedAxis {
     drive: AxisDrive,
     reversed: bool,
-    steps_per_turn: f64,
+    /// Steps per turn of the crank.
+    steps_per_turn: StepsPerTurn,
     /// Steps with which the drive itself makes a turn of the crank; those of the settings, unless its switches differ.
     drive_steps_per_turn: f64,
+    /// Turns of the motor per turn of the crank.
+    motor_turns: f64,
+    /// Inertia of the motor at the crank.
     rotor_inertia_kgm2: f64,
     friction_nm: f64,
     ratio: f64,
@@ -120,6 +125,7 @@ impl SimulatedAxis {
         home_turns: f64,
         ratio: f64,
         drive: AxisDrive,
+        motor: &AtCrank,
         start_turns: f64,
         friction_nm: f64,
         flag: Option<Flag>,
@@ -127,9 +133,10 @@ impl SimulatedAxis {
         Self {
             drive,
             reversed: settings.reversed,
-            steps_per_turn: f64::from(settings.steps_per_turn),
-            drive_steps_per_turn: f64::from(settings.steps_per_turn),
-            rotor_inertia_kgm2: settings.rotor_inertia_kgm2,
+            steps_per_turn: settings.steps_per_crank_turn(),
+            drive_steps_per_turn: settings.steps_per_crank_turn().to_f64(),
+            motor_turns: motor.motor_turns,
+            rotor_inertia_kgm2: motor.rotor_inertia_kgm2,
             friction_nm,
             ratio,
             home_turns,
@@ -177,7 +184,12 @@ impl SimulatedAxis {
         self.torque_used
     }
 
-    /// Torque that a motion requires of the motor, N·m: its share of the load, its friction, and the inertia of its rotor.
+    /// Torque of the motor's own shaft, N·m, from that at the crank.
+    pub fn torque_at_motor_nm(&self, at_crank_nm: f64) -> f64 {
+        at_crank_nm / self.motor_turns
+    }
+
+    /// Torque that a motion requires of the motor, N·m at the crank: its share of the load, its friction, and the inertia of its rotor.
     pub fn required_nm(&self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) -> f64 {
         // A machine at rest does not work against friction.
         let friction_nm = if speed_hz == 0.0 {
@@ -188,7 +200,8 @@ impl SimulatedAxis {
         share_nm + friction_nm + self.rotor_inertia_kgm2 * acceleration_rad_s2 * self.ratio
     }
 
-    /// Compares the torque that the motion of this tick needs with the torque that the motor has. Returns the needed torque, N·m.
+    /// Compares the torque that the motion of this tick needs with the torque that the motor has. Returns the needed torque, N·m at the
+    /// crank.
     pub fn load(&mut self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) -> f64 {
         let needed = self.required_nm(share_nm, acceleration_rad_s2, speed_hz);
         let AxisDrive::Stepper { pull_out, .. } = &self.drive else {
@@ -229,13 +242,13 @@ impl SimulatedAxis {
         let torque_nm = if self.drive.takes_pulses() {
             self.pulses.count(plan.runs, &mut plan.tally);
             let counted = self.pulses.counted() as f64;
-            let commanded = (command_turns - self.home_turns) * self.steps_per_turn;
-            self.commanded_turns =
-                commanded.clamp(counted - 1.0, counted + 1.0) / self.steps_per_turn;
+            let commanded = (command_turns - self.home_turns) * self.steps_per_turn();
+            let commanded = commanded.clamp(counted - 1.0, counted + 1.0);
+            self.commanded_turns = self.steps_per_turn.turns_of(commanded);
             0.0
         } else {
             self.commanded_turns += self.follow(setpoint);
-            nm(self.own(setpoint).torque)
+            nm(self.own(setpoint).torque) * self.motor_turns
         };
         Travel::commanded(self.commanded_turns - before, torque_nm)
     }
@@ -246,7 +259,8 @@ impl SimulatedAxis {
         let before = self.commanded_turns;
         if self.drive.takes_pulses() {
             self.pulses.count(plan.runs, &mut plan.tally);
-            self.commanded_turns = self.pulses.counted() as f64 / self.steps_per_turn;
+            let counted = self.pulses.counted() as f64;
+            self.commanded_turns = self.steps_per_turn.turns_of(counted);
         } else {
             self.commanded_turns += self.follow(setpoint);
         }
@@ -335,18 +349,18 @@ impl SimulatedAxis {
         self.drive_steps_per_turn
     }
 
-    /// Sets the steps with which the drive makes a turn of the crank.
+    /// Sets the steps with which the drive makes a turn of its motor.
     #[must_use]
     pub fn with_drive_steps(mut self, steps_per_turn: Option<u32>) -> Self {
         if let Some(steps) = steps_per_turn {
-            self.drive_steps_per_turn = f64::from(steps);
+            self.drive_steps_per_turn = f64::from(steps) * self.motor_turns;
         }
         self
     }
 
     /// Steps, or encoder counts, per turn of the crank.
     pub fn steps_per_turn(&self) -> f64 {
-        self.steps_per_turn
+        self.steps_per_turn.to_f64()
     }
 
     /// True if the motor is mounted in the reversed sense.
@@ -362,7 +376,7 @@ impl SimulatedAxis {
     /// Length of an electrical cycle of the stepper, turns; none for a servo.
     pub fn cycle_turns(&self) -> Option<f64> {
         let cycle_steps = self.drive.cycle_steps()?;
-        Some(cycle_steps as f64 / self.steps_per_turn)
+        Some(self.steps_per_turn.turns_of(f64::from(cycle_steps)))
     }
 
     /// Returns the travel of a servo's setpoint, turns. The first setpoint gives the position at which the loop assumes the crank.
@@ -419,7 +433,7 @@ impl SimulatedAxis {
             Turning::Evenly(cycles) => (cycles, None),
             Turning::By(runs, turns) => {
                 let cycles = runs.iter().map(|run| run.cycles()).sum();
-                let off_steps = (after - before - turns) * self.steps_per_turn;
+                let off_steps = (after - before - turns) * self.steps_per_turn();
                 let by_pulses = self.drive.takes_pulses() && off_steps.abs() < ROUNDING_STEPS;
                 (cycles, by_pulses.then_some(runs))
             }
@@ -461,7 +475,8 @@ impl SimulatedAxis {
 
     /// Returns the cycle of the rising edge that took the crank to `place`, or beyond it.
     fn when(&self, runs: &Runs, place: f64) -> u32 {
-        let beyond = ((self.turns() - place) * self.steps_per_turn + ROUNDING_STEPS).floor() as i64;
+        let beyond =
+            ((self.turns() - place) * self.steps_per_turn() + ROUNDING_STEPS).floor() as i64;
         self.pulses.cycle_before(runs, beyond)
     }
 }

@@ -15,7 +15,7 @@ pub enum AxisDrive {
         /// Torque that the motor can give at each speed.
         pull_out: PullOut,
         /// Steps per electrical cycle.
-        cycle_steps: i64,
+        cycle_steps: u32,
     },
     /// Servo that follows setpoints.
     Servo(FollowingError),
@@ -35,7 +35,7 @@ impl AxisDrive {
     }
 
     /// Steps per electrical cycle; none for a servo.
-    pub const fn cycle_steps(&self) -> Option<i64> {
+    pub const fn cycle_steps(&self) -> Option<u32> {
         match self {
             Self::Stepper { cycle_steps, .. } => Some(*cycle_steps),
             Self::Servo(_) | Self::PulseServo(_) => None,

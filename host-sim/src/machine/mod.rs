@@ -9,6 +9,7 @@
 //! the torque of the other axes changes after one axis has slipped.
 
 mod assembly;
+mod at_crank;
 mod axis;
 mod broken;
 mod cam;
@@ -27,6 +28,7 @@ mod sensors;
 mod step;
 mod torque;
 
+pub use at_crank::AtCrank;
 pub use axis::{SimulatedAxis, Travel};
 pub use broken::{Broken, Cause};
 pub use cam::{Followers, Peaks, Pusher, Turned, draw_follower};
@@ -88,7 +90,6 @@ impl Machine {
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
         let settings = &checked.settings;
         let in_common = &checked.scene.axes;
-        let pull_out = PullOut::new(&in_common.pull_out)?;
         let following_error =
             |window_deg: Option<f64>| FollowingError::new(window_deg.map(|deg| deg / 360.0));
         let servo = following_error(in_common.servo.and_then(|servo| servo.following_error_deg));
@@ -100,13 +101,11 @@ impl Machine {
         let make = |i: usize| {
             let overrides = checked.overrides(i);
             let own = &settings.axes[i];
-            let scale = overrides.map_or(1.0, |own| own.pull_out_scale);
+            let motor = AtCrank::new(&checked.scene, i);
             let drive = match checked.scene.drive(i) {
                 Drive::Stepper => AxisDrive::Stepper {
-                    pull_out: pull_out.scaled(scale),
-                    cycle_steps: (4 * i64::from(own.steps_per_turn)
-                        / i64::from(in_common.full_steps_per_turn))
-                    .max(1),
+                    pull_out: motor.pull_out.clone(),
+                    cycle_steps: own.cycle_steps,
                 },
                 Drive::Servo => AxisDrive::Servo(servo),
                 Drive::PulseServo => AxisDrive::PulseServo(servo),
@@ -124,6 +123,7 @@ impl Machine {
                 home_turns,
                 ratio,
                 drive,
+                &motor,
                 start_turns,
                 friction_nm,
                 flag,
@@ -131,7 +131,7 @@ impl Machine {
             .with_drive_steps(overrides.and_then(|own| own.drive_steps_per_turn))
         };
         let axes = per_axis(settings.axes.len(), make);
-        let rotors = torque::rotors(checked, &pull_out, &axes)?;
+        let rotors = torque::rotors(checked, &axes)?;
         let turns: Axes<f64> = axes.iter().map(SimulatedAxis::turns).collect();
         let tick_s = 1.0 / f64::from(settings.tick_hz);
         let tick_cycles = settings.tick_cycles();
@@ -166,10 +166,11 @@ impl Machine {
     /// Torque that motor `i` gives, or that is required of it, N·m; 0 with the drives off, and none on a model level without torque.
     pub fn motor_torque_nm(&self, i: usize) -> Option<f64> {
         let required = self.required_nm.as_ref().map(|required| required[i]);
-        required.or_else(|| self.torques_nm().map(|torques| torques[i]))
+        let at_crank_nm = required.or_else(|| self.torques_nm().map(|torques| torques[i]))?;
+        Some(self.axes[i].torque_at_motor_nm(at_crank_nm))
     }
 
-    /// Torque of each motor at the end of the tick, N·m, if torque moves the cranks.
+    /// Torque of each motor at its crank at the end of the tick, N·m, if torque moves the cranks.
     pub fn torques_nm(&self) -> Option<&[f64]> {
         self.rotors.as_ref().map(Rotors::torques_nm)
     }

@@ -41,15 +41,12 @@ impl PullOut {
         })
     }
 
-    /// Returns the curve of a motor that is stronger by `factor`.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
+    /// Returns the curve at a crank, from the checked points of its motor, which makes `motor_turns` per turn of the crank and is stronger
+    /// by `factor`.
+    pub(super) fn behind_gear(points: &[(f64, f64)], motor_turns: f64, factor: f64) -> Self {
+        let at_crank = |&(hz, nm): &(f64, f64)| (hz / motor_turns, nm * factor * motor_turns);
         Self {
-            points: self
-                .points
-                .iter()
-                .map(|&(hz, nm)| (hz, nm * factor))
-                .collect(),
+            points: points.iter().map(at_crank).collect(),
         }
     }
 

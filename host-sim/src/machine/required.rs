@@ -20,7 +20,7 @@ impl Machine {
         torques.sum::<f64>() / (count * count) as f64
     }
 
-    /// Torque that a motion of the master requires of motor `i`, N·m, with the cranks at these angles, rad, on the quasi-static model
+    /// Torque that a motion of the master requires of motor `i`, N·m at its crank, with the cranks at these angles, rad, on the quasi-static model
     /// level.
     pub fn required_nm(
         &self,

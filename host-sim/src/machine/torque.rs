@@ -3,7 +3,7 @@
 use cophase_methods::{Needs, Scheme};
 
 use super::assembly;
-use super::{DriveCommand, Platform, PullOut, Rotors, SimulatedAxis};
+use super::{AtCrank, DriveCommand, Platform, Rotors, SimulatedAxis};
 use std::sync::Arc;
 
 use crate::dynamics::{
@@ -18,18 +18,11 @@ use crate::scene::{Checked, SceneError};
 const BEYOND: f64 = 10.0;
 const COASTING_HZ: f64 = 50.0;
 
-/// Full steps per electrical cycle.
-const FULL_STEPS: f64 = 4.0;
-
 /// Creates the cranks of a scene if torque moves them on its model level; none on the other levels.
 ///
 /// # Errors
 /// Fails if the scene does not set what the model level needs.
-pub fn rotors(
-    checked: &Checked,
-    pull_out: &PullOut,
-    axes: &[SimulatedAxis],
-) -> Result<Option<Rotors>, SceneError> {
+pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors>, SceneError> {
     if !checked.fidelity.moves_by_torque() {
         return Ok(None);
     }
@@ -38,7 +31,7 @@ pub fn rotors(
     }
     let settings = &checked.settings;
     let motors = (0..axes.len())
-        .map(|i| motor(checked, pull_out, i))
+        .map(|i| motor(checked, i))
         .collect::<Result<Vec<_>, _>>()?;
     let driven = Driven::new(freedom(checked)?, motors);
     assembly::check(checked, &driven)?;
@@ -160,10 +153,8 @@ fn body(checked: &Checked) -> Result<Body, SceneError> {
     let (load, mount_radius_m) = (*platform.load(), platform.mount_radius_m());
     let given = checked.scene.machine.as_ref();
     let disc_kgm2 = even_disc_kgm2(load.mass_kg, mount_radius_m);
-    let rotors_kgm2: Vec<f64> = settings
-        .axes
-        .iter()
-        .map(|axis| axis.rotor_inertia_kgm2)
+    let rotors_kgm2: Vec<f64> = (0..settings.axes.len())
+        .map(|i| AtCrank::new(&checked.scene, i).rotor_inertia_kgm2)
         .collect();
     if rotors_kgm2.contains(&0.0) {
         return Err(SceneError::at(
@@ -191,15 +182,13 @@ fn body(checked: &Checked) -> Result<Body, SceneError> {
     })
 }
 
-/// Returns the motor of axis `i`, if the scene sets its torque.
+/// Returns the motor of axis `i` at its crank, if the scene sets its torque.
 pub fn motor_of(checked: &Checked, i: usize) -> Option<Motor> {
-    let pull_out = PullOut::new(&checked.scene.axes.pull_out).ok()?;
-    motor(checked, &pull_out, i).ok()
+    motor(checked, i).ok()
 }
 
-fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, SceneError> {
-    let axes = &checked.scene.axes;
-    let overrides = checked.overrides(i);
+fn motor(checked: &Checked, i: usize) -> Result<Motor, SceneError> {
+    let at_crank = AtCrank::new(&checked.scene, i);
     let needed = |key: &str, what: &str| {
         SceneError::at(
             format!("axes.{key}"),
@@ -211,21 +200,20 @@ fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, Scene
     };
     match checked.scene.drive(i) {
         Drive::Stepper => {
-            if axes.pull_out.is_empty() {
+            if checked.scene.axes.pull_out.is_empty() {
                 return Err(needed(
                     "pull_out",
                     "the motors' pull-out torque as [[speed_hz, torque_nm], …]",
                 ));
             }
-            let scale = overrides.map_or(1.0, |own| own.pull_out_scale);
             Ok(Motor::Stepper(Stepper {
-                pull_out: pull_out.scaled(scale),
-                cycles_per_turn: f64::from(axes.full_steps_per_turn) / FULL_STEPS,
-                damping_nms: axes.damping_nms,
+                pull_out: at_crank.pull_out,
+                cycles_per_turn: at_crank.cycles_per_turn,
+                damping_nms: at_crank.damping_nms,
             }))
         }
         Drive::Servo | Drive::PulseServo => {
-            let servo = axes.servo.as_ref().ok_or_else(|| {
+            let servo = at_crank.servo.ok_or_else(|| {
                 needed(
                     "servo",
                     "the drives' gains as [axes.servo] with position_gain_per_s and velocity_gain_nms",
@@ -240,7 +228,7 @@ fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, Scene
             }))
         }
         Drive::Induction => {
-            let motor = axes.induction.as_ref().ok_or_else(|| {
+            let motor = at_crank.induction.ok_or_else(|| {
                 needed(
                     "induction",
                     "the motors as [axes.induction] with rated_nm, rated_slip_hz, breakdown_ratio and position_gain_per_s",

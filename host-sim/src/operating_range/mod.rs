@@ -40,7 +40,7 @@ pub struct OperatingRange {
     machine: Machine,
     mechanism: AnyMechanism,
     offsets_turns: Vec<f64>,
-    /// `None` for an axis whose torque is not known.
+    /// Motors at their cranks; `None` for an axis whose torque is not known.
     motors: Vec<Option<Motor>>,
     settings: Settings,
     /// Greatest speed of the program, rev/s.
@@ -61,24 +61,26 @@ pub struct Load {
 }
 
 impl OperatingRange {
-    /// Operating range of a scene's machine. `None` if it has no platform, if an axis does not turn exactly as the master, or if the
-    /// torque of no motor is known.
+    /// Operating range of a scene's machine. `None` if it has no platform, or if the torque of no motor is known.
     ///
     /// # Errors
     /// The machine cannot be created from the numbers of the scene.
     pub fn of(checked: &Checked) -> Result<Option<Self>, SceneError> {
+        let range = Self::new(checked)?;
+        Ok(range.filter(|range| range.motors.iter().any(Option::is_some)))
+    }
+
+    /// Operating range of a scene's machine, also without motors whose torque is known. `None` if it has no platform.
+    ///
+    /// # Errors
+    /// The machine cannot be created from the numbers of the scene.
+    pub fn new(checked: &Checked) -> Result<Option<Self>, SceneError> {
         let settings = &checked.settings;
-        let is_direct = |ratio: Option<f64>| ratio == Some(1.0);
         let axes = settings.axes.iter();
         let motors: Vec<_> = (0..settings.axes.len())
             .map(|i| motor_of(checked, i).filter(|motor| motor.most_nm(0.0).is_finite()))
             .collect();
-        if !checked.has_platform()
-            || motors.iter().all(Option::is_none)
-            || !axes
-                .clone()
-                .all(|axis| is_direct(axis.follower.constant_ratio()))
-        {
+        if !checked.has_platform() {
             return Ok(None);
         }
         // Motors are not sized for faults and noise of the load, and some of these cannot occur on this model level.
@@ -118,21 +120,22 @@ impl OperatingRange {
         bands.map(|band| (band.from_hz, band.to_hz))
     }
 
-    /// Peak over a turn of the torque that is required of a motor, N·m, without sign, at a speed and an acceleration of the master.
+    /// Peak over a turn of the torque that is required of a motor, N·m at the motor, without sign, at a speed and an acceleration of the master.
     pub fn required_nm(&self, axis: usize, speed_hz: f64, acceleration_hz_per_s: f64) -> f64 {
         let (omega, acceleration) = (speed_hz * TAU, acceleration_hz_per_s * TAU);
         let at = |alpha: f64| {
             let alphas = self.offsets_turns.iter().map(|turns| alpha + turns * TAU);
             let nm = self.machine.required_nm(axis, alphas, omega, acceleration);
-            nm.abs()
+            nm.abs() / self.settings.axes[axis].gear.ratio()
         };
         crate::mechanism::turn_search::largest_over_turn(at).value
     }
 
-    /// Greatest torque of a motor at a speed, N·m; `None` if it is not known.
+    /// Greatest torque of a motor at a speed of its crank, N·m at the motor; `None` if it is not known.
     pub fn available_nm(&self, axis: usize, speed_hz: f64) -> Option<f64> {
         let motor = self.motors[axis].as_ref()?;
-        Some(motor.most_nm(speed_hz * TAU))
+        let at_crank_nm = motor.most_nm(speed_hz * TAU);
+        Some(at_crank_nm / self.settings.axes[axis].gear.ratio())
     }
 
     /// Amplitude at a steady speed, m/s².
@@ -147,7 +150,7 @@ impl OperatingRange {
 
     /// Step rate of an axis at a speed, steps/s.
     pub fn step_hz(&self, axis: usize, speed_hz: f64) -> f64 {
-        speed_hz * f64::from(self.settings.axes[axis].steps_per_turn)
+        speed_hz * self.settings.axes[axis].steps_per_crank_turn().to_f64()
     }
 
     /// Greatest step rate that the step planner makes with the pulse width of the settings, steps/s.

@@ -8,7 +8,7 @@
 //! The resulting whole steps are compared with those of each sample. If they differ, no edges are written.
 
 use cophase_core::axes::{AnyFollower, Cams, Follower, PhaseOffsets};
-use cophase_core::pulse::{Planner, PulseTiming, Runs, StepRates};
+use cophase_core::pulse::{Planner, PulseTiming, Runs, StepRates, StepsPerTurn};
 use cophase_core::settings::{DriveKind, Settings};
 use cophase_core::units::{ONE_TURN, Turns};
 use cophase_link::sample::{Sample, flags};
@@ -62,7 +62,7 @@ struct Axis {
     planner: Planner,
     follower: AnyFollower,
     takes_pulses: bool,
-    steps_per_turn: i64,
+    steps_per_turn: StepsPerTurn,
     steps: i64,
     slot: Slot,
 }
@@ -84,10 +84,10 @@ impl Derivation {
         let mut offsets = PhaseOffsets::new();
         offsets.configure(settings);
         let axis = |axis: &cophase_core::settings::AxisSettings| Axis {
-            planner: Planner::new(timing, axis.steps_per_turn),
+            planner: Planner::new(timing, axis.steps_per_crank_turn()),
             follower: axis.follower.follower(&cams),
             takes_pulses: axis.drive != DriveKind::Servo,
-            steps_per_turn: axis.steps_per_turn.into(),
+            steps_per_turn: axis.steps_per_crank_turn(),
             steps: 0,
             slot: Slot::default(),
         };
@@ -182,7 +182,7 @@ impl Slot {
     fn advance(
         &mut self,
         turns: i64,
-        steps_per_turn: i64,
+        steps_per_turn: StepsPerTurn,
         slot_ticks: u32,
     ) -> Result<i64, NoEdges> {
         if turns == 0 {
@@ -191,7 +191,7 @@ impl Slot {
         let ticks = i64::from(slot_ticks);
         if self.ticks == 0 {
             self.half_steps = 0;
-            let step = ONE_TURN / steps_per_turn / ticks;
+            let step = steps_per_turn.step_turns().0 / ticks;
             self.steps = if slot_ticks == 1 {
                 (turns + step / 2 * turns.signum()) / step
             } else if turns % step == 0 {

@@ -4,6 +4,7 @@ mod causes;
 mod ending;
 mod lists;
 mod model;
+mod motors;
 mod questions;
 mod recorded;
 mod remedy;
@@ -31,6 +32,7 @@ use lists::{
     faults_in, injected_report,
 };
 use model::{FidelityReport, MethodReport};
+use motors::MotorFigures;
 
 use crate::plant::Figure;
 use crate::scene::{Checked, Scene};
@@ -149,6 +151,8 @@ struct AxisReport {
     /// Largest torque of the motor.
     #[serde(skip_serializing_if = "Option::is_none")]
     torque_worst_nm: Option<f64>,
+    /// Figures by which its motor is chosen.
+    motor: MotorFigures,
     /// Results of the follower of its cam.
     #[serde(flatten)]
     follower: Option<FollowerReport>,
@@ -226,6 +230,7 @@ impl<'a> Report<'a> {
         let [idle, homing, run, stop, parked, fault] =
             statistics.time_in_state_s.map(|s| round(s, 6));
         let of_platform = |tilt_mrad: Option<f64>| tilt_mrad.filter(|_| checked.has_platform());
+        let motors = MotorFigures::of_all(checked);
         let axis = |i: usize| AxisReport {
             steps: statistics.steps[i],
             command_turns: statistics.turns[i].0,
@@ -235,6 +240,7 @@ impl<'a> Report<'a> {
             correction_deg: statistics.correction_deg[i],
             pull_out_used: statistics.torque_used[i].map(|(used, _)| used),
             torque_worst_nm: statistics.worst_torque_nm.get(i).copied(),
+            motor: motors[i],
             follower: statistics.followers.get(i).map(|peaks| FollowerReport {
                 off_law_worst_mm: peaks.off_m * 1e3,
                 pusher_accel_worst_mps2: peaks.pusher_mps2,

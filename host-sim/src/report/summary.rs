@@ -6,7 +6,7 @@ use super::ending::{coasting, ending, held};
 use super::questions::model;
 use super::words::plural;
 use super::written::Written;
-use super::{describe, notable, warnings};
+use super::{describe, motors, notable, warnings};
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::machine::Peaks;
 use crate::scene::Checked;
@@ -95,11 +95,12 @@ fn write_page(
     if holding.held_s > 0.0 {
         writeln!(
             page,
-            "The commanded amax was held for {:.1} s in all, within {} of the program; at most {:.1} g, at {:.2} rev/s.",
+            "The commanded amax was held for {:.1} s in all, within {} of the program; at most {:.1} g, at {:.2} rev/s{}.",
             holding.held_s,
             relative(holding.worst_relative),
             statistics.top_amax_mps2 / STANDARD_GRAVITY_MPS2,
             statistics.top_speed_hz,
+            of_master(checked),
         )?;
     }
     if let Some(plant) = &checked.plant {
@@ -220,6 +221,9 @@ fn write_page(
             frame.worst_um, frame.worst_ground_n,
         )?;
     }
+    for line in motors::lines(checked) {
+        writeln!(page, "{line}")?;
+    }
     for warning in warnings(checked, outcome) {
         writeln!(page, "Warning: {warning}")?;
     }
@@ -235,6 +239,15 @@ fn write_page(
         wall_s,
         outcome.simulated_s() / wall_s.max(1e-9),
     )
+}
+
+/// Returns the shaft to which amplitude and speed of a summary belong, where not every axis turns once with the master.
+fn of_master(checked: &Checked) -> &'static str {
+    if checked.turns_with_master() {
+        ""
+    } else {
+        " of the master, for a shaft that turns once with it"
+    }
 }
 
 /// Returns a line about the worst of the followers.

@@ -162,7 +162,7 @@ fn not_reached(checked: &Checked, outcome: &Outcome) -> Option<String> {
         .any(|band| (band.from_hz..=band.to_hz).contains(&requested_hz));
     (reached_hz < (1.0 - NOTABLE) * requested_hz && !in_band).then(|| {
         format!(
-            "The program asks for up to {requested_hz:.2} rev/s, and the shaft reached {reached_hz:.2}: limits.acceleration_hz_per_s = {} and \
+            "The program asks for up to {requested_hz:.2} rev/s of the master, and it reached {reached_hz:.2}: limits.acceleration_hz_per_s = {} and \
              limits.jerk_hz_per_s2 = {} do not let it get there within that level. Give a longer ramp_s or hold_s, or higher limits.",
             scene.limits.acceleration_hz_per_s, scene.limits.jerk_hz_per_s2
         )
@@ -172,9 +172,13 @@ fn not_reached(checked: &Checked, outcome: &Outcome) -> Option<String> {
 /// Warns of steppers that turn faster than the end of their pull-out curve.
 fn beyond_pull_out(checked: &Checked) -> Option<String> {
     let (end_hz, _) = *checked.scene.axes.pull_out.last()?;
+    let motor_turns = |axis: usize| {
+        let axis = &checked.settings.axes[axis];
+        Some(axis.follower.constant_ratio()? * axis.gear.ratio())
+    };
     let steppers = (0..checked.scene.axes.count)
         .filter(|&axis| checked.scene.drive(axis) == Drive::Stepper)
-        .filter_map(|axis| checked.settings.axes[axis].follower.constant_ratio());
+        .filter_map(motor_turns);
     let ratio = steppers.map(f64::abs).reduce(f64::max)?;
     let top_hz = checked.top_speed_hz() * ratio;
     (top_hz > end_hz).then(|| {
@@ -344,7 +348,7 @@ mod tests {
         assert!(words.starts_with(&expected), "{words}");
         assert!(words.contains("torque counts as zero"), "{words}");
         // A motor that makes two turns for one of the master's needs twice the speed.
-        let geared = "pull_out = [[0, 30], [10, 28]]\nratio = [2, 1]\n";
+        let geared = "pull_out = [[0, 30], [10, 28]]\ngear = [2, 1]\n";
         assert!(warned(geared).is_some());
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use cophase_core::controller::Controller;
 use cophase_core::program::EntrySettings;
 use cophase_core::settings::{
-    AxisSettings, MachineSettings, PlatformSettings, Settings, SettingsError,
+    AxisSettings, MachineSettings, PlatformSettings, Settings, SettingsError, Transmission,
 };
 
 use super::SceneError;
@@ -52,6 +52,13 @@ impl Checked {
             (None, Some(_)) => "cam",
             (None, None) => "crank",
         }
+    }
+
+    /// Returns true if every axis turns once with the master, so that amplitude and speed of the master are those of every axis.
+    pub fn turns_with_master(&self) -> bool {
+        let axes = &self.settings.axes;
+        axes.iter()
+            .all(|axis| axis.follower.constant_ratio() == Some(1.0))
     }
 
     /// Returns the reason for the model level, as a sentence.
@@ -266,6 +273,27 @@ impl Scene {
         }
     }
 
+    /// Returns the steps, or encoder counts, per turn of the motor of axis `number`.
+    pub fn steps_per_turn(&self, number: usize) -> u32 {
+        let own = self.overrides(number).and_then(|own| own.steps_per_turn);
+        own.unwrap_or(self.axes.steps_per_turn)
+    }
+
+    /// Returns the steps, or encoder counts, per turn of the crank of axis `number`.
+    pub fn steps_per_crank_turn(&self, number: usize) -> f64 {
+        f64::from(self.steps_per_turn(number)) * self.gear(number).ratio()
+    }
+
+    /// Returns the belt or gearbox of axis `number`.
+    pub fn gear(&self, number: usize) -> Transmission {
+        let own = self.overrides(number).and_then(|own| own.gear);
+        let (motor_turns, crank_turns) = own.unwrap_or(self.axes.gear);
+        Transmission {
+            motor_turns,
+            crank_turns,
+        }
+    }
+
     /// Returns the drive of axis `number`.
     pub fn drive(&self, number: usize) -> Drive {
         let own = self.overrides(number).and_then(|own| own.drive);
@@ -279,6 +307,7 @@ impl AxisOverrides {
         match name {
             "drive" => self.drive.is_some(),
             "steps_per_turn" => self.steps_per_turn.is_some(),
+            "gear" => self.gear.is_some(),
             "ratio" => self.ratio.is_some(),
             "offset_deg" => self.offset_deg.is_some(),
             "index" => self.index.is_some(),

@@ -21,8 +21,8 @@ impl Observer for PeakForces {
         let machine = moment.machine;
         if let Some(torques) = machine.torques_nm() {
             self.worst_torque_nm.resize(torques.len(), 0.0);
-            for (worst, torque) in self.worst_torque_nm.iter_mut().zip(torques) {
-                raise(worst, torque.abs());
+            for (i, worst) in self.worst_torque_nm.iter_mut().enumerate() {
+                raise(worst, machine.motor_torque_nm(i).unwrap_or(0.0).abs());
             }
             if moment.drives_enabled && moment.telemetry.state == State::Run {
                 raise(&mut self.worst_accel_mps2, moment.pose().accel_mps2.abs());

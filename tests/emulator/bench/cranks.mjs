@@ -15,7 +15,9 @@ class Crank {
   constructor(axis, step, dir, index) {
     Object.assign(this, { step, dir, index });
     this.reversed = axis.reversed ?? false;
-    this.stepsPerTurn = axis.steps_per_turn;
+    const [motor, crank] = axis.gear ?? [1, 1];
+    /** Steps per turn of the crank. */
+    this.stepsPerTurn = (axis.steps_per_turn * motor) / crank;
     const steps = (deg) => (deg / 360) * this.stepsPerTurn;
     /** Position in steps. The loop assumes that the crank is at its offset at power-up. */
     this.start = steps((axis.offset_deg ?? 0) + (axis.start_deg ?? 0));

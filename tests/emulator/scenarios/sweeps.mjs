@@ -48,7 +48,7 @@ function quick(toml) {
   toml.limits.acceleration_hz_per_s = 400;
   toml.limits.jerk_hz_per_s2 = 40_000;
   toml.program[0].ramp_s = 0.05;
-  toml.axis.push({ number: 1, ratio: [3, 2] }, { number: 3, ratio: [1, 4], steps_per_turn: 25_600 });
+  toml.axis.push({ number: 1, gear: [3, 2] }, { number: 3, gear: [1, 4], steps_per_turn: 25_600 });
 }
 
 /** The scene, `seconds` after its start, shortly before a deadline. */
@@ -62,8 +62,8 @@ function running(played, machine, seconds, predicted) {
   if (wrong.length > 0) throw new Error(`not as predicted before anything happened: ${wrong.join('; ')}`);
   const perTurn = Array.from({ length: played.axes }, (_, axis) => {
     const own = played.toml.axis.find(({ number }) => number === axis) ?? {};
-    const [over, under] = own.ratio ?? [1, 1];
-    return ((own.steps_per_turn ?? played.toml.axes.steps_per_turn) * over) / under;
+    const [motor, crank] = own.gear ?? played.toml.axes.gear ?? [1, 1];
+    return ((own.steps_per_turn ?? played.toml.axes.steps_per_turn) * motor) / crank;
   });
   const reversed = perTurn.map((_, axis) => Number(played.toml.axis.some((own) => own.number === axis && own.reversed)));
   const parkDeg = played.toml.machine.park_deg ?? 180;

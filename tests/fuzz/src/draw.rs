@@ -9,7 +9,7 @@ use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
     IndexSettings, LimitSettings, MachineSettings, Platform, PlatformSettings, PulseSettings,
-    Settings, ShaftSettings, WiringSettings,
+    Settings, ShaftSettings, Transmission, WiringSettings,
 };
 
 use cophase_core::units::Turns;
@@ -124,6 +124,7 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
                         DriveKind::Stepper
                     },
                     steps_per_turn,
+                    gear: gear(script),
                     reversed: script.one_in(3),
                     follower: follower(script),
                     offset_turns: if script.one_in(4) {
@@ -211,4 +212,16 @@ pub fn controller(settings: &Settings, script: &mut Script<'_>) -> Option<Contro
             .ok()?;
     }
     settings.controller().ok()
+}
+
+/// Belt or gearbox of an axis, in most machines none.
+fn gear(script: &mut Script<'_>) -> Transmission {
+    if !script.one_in(4) {
+        return Transmission::DIRECT;
+    }
+    let (motor_turns, crank_turns) = [(57, 11), (3, 1), (20, 36), (1000, 999)][script.below(4)];
+    Transmission {
+        motor_turns,
+        crank_turns,
+    }
 }

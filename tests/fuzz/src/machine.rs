@@ -12,7 +12,9 @@ use crate::Script;
 /// One crank and its sensors.
 #[derive(Clone, Copy, Debug)]
 struct Crank {
-    steps_per_turn: i64,
+    /// Counts of its encoder in turns of the crank, as an exact ratio.
+    counts: i128,
+    in_turns: i128,
     reversed: bool,
     /// The phase at which its flag begins.
     index: i64,
@@ -72,7 +74,8 @@ impl Machine {
                 .map(|axis| {
                     let at = units(settings.home_turns(axis));
                     Crank {
-                        steps_per_turn: i64::from(axis.steps_per_turn),
+                        counts: i128::from(axis.steps_per_turn) * i128::from(axis.gear.motor_turns),
+                        in_turns: i128::from(axis.gear.crank_turns),
                         reversed: axis.reversed,
                         index: units(axis.index_turns.unwrap_or_default()),
                         commanded: [at; 4],
@@ -258,10 +261,8 @@ impl Crank {
     }
 
     fn counts(&self) -> i32 {
-        let turns = self.is.div_euclid(ONE_TURN);
-        let within = i128::from(self.is.rem_euclid(ONE_TURN)) * i128::from(self.steps_per_turn);
-        let counts =
-            turns.wrapping_mul(self.steps_per_turn) + (within / i128::from(ONE_TURN)) as i64;
+        let exact = i128::from(self.is) * self.counts;
+        let counts = exact.div_euclid(self.in_turns * i128::from(ONE_TURN)) as i64;
         let counts = if self.reversed { -counts } else { counts };
         (counts as i32).wrapping_add(self.glitch)
     }

@@ -57,7 +57,7 @@ impl Watch {
                 .iter()
                 .map(|axis| {
                     let tick = axis.trim_rate_hz * axes.len() as f64 / hz;
-                    let step = 1.0 / f64::from(axis.steps_per_turn);
+                    let step = axis.steps_per_crank_turn().turns_of(1.0);
                     ((5.0 * tick.max(step) + step) * turn) as i64
                 })
                 .collect(),

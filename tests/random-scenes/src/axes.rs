@@ -9,7 +9,7 @@ use crate::source::Source;
 use crate::{Basis, Kind, cam, motors};
 
 /// Steps per turn that a scene may have.
-const STEPS: (f64, f64) = (4.0, 65_536.0);
+const STEPS: (f64, f64) = (4.0, 1_048_576.0);
 
 pub fn drive(source: &mut Source, kind: Kind, fidelity: Fidelity) -> Drive {
     match kind {
@@ -36,19 +36,31 @@ pub fn other_drive(source: &mut Source, common: Drive) -> Option<Drive> {
     source.maybe(10, |source| source.one_of(&others))
 }
 
-/// Crank turns per master turn, in most scenes one.
+/// Crank turns per master turn. Cranks under a platform turn once with the master, and screws follow tables.
 pub fn ratio(source: &mut Source, kind: Kind) -> (u32, u32) {
-    if kind == Kind::Screws || !source.percent(15) {
+    if kind != Kind::Shafts || !source.percent(50) {
         return (1, 1);
     }
-    let part = |source: &mut Source| {
-        if source.percent(5) {
-            source.one_of(&[1, 1000])
-        } else {
-            1 + source.below(12) as u32
-        }
-    };
     (part(source), part(source))
+}
+
+/// Belt or gearbox: motor turns and crank turns that belong together.
+pub fn gear(source: &mut Source) -> (u32, u32) {
+    if source.percent(60) {
+        return (1, 1);
+    }
+    if source.percent(50) {
+        return source.one_of(&[(57, 11), (50, 17), (20, 36), (3, 1), (10, 1)]);
+    }
+    (part(source), part(source))
+}
+
+fn part(source: &mut Source) -> u32 {
+    if source.percent(5) {
+        source.one_of(&[1, 1000])
+    } else {
+        1 + source.below(12) as u32
+    }
 }
 
 pub fn axes(
@@ -70,6 +82,7 @@ pub fn axes(
         drive: basis.drive,
         steps_per_turn,
         full_steps_per_turn,
+        gear: basis.gear,
         ratio: basis.ratio,
         offset_deg: if source.percent(90) {
             0.0
@@ -101,19 +114,24 @@ fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> 
         dir_setup_ns: pulse.dir_setup_ns,
         dir_hold_ns: pulse.dir_hold_ns,
     };
+    let motor_hz = fastest_hz * basis.motor_turns();
+    // Per turn of the crank there are at least as many.
+    let least = (STEPS.0 / basis.motor_turns()).max(STEPS.0).ceil();
+    let most = (STEPS.1 / basis.motor_turns()).min(STEPS.1).max(least);
     let timing = PulseTiming::new(&settings, Rp2040::CLOCK_HZ, basis.tick_hz);
     let has_pulses =
         basis.drive.takes_pulses() || basis.other_drive.is_some_and(Drive::takes_pulses);
     let fits = |steps: u32| {
-        let counts = PulseTiming::check_counts(steps, fastest_hz, basis.tick_hz).is_ok();
+        let counts = PulseTiming::check_counts(steps, motor_hz, basis.tick_hz).is_ok();
         let pulses = timing
             .as_ref()
-            .is_ok_and(|timing| timing.check_rate(steps, fastest_hz, basis.tick_hz).is_ok());
+            .is_ok_and(|timing| timing.check_rate(steps, motor_hz, basis.tick_hz).is_ok());
         counts && (pulses || !has_pulses)
     };
-    let mut steps = source.usual((400.0, 20_000.0), STEPS) as u32;
-    while !fits(steps) && steps > STEPS.0 as u32 {
-        steps = (steps * 2 / 3).max(STEPS.0 as u32);
+    let mut steps = source.usual((400.0, 20_000.0), (least, most)) as u32;
+    let least = least as u32;
+    while !fits(steps) && steps > least {
+        steps = (steps * 2 / 3).max(least);
     }
     if !basis.has_drive(Drive::Stepper) {
         return (full_steps, steps);
@@ -171,9 +189,10 @@ fn one(
         drive_steps_per_turn: source
             .maybe(3, |_| 2 * axes.steps_per_turn)
             .filter(|_| is_stepper && cam.is_none()),
+        gear: source.maybe(5, |_| (basis.gear.0, (basis.gear.1 + 1).min(1000))),
         ratio: source
-            .maybe(3, |_| (basis.ratio.0, basis.ratio.1 + 1))
-            .filter(|_| is_free && cam.is_none()),
+            .maybe(20, |_| (basis.ratio.0, (basis.ratio.1 + 1).min(1000)))
+            .filter(|_| basis.kind == Kind::Shafts),
         offset_deg: source
             .maybe(5, |source| source.usual((1e-3, 2.0), (-180.0, 180.0)))
             .filter(|_| is_free),

@@ -140,6 +140,8 @@ struct Basis {
     ramp_s: f64,
     /// Crank turns per master turn.
     ratio: (u32, u32),
+    /// Motor turns and crank turns that belong together.
+    gear: (u32, u32),
     /// Times of the program, s, and its start.
     program_s: f64,
     begins_s: f64,
@@ -184,6 +186,7 @@ impl Basis {
             homing_hz: control::homing_hz(source, speed_hz),
             ramp_s,
             ratio: axes::ratio(source, kind),
+            gear: axes::gear(source),
             program_s: 0.0,
             begins_s: 0.0,
         };
@@ -258,6 +261,11 @@ impl Basis {
     /// Greatest speed of a crank, rev/s.
     fn crank_hz(&self) -> f64 {
         self.speed_hz * f64::from(self.ratio.0) / f64::from(self.ratio.1)
+    }
+
+    /// Motor turns per crank turn.
+    fn motor_turns(&self) -> f64 {
+        f64::from(self.gear.0) / f64::from(self.gear.1)
     }
 
     /// A time from power-up to somewhat after the program, s.

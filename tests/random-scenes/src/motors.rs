@@ -21,7 +21,48 @@ pub struct Motors {
 /// Usual angle, rad, of the fastest oscillation in a tick. A few steps are enough to follow it.
 const RADIANS_A_TICK: (f64, f64) = (0.02, 0.7);
 
+/// Motors as their data sheets have them: those that fit the cranks, behind the gear.
 pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u32) -> Motors {
+    let turns = basis.motor_turns();
+    let cycles = f64::from(full_steps) / 4.0 * turns;
+    let at_crank = at_crank(source, basis, limits, cycles);
+    let squared = turns * turns;
+    let within = |value: f64, (low, high): (f64, f64)| {
+        if value == 0.0 {
+            0.0
+        } else {
+            value.clamp(low, high)
+        }
+    };
+    Motors {
+        rotor_inertia_kgm2: within(at_crank.rotor_inertia_kgm2 / squared, (1e-9, 1000.0)),
+        friction_nm: at_crank.friction_nm,
+        damping_nms: within(at_crank.damping_nms / squared, (0.0, 1000.0)),
+        pull_out: at_crank
+            .pull_out
+            .iter()
+            .map(|&(hz, nm)| {
+                (
+                    within(hz * turns, (0.0, 1e4)),
+                    within(nm / turns, (0.0, 1e5)),
+                )
+            })
+            .collect(),
+        servo: at_crank.servo.map(|servo| ServoDrive {
+            velocity_gain_nms: within(servo.velocity_gain_nms / squared, (1e-6, 1e5)),
+            limit_nm: servo.limit_nm.map(|nm| within(nm / turns, (1e-3, 1e5))),
+            ..servo
+        }),
+        induction: at_crank.induction.map(|motor| InductionDrive {
+            rated_nm: within(motor.rated_nm / turns, (1e-3, 1e6)),
+            rated_slip_hz: within(motor.rated_slip_hz * turns, (1e-4, 10.0)),
+            ..motor
+        }),
+    }
+}
+
+/// Motors in terms of their cranks, with a number of electrical cycles per turn.
+fn at_crank(source: &mut Source, basis: &Basis, limits: &Limits, cycles: f64) -> Motors {
     if basis.kind != Kind::Cranks {
         return Motors {
             rotor_inertia_kgm2: source.number(0.0, 10.0),
@@ -35,11 +76,9 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
     let lever_m = basis.mechanism.crank_radius_m() * basis.mechanism.greatest_s();
     let share_kg = basis.load_kg / basis.count as f64;
     let load_kgm2 = share_kg * lever_m * lever_m;
-    let ratio = f64::from(basis.ratio.0) / f64::from(basis.ratio.1);
-    let top_mps2 = basis.most_amax_mps2() * ratio * ratio;
+    let top_mps2 = basis.most_amax_mps2();
     let load_nm = share_kg * lever_m * (0.6 * top_mps2 + 9.81);
     let has_stepper = basis.has_drive(Drive::Stepper);
-    let cycles = f64::from(full_steps) / 4.0;
     // The rotor is so heavy that a few steps are enough to follow its oscillation.
     let plenty = if source.percent(80) {
         source.log_between(1.5, 20.0)
@@ -60,8 +99,7 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
     let acceleration = limits
         .stop_acceleration_hz_per_s
         .unwrap_or(limits.acceleration_hz_per_s)
-        * TAU
-        * ratio;
+        * TAU;
     let required_nm = load_nm + (rotor_inertia_kgm2 + load_kgm2) * acceleration;
     let friction_nm = source.usual((1e-4 * required_nm, 0.3 * required_nm), (0.0, 1000.0));
     let most_nm = (plenty * required_nm + friction_nm).clamp(1e-3, 9e4);

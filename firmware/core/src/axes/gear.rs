@@ -4,7 +4,7 @@ use super::bounds::Bounds;
 use super::cam_table::CamSettings;
 use super::cams::Cams;
 use super::follower::Follower;
-use crate::functions::{Divisor, multiply_long};
+use crate::functions::Ratio;
 use crate::settings::SettingsError;
 use crate::units::Turns;
 use cophase_motion::settings::inside;
@@ -59,23 +59,12 @@ impl GearSettings {
 
 /// Gear ratio, turns of the axis per turn of the master, as a ratio of two integers. No fraction is lost.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Gear {
-    numerator: u32,
-    denominator: u32,
-    divisor: Divisor,
-    /// Remainder of the division, 0 ≤ rest < denominator.
-    rest: u32,
-}
+pub struct Gear(Ratio);
 
 impl Gear {
     /// Gear of checked settings.
     pub const fn new(settings: &GearSettings, _: &Cams) -> Self {
-        Self {
-            numerator: settings.numerator,
-            denominator: settings.denominator,
-            divisor: Divisor::new(settings.denominator),
-            rest: 0,
-        }
+        Self(Ratio::new(settings.numerator, settings.denominator))
     }
 }
 
@@ -85,17 +74,7 @@ impl Follower for Gear {
         if self.is_direct() {
             return master; // The usual case needs no division.
         }
-        let all = multiply_long(master.to_bits().unsigned_abs(), self.numerator);
-        if master >= 0 {
-            let (turns, rest) = self.divisor.divide(all + u64::from(self.rest));
-            self.rest = rest;
-            return Turns::from_bits(turns as i64);
-        }
-        // In reverse the remainder is missing from the next unit.
-        let missing = self.denominator - 1 - self.rest;
-        let (turns, missing) = self.divisor.divide(all + u64::from(missing));
-        self.rest = self.denominator - 1 - missing;
-        Turns::from_bits(-(turns as i64))
+        Turns::from_bits(self.0.advance(master.to_bits()))
     }
 
     /// Acceleration, rounded towards zero; the remainder is dropped. The master's acceleration must be below 1 turn a tick².
@@ -103,13 +82,11 @@ impl Follower for Gear {
         if self.is_direct() {
             return acceleration;
         }
-        let all = multiply_long(acceleration.to_bits().unsigned_abs(), self.numerator);
-        let share = self.divisor.divide(all).0 as i64;
-        Turns::from_bits(if acceleration < 0 { -share } else { share })
+        Turns::from_bits(self.0.product(acceleration.to_bits()))
     }
 
     fn is_direct(&self) -> bool {
-        self.numerator == self.denominator
+        self.0.is_one()
     }
 
     #[cold]
@@ -119,7 +96,7 @@ impl Follower for Gear {
 
     #[cold]
     fn bounds(&self, master: &Bounds, _: &Cams) -> Bounds {
-        let ratio = f64::from(self.numerator) / f64::from(self.denominator);
+        let ratio = self.0.to_f64();
         Bounds {
             speed: master.speed * ratio,
             acceleration: master.acceleration * ratio,

@@ -196,7 +196,7 @@ impl Controller {
             *lead = turns(axis.offset_turns).wrapping_add(follower.start());
             let channel = Channel {
                 follower,
-                planner: Planner::new(timing, axis.steps_per_turn),
+                planner: Planner::new(timing, axis.steps_per_crank_turn()),
                 reversed: axis.reversed,
                 feed_forward: servo_part(feed_forward),
             };
@@ -259,7 +259,7 @@ fn feed_forward(
     // In its slot, a phase offset moves up to the number of axes times as fast as its rate.
     let offset_hz = axis.trim_rate_hz * settings.axes.len() as f64;
     let speed_hz = bounds.speed + offset_hz;
-    let counts = axis.steps_per_turn;
+    let (counts, motor_hz) = (axis.steps_per_turn, axis.gear.ratio() * speed_hz);
     let checked = match axis.drive {
         _ if speed_hz > 0.5 * hz => {
             let turns_per_tick = speed_hz / hz;
@@ -267,10 +267,10 @@ fn feed_forward(
             Err(SettingsError::new("axes.ratio", problem))
         }
         DriveKind::Servo => {
-            PulseTiming::check_counts(counts, speed_hz, tick_hz).map_err(SettingsError::from)
+            PulseTiming::check_counts(counts, motor_hz, tick_hz).map_err(SettingsError::from)
         }
         DriveKind::Stepper | DriveKind::PulseServo => timing
-            .check_rate(counts, speed_hz, tick_hz)
+            .check_rate(counts, motor_hz, tick_hz)
             .map_err(SettingsError::from),
     };
     let master_hz = settings.limits.speed_hz;
@@ -283,6 +283,7 @@ fn feed_forward(
         settings.mechanism(),
         settings.axes.len(),
         axis.rotor_inertia_kgm2,
+        axis.gear,
         tick_hz,
         turns(speed_hz / hz),
         turns(bounds.acceleration / hz / hz),

@@ -97,6 +97,21 @@ impl IndexSettings {
     }
 }
 
+impl Transmission {
+    #[cold]
+    fn check(&self) -> Result<(), SettingsError> {
+        let high = f64::from(Self::MAX_TURNS);
+        let turns = [
+            ("axes.gear motor turns", self.motor_turns),
+            ("axes.gear crank turns", self.crank_turns),
+        ];
+        for (key, turns) in turns {
+            inside(key, f64::from(turns), 1.0, high)?;
+        }
+        Ok(())
+    }
+}
+
 impl AxisSettings {
     #[cold]
     fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
@@ -104,8 +119,18 @@ impl AxisSettings {
             "axes.steps_per_turn",
             f64::from(self.steps_per_turn),
             4.0,
-            65_536.0,
+            StepsPerTurn::MAX,
         )?;
+        self.gear.check()?;
+        let steps = self.steps_per_crank_turn().to_f64();
+        if !(4.0..=StepsPerTurn::MAX).contains(&steps) {
+            let problem = Problem::StepsPerCrankTurn {
+                steps,
+                low: 4.0,
+                high: StepsPerTurn::MAX,
+            };
+            return Err(SettingsError::new("axes.gear", problem));
+        }
         self.follower.check(&settings.cams)?;
         inside("axes.offset_deg", self.offset_turns * 360.0, -180.0, 180.0)?;
         if let Some(index_turns) = self.index_turns {

@@ -68,6 +68,11 @@ pub enum Problem {
          spread its rises over larger angles"
     )]
     CamTooSteep { slope: f64, bend: f64 },
+    #[error(
+        "makes {} steps per turn of the crank, outside {} to {}; give the turns of motor and crank that belong together, or change \
+         axes.steps_per_turn", Number(*steps), Number(*low), Number(*high)
+    )]
+    StepsPerCrankTurn { steps: f64, low: f64, high: f64 },
     #[error("there is no table {table}; {tables} are given")]
     NoSuchCam { table: u8, tables: usize },
     #[error(

@@ -27,6 +27,7 @@ use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
 use crate::drift::sensing::index_filter::MOST_OF_TICK;
 use crate::mechanism::AnyMechanism;
 use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder, SegmentSettings, Shape};
+use crate::pulse::StepsPerTurn;
 use crate::units::MAX_AXES;
 
 /// Longest name of a machine, bytes of UTF-8.
@@ -106,14 +107,42 @@ pub enum DriveKind {
     PulseServo,
 }
 
+/// Belt or gearbox between a motor and its crank: turns of both that belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Transmission {
+    /// Turns of the motor, 1 to [`Self::MAX_TURNS`].
+    pub motor_turns: u32,
+    /// Turns of the crank in that time, 1 to [`Self::MAX_TURNS`].
+    pub crank_turns: u32,
+}
+
+impl Transmission {
+    /// Motor on the crank's own shaft.
+    pub const DIRECT: Self = Self {
+        motor_turns: 1,
+        crank_turns: 1,
+    };
+    /// Largest number of either turns.
+    pub const MAX_TURNS: u32 = 1000;
+
+    /// Turns of the motor per turn of the crank. Speeds and positions of the motor are this multiple of the crank's, and torques of the
+    /// crank this multiple of the motor's.
+    pub fn ratio(&self) -> f64 {
+        f64::from(self.motor_turns) / f64::from(self.crank_turns)
+    }
+}
+
 /// One motor and its crank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisSettings {
     /// Kind of drive.
     pub drive: DriveKind,
-    /// Steps (or encoder counts) per turn of the crank, 4 to 65,536.
+    /// Steps (or encoder counts) per turn of the motor, 4 to [`StepsPerTurn::MAX`]. Per turn of the crank there may be as many, too.
     pub steps_per_turn: u32,
+    /// Belt or gearbox from the motor to the crank.
+    pub gear: Transmission,
     /// True if the crank turns in the opposite sense of axis 0.
     pub reversed: bool,
     /// Follower of the crank: its relation to the master.
@@ -126,7 +155,7 @@ pub struct AxisSettings {
     pub index_width_turns: f64,
     /// Delay from the edge of the flag to that of the line, seconds, 0 to 1 ms.
     pub index_delay_s: f64,
-    /// True if the encoder of the motor is read, with `steps_per_turn` counts per turn of the crank.
+    /// True if the encoder of the motor is read, with `steps_per_turn` counts per turn of the motor.
     pub encoder: bool,
     /// Steps of one electrical cycle of the stepper; 0 if the axis has none.
     pub cycle_steps: u32,
@@ -134,8 +163,22 @@ pub struct AxisSettings {
     pub trim_limit_turns: f64,
     /// Rate at which the trim changes, turns/s, above 0, up to 1.
     pub trim_rate_hz: f64,
-    /// Inertia of the rotor and of all parts that turn with it, kg·m², 0 to 10.
+    /// Inertia of the rotor and of all parts that turn with the motor, kg·m², 0 to 1000.
     pub rotor_inertia_kgm2: f64,
+}
+
+impl AxisSettings {
+    /// Steps, or encoder counts, per turn of the crank.
+    pub const fn steps_per_crank_turn(&self) -> StepsPerTurn {
+        let gear = (self.gear.motor_turns, self.gear.crank_turns);
+        StepsPerTurn::geared(self.steps_per_turn, gear)
+    }
+
+    /// Electrical cycle of a stepper, turns of the crank; 0 if the axis has none.
+    pub fn cycle_turns(&self) -> f64 {
+        let cycle_steps = f64::from(self.cycle_steps);
+        self.steps_per_crank_turn().turns_of(cycle_steps)
+    }
 }
 
 /// Limits on the spatial modes of the measured phase errors.

@@ -15,6 +15,7 @@ pub(crate) const LEVEL: SegmentSettings = SegmentSettings {
 const AXIS: AxisSettings = AxisSettings {
     drive: DriveKind::Stepper,
     steps_per_turn: 3200,
+    gear: Transmission::DIRECT,
     reversed: false,
     follower: FollowerSettings::DIRECT,
     offset_turns: 0.0,

@@ -17,7 +17,7 @@ use cophase_core::settings::Settings;
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
     IndexSettings, LimitSettings, MAX_BANDS, MachineSettings, NAME_BYTES, Platform,
-    PlatformSettings, PulseSettings, WiringSettings, short_name,
+    PlatformSettings, PulseSettings, Transmission, WiringSettings, short_name,
 };
 use cophase_core::units::MAX_AXES;
 use cophase_link::board::{Board, Rp2040};
@@ -63,6 +63,7 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
             .map(|i| AxisSettings {
                 drive: [DriveKind::Stepper, DriveKind::Servo][i % 2],
                 steps_per_turn: 3200,
+                gear: Transmission::DIRECT,
                 reversed: i % 2 == 1,
                 follower: FollowerSettings::DIRECT,
                 offset_turns: 0.1,
@@ -119,6 +120,10 @@ pub fn longest() -> Settings {
     for axis in &mut longest.axes {
         axis.steps_per_turn = u32::MAX;
         axis.cycle_steps = u32::MAX;
+        axis.gear = Transmission {
+            motor_turns: u32::MAX,
+            crank_turns: u32::MAX,
+        };
         axis.follower = FollowerSettings::gear((u32::MAX, u32::MAX));
     }
     longest

@@ -10,6 +10,7 @@ mod run;
 mod runs;
 mod sharing;
 mod step_rate;
+mod steps_per_turn;
 mod timing;
 
 pub use planner::{Place, Planner};
@@ -17,6 +18,7 @@ pub use run::Run;
 pub use runs::{MAX_RUNS, Runs};
 pub use sharing::Sharing;
 pub use step_rate::StepRates;
+pub use steps_per_turn::StepsPerTurn;
 pub use timing::PulseTiming;
 
 /// Greatest number of edges in a tick of a stepper axis; checked settings stay within it.

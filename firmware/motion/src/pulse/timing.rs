@@ -76,7 +76,7 @@ impl PulseTiming {
         by_width.min(by_edges)
     }
 
-    /// Checks that a stepper axis can make its steps at its greatest speed, `axis_speed_hz` in rev/s.
+    /// Checks that the steps of a motor can be made at its greatest speed, `motor_speed_hz` in rev/s.
     ///
     /// # Errors
     /// The step rate exceeds the limit set by the pulse width or by the [`MAX_EDGES`] of a tick.
@@ -84,16 +84,16 @@ impl PulseTiming {
     pub fn check_rate(
         &self,
         steps_per_turn: u32,
-        axis_speed_hz: f64,
+        motor_speed_hz: f64,
         tick_hz: u32,
     ) -> Result<(), SettingsError> {
-        let rate_hz = axis_speed_hz * f64::from(steps_per_turn);
+        let rate_hz = motor_speed_hz * f64::from(steps_per_turn);
         let most_hz = self.most_step_hz(tick_hz);
         if rate_hz > most_hz {
             return Err(SettingsError::new(
                 "axes.steps_per_turn",
                 Problem::StepRate {
-                    speed_hz: axis_speed_hz,
+                    speed_hz: motor_speed_hz,
                     rate_hz,
                     most_hz,
                     edges: MAX_EDGES,
@@ -103,26 +103,26 @@ impl PulseTiming {
         Ok(())
     }
 
-    /// Checks that 64 bits hold the counts of a tick, for a servo axis: it is counted and makes no pulses.
+    /// Checks that 64 bits hold the counts of a tick, for the motor of a servo axis: it is counted and makes no pulses.
     ///
     /// # Errors
-    /// `axis_speed_hz`, in rev/s, would give more than 8192 counts a tick.
+    /// `motor_speed_hz`, in rev/s, would give more than 8192 counts a tick.
     #[cold]
     pub fn check_counts(
         steps_per_turn: u32,
-        axis_speed_hz: f64,
+        motor_speed_hz: f64,
         tick_hz: u32,
     ) -> Result<(), SettingsError> {
-        let rate_hz = axis_speed_hz * f64::from(steps_per_turn);
+        let rate_hz = motor_speed_hz * f64::from(steps_per_turn);
         let most_hz = MOST_COUNTS * f64::from(tick_hz);
         if rate_hz > most_hz {
             return Err(SettingsError::new(
                 "axes.steps_per_turn",
                 Problem::CountRate {
-                    speed_hz: axis_speed_hz,
+                    speed_hz: motor_speed_hz,
                     rate_hz,
                     most_hz,
-                    most_steps: (most_hz / axis_speed_hz) as u32,
+                    most_steps: (most_hz / motor_speed_hz) as u32,
                 },
             ));
         }

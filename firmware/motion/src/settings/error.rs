@@ -34,7 +34,7 @@ pub enum Problem {
     )]
     RampTooLong { ramp_s: f64, turns: f64 },
     #[error(
-        "at {speed_hz:.2} rev/s an axis would have {rate_hz:.0} counts/s; at most {most_hz:.0} counts/s can be counted at \
+        "at {speed_hz:.2} rev/s a motor would have {rate_hz:.0} counts/s; at most {most_hz:.0} counts/s can be counted at \
          this tick rate; give at most {most_steps} counts a turn, a lower limits.speed_hz, or a higher control.tick_hz"
     )]
     CountRate {
@@ -60,7 +60,7 @@ pub enum Problem {
     )]
     BandCoversTop(f64, f64),
     #[error(
-        "at {speed_hz:.2} rev/s an axis would need {rate_hz:.0} steps/s; at most {most_hz:.0} steps/s leave the pulse its width and fit the {edges} edges of a tick; give at most {} steps a turn, a lower limits.speed_hz, or a shorter pulse.width_ns", (*most_hz / *speed_hz) as u32
+        "at {speed_hz:.2} rev/s a motor would need {rate_hz:.0} steps/s; at most {most_hz:.0} steps/s leave the pulse its width and fit the {edges} edges of a tick; give at most {} steps a turn, a lower limits.speed_hz, or a shorter pulse.width_ns", (*most_hz / *speed_hz) as u32
     )]
     StepRate {
         speed_hz: f64,

@@ -3,15 +3,17 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use cophase_core::settings::Transmission;
+use host_sim::design::OutOfRange;
 use host_sim::design::STANDARD_GRAVITY_MPS2;
-use host_sim::design::platform::{Design, Requirement, design, write_page};
+use host_sim::design::platform::{Design, MotorChoice, Requirement, design, write_page};
 use host_sim::mechanism::Mechanism;
 use host_sim::operating_range::OperatingRange;
 use host_sim::scene::load::checked_from_text;
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};
-use crate::numbers::number;
+use crate::numbers::{number, whole};
 use crate::output::write_file;
 
 /// Requirement of a vibration platform.
@@ -40,6 +42,15 @@ pub struct PlatformArgs {
     #[arg(long, value_name = "G", allow_hyphen_values = true, value_parser = number,
           default_value_t = STANDARD_GRAVITY_MPS2)]
     pub gravity: f64,
+    /// Belt or gearbox: turns of the motor and of the crank that belong together, such as 57:11
+    #[arg(long, value_name = "M:C", value_parser = gear, default_value = "1:1")]
+    pub gear: Transmission,
+    /// Steps, or counts, per turn of the motor: 4 to 1,048,576
+    #[arg(long, value_name = "S", value_parser = whole::<u32>(4..=1_048_576), default_value_t = 3200)]
+    pub steps_per_turn: u32,
+    /// Inertia of the motor, kg·m²: above 0, up to 1000
+    #[arg(long, value_name = "J", allow_hyphen_values = true, value_parser = number)]
+    pub rotor_inertia_kgm2: Option<f64>,
     /// Draw required and available torque, amplitude and step rate over speed into this file, too
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
@@ -48,6 +59,30 @@ pub struct PlatformArgs {
 /// Parses a number of motors. Its range is checked later, with all other inputs.
 fn count(text: &str) -> Result<u32, &'static str> {
     text.parse().map_err(|_| "must be a whole number; try 4")
+}
+
+/// Parses `M:C`.
+fn gear(text: &str) -> Result<Transmission, &'static str> {
+    let turns = |part: &str| part.trim().parse::<u32>().ok();
+    let pair = text
+        .split_once(':')
+        .and_then(|(motor, crank)| Some((turns(motor)?, turns(crank)?)));
+    let (motor_turns, crank_turns) =
+        pair.ok_or("give turns of the motor and of the crank, such as 57:11")?;
+    Ok(Transmission {
+        motor_turns,
+        crank_turns,
+    })
+}
+
+impl From<&PlatformArgs> for MotorChoice {
+    fn from(args: &PlatformArgs) -> Self {
+        Self {
+            gear: args.gear,
+            steps_per_turn: args.steps_per_turn,
+            rotor_inertia_kgm2: args.rotor_inertia_kgm2,
+        }
+    }
 }
 
 impl From<&PlatformArgs> for Requirement {
@@ -78,11 +113,17 @@ struct Figures {
     motor_torque_with_safety_nm: f64,
     /// Platform above, all motors together.
     peak_power_w: f64,
+    /// Figures of the motor behind its gear.
+    step_rate_max_hz: f64,
+    electrical_cycle_deg: f64,
+    torque_required_nm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    inertia_ratio: Option<f64>,
     warnings: Vec<String>,
 }
 
-impl From<&Design> for Figures {
-    fn from(design: &Design) -> Self {
+impl Figures {
+    fn new(design: &Design, motor: &MotorChoice) -> Self {
         let warnings = design.warnings();
         Self {
             gravity_mps2: design.requirement.gravity_mps2,
@@ -94,14 +135,18 @@ impl From<&Design> for Figures {
             motor_torque_nm: design.motor_torque_nm(),
             motor_torque_with_safety_nm: design.motor_torque_with_safety_nm(),
             peak_power_w: design.peak_power_w(),
+            step_rate_max_hz: motor.step_rate_hz(design),
+            electrical_cycle_deg: motor.electrical_cycle_deg(),
+            torque_required_nm: motor.torque_nm(design),
+            inertia_ratio: motor.inertia_ratio(design),
             warnings: warnings.iter().map(ToString::to_string).collect(),
         }
     }
 }
 
 /// Operating range of a design, as SVG text: that of its scene.
-fn picture(design: &Design) -> Result<String, DesignCommandError> {
-    let scene = design.scene().map_err(|error| {
+fn picture(design: &Design, motor: &MotorChoice) -> Result<String, DesignCommandError> {
+    let scene = design.scene(motor).map_err(|error| {
         DesignCommandError::Input(format!(
             "--svg: the picture is that of the design's scene. {error}"
         ))
@@ -129,16 +174,23 @@ pub(super) fn run(
     out: &mut impl Write,
 ) -> Result<(), DesignCommandError> {
     let found = design(&args.into()).map_err(DesignCommandError::input)?;
+    let motor = MotorChoice::from(args);
+    let wrong = motor.out_of_range();
+    if !wrong.is_empty() {
+        return Err(DesignCommandError::Input(
+            OutOfRange::lines(&wrong).to_string(),
+        ));
+    }
     let scene = match print {
-        Print::Scene => Some(found.scene().map_err(DesignCommandError::input)?),
+        Print::Scene => Some(found.scene(&motor).map_err(DesignCommandError::input)?),
         Print::Page | Print::Json => None,
     };
     if let Some(file) = &args.svg {
-        write_file("--svg", file, picture(&found)?.as_bytes())?;
+        write_file("--svg", file, picture(&found, &motor)?.as_bytes())?;
     }
     match (print, scene) {
         (_, Some(scene)) => Ok(out.write_all(scene.as_bytes())?),
-        (Print::Json, None) => write_json(&Figures::from(&found), out),
-        (_, None) => Ok(write_page(&found, out)?),
+        (Print::Json, None) => write_json(&Figures::new(&found, &motor), out),
+        (_, None) => Ok(write_page(&found, &motor, out)?),
     }
 }

@@ -100,11 +100,11 @@ fn invalid_common_axis_keys_are_refused() {
             "a list of two numbers",
         ),
         key(
-            "ratio too fast",
+            "ratio under a platform",
             "axes.ratio",
-            "[1000, 1]",
-            "turns a tick",
-            "lower limits.speed_hz or the ratio",
+            "[36, 20]",
+            "the cranks of one platform make the master's own turns",
+            "gear = [motor turns, crank turns]",
         ),
         key(
             "offset past a turn",
@@ -301,6 +301,27 @@ fn invalid_keys_of_one_axis_are_refused() {
             "axis[1].ratio",
             "numerator 0 is outside",
             "1 to 1000",
+        ),
+        own(
+            "own gear of three",
+            "gear = [1, 1, 1]",
+            "axis[1].gear",
+            "has 3 in it",
+            "a list of two numbers",
+        ),
+        own(
+            "own gear of nothing",
+            "gear = [0, 1]",
+            "axis[1].gear",
+            "[0, 1] is not [motor turns, crank turns]",
+            "1 to 1000",
+        ),
+        own(
+            "own gear with too many steps",
+            "gear = [1000, 1]",
+            "axis[1].gear",
+            "steps per turn of the crank, outside 4 to 1048576",
+            "change axes.steps_per_turn",
         ),
         case(
             "a list of the common ones",

@@ -69,7 +69,8 @@ fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, beyond_limi
     match fault.kind {
         FaultName::LostSteps => {
             let cycles = fault.cycles.unwrap_or(1).unsigned_abs() as f64;
-            cycles * 4.0 / f64::from(scene.axes.full_steps_per_turn)
+            let motor_turns = scene.gear(fault.axis.unwrap_or_default()).ratio();
+            cycles * 4.0 / f64::from(scene.axes.full_steps_per_turn) / motor_turns
         }
         FaultName::Slip => {
             let rate = fault.rate_deg_per_s.unwrap_or_default().abs() / 360.0;
@@ -99,7 +100,7 @@ fn lag_turns(scene: &Scene) -> f64 {
     let servo = axes.servo.filter(|_| axes.drive != Drive::Stepper);
     match servo.and_then(|servo| servo.following_error_deg) {
         Some(window_deg) => 2.0 * window_deg / 360.0,
-        None => 2.0 / f64::from(axes.full_steps_per_turn),
+        None => 2.0 / f64::from(axes.full_steps_per_turn) / scene.gear(0).ratio(),
     }
 }
 

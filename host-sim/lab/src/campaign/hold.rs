@@ -67,7 +67,7 @@ impl Hold {
 /// Largest growth of the tilt that is allowed, mrad. It is the tilt of one crank that is off by the sum of three parts: two steps, the
 /// angle by which its rotor may settle in its field where torque moves it, and the travel that the fault causes at rest, from `rest_s` on.
 pub fn allowed_mrad(scene: &Scene, geometry: &Geometry, rest_s: f64) -> f64 {
-    let steps_turns = 2.0 / f64::from(scene.axes.steps_per_turn);
+    let steps_turns = 2.0 / scene.steps_per_crank_turn(0);
     let settling_turns = bound::torque_turns(scene);
     let fault_turns = scene
         .fault
@@ -96,7 +96,8 @@ fn at_rest_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, rest_s: f6
         // steps, at most.
         FaultName::Stuck if scene.drive(axis) == Drive::Stepper => {
             let is_let_go = left_s.is_some_and(|left_s| left_s > 0.0);
-            let pole_turns = 2.0 / f64::from(scene.axes.full_steps_per_turn);
+            let motor_turns = scene.gear(axis).ratio();
+            let pole_turns = 2.0 / f64::from(scene.axes.full_steps_per_turn) / motor_turns;
             return if is_let_go { pole_turns } else { 0.0 };
         }
         _ => return 0.0,

@@ -162,11 +162,11 @@ const CORRECTION_STEPS: f64 = 2.0;
 const ROUNDING_TURNS: f64 = 1e-9;
 
 impl<'a> Responses<'a> {
-    /// Observer of a run at power-up. `steps_per_turn` is that of its axes.
-    pub fn new(steps_per_turn: u32) -> Self {
+    /// Observer of a run at power-up. Its axes make `steps_per_turn` of the crank.
+    pub fn new(steps_per_turn: f64) -> Self {
         Self {
             twin: None,
-            least_turns: CORRECTION_STEPS / f64::from(steps_per_turn),
+            least_turns: CORRECTION_STEPS / steps_per_turn,
             speed: 0,
             acceleration: 0,
             were_enabled: false,
@@ -364,7 +364,7 @@ mod tests {
     fn stop_reported(speeds: &[i64], at: usize, twin: &[i64], done: usize) -> Option<u64> {
         let ticks = twin.iter().copied().map(outputs).collect();
         let twin = Twin { ticks };
-        let mut responses = Responses::new(3200);
+        let mut responses = Responses::new(3200.0);
         responses.twin = Some(&twin);
         for (tick, &speed) in speeds.iter().enumerate() {
             let mut outputs = outputs(speed);
@@ -425,7 +425,7 @@ mod tests {
             let mut ticks = vec![outputs(5); 4];
             ticks[3].drives_enabled = twin_stays;
             let twin = Twin { ticks };
-            let mut responses = Responses::new(3200);
+            let mut responses = Responses::new(3200.0);
             responses.twin = Some(&twin);
             for tick in 0..4 {
                 let mut outputs = outputs(5);
@@ -453,7 +453,7 @@ mod tests {
                 ticks: vec![with(twin_turns); 5],
             };
             let errors = [0.25, 0.25 + error_turns];
-            let mut responses = Responses::new(1000);
+            let mut responses = Responses::new(1000.0);
             responses.twin = Some(&twin);
             for (tick, offset) in offsets.into_iter().enumerate() {
                 responses.take(tick, &with(offset), &now(tick, false, &errors));

@@ -180,7 +180,7 @@ impl<'a> Watch<'a> {
                 ..Observation::default()
             },
             truth: Truth::new(checked),
-            responses: Responses::new(scene.axes.steps_per_turn),
+            responses: Responses::new(scene.steps_per_crank_turn(0)),
             stops_itself: !scene.command.is_empty() || !scene.input.is_empty(),
             tick_hz: nearest(1.0 / tick_s) as u32,
             were_enabled: false,

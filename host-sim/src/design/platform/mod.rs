@@ -7,12 +7,14 @@
 //! The method considers only the mass of the load. A safety factor on the torque covers platform, rods,
 //! cranks, friction and motor inertia, as in the source. Nothing here estimates them.
 
+mod motor;
 mod report;
 mod requirement;
 mod scene;
 mod steps;
 mod warning;
 
+pub use motor::MotorChoice;
 pub use report::write_page;
 pub use requirement::Requirement;
 pub use steps::{Design, DesignError, design};

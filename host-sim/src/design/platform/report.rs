@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::motor::MotorChoice;
 use super::steps::Design;
 use crate::design::digits::{degrees, four, percent, plain};
 use crate::mechanism::Mechanism;
@@ -20,7 +21,7 @@ const LEAST_AMAX_G: f64 = 10.0;
 ///
 /// # Errors
 /// `out` cannot be written to.
-pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
+pub fn write_page(design: &Design, motor: &MotorChoice, out: &mut impl Write) -> io::Result<()> {
     let motors = design.requirement.motors;
     writeln!(out, "Vibration platform on {motors} slider-cranks")?;
     writeln!(out)?;
@@ -29,6 +30,8 @@ pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
     write_comparison(design, out)?;
     writeln!(out)?;
     write_control(design, out)?;
+    writeln!(out)?;
+    write_motor(design, motor, out)?;
     writeln!(out)?;
     for warning in design.warnings() {
         write_wrapped(&warning.to_string(), "!  ", out)?;
@@ -193,6 +196,40 @@ fn write_control(design: &Design, out: &mut impl Write) -> io::Result<()> {
         "   {FULL_STEP_DEG} deg (one full step) between two cranks: one side up to {} mm higher",
         four(1e3 * mismatch.value)
     )
+}
+
+/// Writes the figures of the motor behind its gear, which are no step of the source.
+fn write_motor(design: &Design, motor: &MotorChoice, out: &mut impl Write) -> io::Result<()> {
+    let gear = motor.gear;
+    writeln!(
+        out,
+        "   motor: {} turn{} to {} of the crank, {} steps per turn",
+        gear.motor_turns,
+        if gear.motor_turns == 1 { "" } else { "s" },
+        gear.crank_turns,
+        motor.steps_per_turn
+    )?;
+    let rows = [
+        ("   step rate, steps/s", four(motor.step_rate_hz(design))),
+        (
+            "   electrical cycle at the crank, deg",
+            four(motor.electrical_cycle_deg()),
+        ),
+        (
+            "   required torque with safety, N·m",
+            four(motor.torque_nm(design)),
+        ),
+        (
+            "   inertia ratio, load over motor",
+            motor
+                .inertia_ratio(design)
+                .map_or_else(|| "give --rotor-inertia-kgm2".to_owned(), four),
+        ),
+    ];
+    for (name, value) in rows {
+        writeln!(out, "{name:<40}{value}")?;
+    }
+    Ok(())
 }
 
 /// Writes `text` in lines of at most [`WIDTH`] columns. The first begins with `lead`, and the others

@@ -5,6 +5,7 @@
 
 use core::f64::consts::TAU;
 
+use super::motor::MotorChoice;
 use super::steps::Design;
 use super::warning::Warning;
 use crate::design::STANDARD_GRAVITY_MPS2;
@@ -31,12 +32,12 @@ impl Design {
     ///
     /// # Errors
     /// A scene cannot have the design's values.
-    pub fn scene(&self) -> Result<String, NotRunnable> {
+    pub fn scene(&self, motor: &MotorChoice) -> Result<String, NotRunnable> {
         let text = [
-            self.heading(),
+            self.heading(motor),
             self.machine(),
             self.limits(),
-            self.motors(),
+            self.motors(motor),
             self.program(),
         ];
         checked(text.concat())
@@ -53,10 +54,10 @@ impl Design {
         self.warnings().iter().any(is_about_steppers)
     }
 
-    fn heading(&self) -> String {
+    fn heading(&self, motor: &MotorChoice) -> String {
         let required = &self.requirement;
-        let command = format!(
-            "# cophase design --load-kg {} --amax-g {} --freq-hz {} --lambda {} --motors {} --safety {} --gravity {} --scene\n",
+        let mut command = format!(
+            "# cophase design --load-kg {} --amax-g {} --freq-hz {} --lambda {} --motors {} --safety {} --gravity {}",
             required.load_kg,
             required.amax_g,
             required.freq_hz,
@@ -65,6 +66,18 @@ impl Design {
             required.safety,
             required.gravity_mps2,
         );
+        let usual = MotorChoice::default();
+        if motor.gear != usual.gear {
+            let gear = motor.gear;
+            command += &format!(" --gear {}:{}", gear.motor_turns, gear.crank_turns);
+        }
+        if motor.steps_per_turn != usual.steps_per_turn {
+            command += &format!(" --steps-per-turn {}", motor.steps_per_turn);
+        }
+        if let Some(kgm2) = motor.rotor_inertia_kgm2 {
+            command += &format!(" --rotor-inertia-kgm2 {kgm2}");
+        }
+        command += " --scene\n";
         let warnings = self.warnings();
         let warnings: String = warnings
             .iter()
@@ -128,20 +141,36 @@ impl Design {
         )
     }
 
-    fn motors(&self) -> String {
+    fn motors(&self, motor: &MotorChoice) -> String {
         let required = &self.requirement;
-        let torque = number(self.motor_torque_with_safety_nm());
-        let common = format!(
-            "\n[axes]\ncount = {}\nsteps_per_turn = 3200       # assumed\n",
-            required.motors
+        let usual = MotorChoice::default();
+        let torque = number(motor.torque_nm(self));
+        let ratio = motor.gear.ratio();
+        let assumed = |is_assumed: bool| if is_assumed { "       # assumed" } else { "" };
+        let mut common = format!(
+            "\n[axes]\ncount = {}\nsteps_per_turn = {}{}\n",
+            required.motors,
+            motor.steps_per_turn,
+            assumed(motor.steps_per_turn == usual.steps_per_turn),
         );
+        if motor.gear != usual.gear {
+            common += &format!(
+                "gear = [{}, {}]             # turns of the motor, turns of the crank\n",
+                motor.gear.motor_turns, motor.gear.crank_turns
+            );
+        }
         if self.needs_servos() {
-            let velocity_gain_nms = self.motor_torque_nm() / (RIPPLE * self.speed_rad_s());
-            let inertia = digits(velocity_gain_nms / BANDWIDTH_RAD_S);
+            // At the motor, torque is divided by the gear's ratio, and speed is multiplied.
+            let velocity_gain_nms =
+                self.motor_torque_nm() / (RIPPLE * self.speed_rad_s() * ratio * ratio);
+            let inertia = motor.rotor_inertia_kgm2.map_or_else(
+                || digits(velocity_gain_nms / BANDWIDTH_RAD_S) + "  # assumed",
+                number,
+            );
             let gain = digits(velocity_gain_nms);
             format!(
                 "{common}drive = \"pulse-servo\"       # steppers end below this speed or power\n\
-                 rotor_inertia_kgm2 = {inertia}  # assumed\n\
+                 rotor_inertia_kgm2 = {inertia}\n\
                  \n[axes.servo]\n\
                  limit_nm = {torque}         # the design's torque with safety {}\n\
                  position_gain_per_s = {POSITION_GAIN_PER_S}     # assumed\n\
@@ -149,9 +178,13 @@ impl Design {
                 required.safety
             )
         } else {
-            let limit_hz = number(self.speed_limit_hz());
+            let limit_hz = number(self.speed_limit_hz() * ratio);
+            let inertia = motor.rotor_inertia_kgm2;
+            let inertia = inertia.map_or_else(String::new, |kgm2| {
+                format!("rotor_inertia_kgm2 = {}\n", number(kgm2))
+            });
             format!(
-                "{common}drive = \"stepper\"\n\
+                "{common}drive = \"stepper\"\n{inertia}\
                  # [speed_hz, torque_nm]: the design's torque with safety {}; put your motor's curve there\n\
                  pull_out = [[0, {torque}], [{limit_hz}, {torque}]]\n",
                 required.safety

@@ -7,6 +7,7 @@ use cophase_methods::problems::crusher::{Jaw, Linkage, Load, Shape};
 use serde::{Deserialize, Serialize};
 
 use super::Crusher;
+use crate::machine::AtCrank;
 use crate::plant::{Made, Table};
 use crate::scene::{Scene, SceneError, in_range};
 
@@ -91,7 +92,7 @@ impl CrusherTable {
             force_m: self.force_mm / 1e3,
         };
         self.check_turns()?;
-        let motor = scene.axes.induction;
+        let motor = AtCrank::new(scene, 0);
         Ok(Crusher {
             linkage,
             jaw: Jaw {
@@ -101,10 +102,11 @@ impl CrusherTable {
             },
             load: Load::new(self.rock.shape(), 1e3 * self.rock_kn, &linkage),
             fed_rad: from * TAU..to * TAU,
-            flywheel_kgm2: scene.axes.rotor_inertia_kgm2,
+            flywheel_kgm2: motor.rotor_inertia_kgm2,
             motor_nm: motor
+                .induction
                 .map(|motor| motor.breakdown_ratio * motor.rated_nm)
-                .or(scene.axes.servo.and_then(|servo| servo.limit_nm)),
+                .or(motor.servo.and_then(|servo| servo.limit_nm)),
         })
     }
 

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::Arm;
 use super::path::{NoTable, Path};
 use crate::design::STANDARD_GRAVITY_MPS2;
+use crate::machine::AtCrank;
 use crate::mechanism::five_bar::{FiveBar, Unreachable};
 use crate::plant::{Made, Table};
 use crate::scene::file::{AxisOverrides, CamTable};
@@ -289,7 +290,9 @@ impl FiveBarTable {
                 below_m,
             },
         };
-        let limit_nm = scene.axes.servo.and_then(|servo| servo.limit_nm);
+        let limits_nm =
+            (0..scene.axes.count).filter_map(|i| AtCrank::new(scene, i).servo?.limit_nm);
+        let limit_nm = limits_nm.reduce(f64::min);
         Arm {
             arm: FiveBarArm {
                 rods: [0, 1, 2, 3].map(|i| Rod {

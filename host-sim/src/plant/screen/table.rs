@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{Screen, Sufficient};
+use crate::machine::{AtCrank, PullOut};
 use crate::plant::{Made, Table};
 use crate::scene::file::Band;
 use crate::scene::{Scene, SceneError, in_range};
@@ -91,13 +92,18 @@ impl ScreenTable {
             common_limit_turns: scene.drift.common_limit_deg / 360.0,
             sufficient: Sufficient::default(),
         };
-        let pull_out = crate::machine::PullOut::new(&axes.pull_out)?;
+        PullOut::new(&axes.pull_out)?;
+        let motors: Vec<_> = (0..axes.count).map(|i| AtCrank::new(scene, i)).collect();
+        // The weakest counts.
         let motor_nm = |speed_hz: f64| {
-            if axes.pull_out.is_empty() {
-                axes.servo.and_then(|servo| servo.limit_nm)
-            } else {
-                Some(pull_out.torque_nm(speed_hz))
-            }
+            let torque_nm = |motor: &AtCrank| {
+                if axes.pull_out.is_empty() {
+                    motor.servo?.limit_nm
+                } else {
+                    Some(motor.pull_out.torque_nm(speed_hz))
+                }
+            };
+            motors.iter().filter_map(torque_nm).reduce(f64::min)
         };
         let needed = screen.resonances().into_iter().map(|resonance| Sufficient {
             enough_nm: resonance.enough_nm,

@@ -62,10 +62,14 @@ pub fn plant(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneErr
         MachineSettings::Platform(platform) => (lever_m(platform), platform.load_kg),
     };
     let share_kg = load_kg / axes.count as f64;
+    // In terms of the motors, the load of a crank is divided by the squared turns of its motor per crank turn.
+    let gears = (0..axes.count).map(|number| scene.gear(number).ratio());
+    let least_turns = gears.fold(f64::INFINITY, f64::min);
+    let load_kgm2 = share_kg * (lever_m / least_turns) * (lever_m / least_turns);
     Ok(Plant {
         servo,
         least_kgm2: axes.rotor_inertia_kgm2,
-        most_kgm2: axes.rotor_inertia_kgm2 + share_kg * lever_m * lever_m,
+        most_kgm2: axes.rotor_inertia_kgm2 + load_kgm2,
         tick_hz: f64::from(scene.control.tick_hz),
     })
 }

@@ -38,6 +38,7 @@ impl Checked {
     /// First error, with its key and the fix. It has no origin yet.
     pub fn new(mut scene: Scene) -> Result<Self, SceneError> {
         faults::fill(&mut scene);
+        numbers::check_gears(&scene)?;
         if let Some(table) = scene.plant_table() {
             table.fill(&mut scene)?;
         }

@@ -1,6 +1,6 @@
 //! Checks of a scene's values that the core does not have, or has in another form.
 
-use cophase_core::settings::{MAX_BANDS, Problem};
+use cophase_core::settings::{MAX_BANDS, Problem, Transmission};
 
 use crate::fidelity::Output;
 use crate::machine::MOST_STEPS;
@@ -57,6 +57,27 @@ pub(super) fn check_overrides(
         key("drive_steps_per_turn"),
         "is a drive's own count of pulses for a turn of its crank, and this axis has no such drive; leave it out",
     ))
+}
+
+/// Checks belts and gearboxes alone, as the models of all machines divide by them.
+pub(super) fn check_gears(scene: &Scene) -> Result<(), SceneError> {
+    let own = scene.axis.iter().enumerate();
+    let own = own.filter_map(|(entry, own)| Some((format!("axis[{entry}].gear"), own.gear?)));
+    for (key, gear) in std::iter::once(("axes.gear".to_owned(), scene.axes.gear)).chain(own) {
+        let most = Transmission::MAX_TURNS;
+        if [gear.0, gear.1]
+            .iter()
+            .any(|turns| !(1..=most).contains(turns))
+        {
+            let problem = format!(
+                "[{}, {}] is not [motor turns, crank turns] of 1 to {most} each; a belt from 57 teeth on the crank to 11 on the motor is \
+                 [57, 11]",
+                gear.0, gear.1
+            );
+            return Err(SceneError::at(key, problem));
+        }
+    }
+    Ok(())
 }
 
 /// Checks values of machines in which torque moves the cranks.
@@ -287,13 +308,9 @@ pub(super) fn check_steppers(scene: &Scene) -> Result<(), SceneError> {
     if axes.pull_out.is_empty() {
         return Ok(());
     }
-    let steps_per_turn = |number: usize| {
-        let own = scene.overrides(number).and_then(|own| own.steps_per_turn);
-        own.unwrap_or(axes.steps_per_turn)
-    };
     let mut steps = (0..axes.count)
         .filter(|&number| is_stepper(number))
-        .map(steps_per_turn);
+        .map(|number| scene.steps_per_turn(number));
     match steps.find(|steps| steps % axes.full_steps_per_turn != 0) {
         Some(steps) => Err(SceneError::at(
             "axes.steps_per_turn",

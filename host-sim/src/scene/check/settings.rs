@@ -86,12 +86,11 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
         Drive::Servo => DriveKind::Servo,
         Drive::PulseServo | Drive::Induction => DriveKind::PulseServo,
     };
-    let steps_per_turn = overrides
-        .and_then(|a| a.steps_per_turn)
-        .unwrap_or(axes.steps_per_turn);
+    let steps_per_turn = scene.steps_per_turn(number);
     AxisSettings {
         drive,
         steps_per_turn,
+        gear: scene.gear(number),
         reversed: overrides.is_some_and(|a| a.reversed),
         follower: cam_table::follower(
             scene,

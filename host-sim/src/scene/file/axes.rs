@@ -12,8 +12,11 @@ pub struct Axes {
     pub count: usize,
     /// Drive of the axes.
     pub drive: Drive,
-    /// Steps per turn of the crank; for a servo drive, the counts that it expects.
+    /// Steps per turn of the motor; for a servo drive, the counts that it expects.
     pub steps_per_turn: u32,
+    /// Belt or gearbox between motor and crank, as `[motor turns, crank turns]`.
+    #[serde(default = "one_to_one", deserialize_with = "pair")]
+    pub gear: (u32, u32),
     /// Full steps per turn of the motor; a stepper slips by four of them.
     #[serde(default = "default_full_steps")]
     pub full_steps_per_turn: u32,
@@ -35,7 +38,7 @@ pub struct Axes {
     /// Delay from the flag's edge to that of the line, µs.
     #[serde(default)]
     pub index_delay_us: f64,
-    /// True if the motors have encoders, with `steps_per_turn` counts per turn.
+    /// True if the motors have encoders, with `steps_per_turn` counts per turn of the motor.
     #[serde(default)]
     pub encoder: bool,
     /// True if a brake holds the cranks while the drives are off.
@@ -47,16 +50,16 @@ pub struct Axes {
     /// Speed at which trim changes, degrees/s.
     #[serde(default = "default_trim_rate")]
     pub trim_rate_deg_per_s: f64,
-    /// Inertia of rotor and crank, kg·m².
+    /// Inertia of what turns with the motor, kg·m²; without a gear, rotor and crank.
     #[serde(default)]
     pub rotor_inertia_kgm2: f64,
-    /// Friction torque of each motor, N·m.
+    /// Friction torque at each crank, N·m.
     #[serde(default)]
     pub friction_nm: f64,
-    /// Damping of a stepper's drive, N·m·s/rad.
+    /// Damping of a stepper's drive, N·m·s/rad, of the motor.
     #[serde(default)]
     pub damping_nms: f64,
-    /// Pull-out torque of a stepper as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
+    /// Pull-out torque of a stepper, of the motor, as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
     #[serde(
         default,
         deserialize_with = "pairs",
@@ -93,13 +96,13 @@ pub struct ServoDrive {
     pub following_error_deg: Option<f64>,
 }
 
-/// Induction motor on a frequency converter that takes pulses. Torques and speeds are those of the crank, behind the belt.
+/// Induction motor on a frequency converter that takes pulses. Torques and speeds are those of the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct InductionDrive {
     /// Rated torque, N·m.
     pub rated_nm: f64,
-    /// Slip at the rated torque, rev/s: the synchronous speed minus the speed of the crank.
+    /// Slip at the rated torque, rev/s: the synchronous speed minus the speed of the motor.
     pub rated_slip_hz: f64,
     /// Breakdown torque over rated torque.
     pub breakdown_ratio: f64,
@@ -152,6 +155,13 @@ pub struct AxisOverrides {
         deserialize_with = "some_pair",
         skip_serializing_if = "Option::is_none"
     )]
+    pub gear: Option<(u32, u32)>,
+    /// Replaces the value in `[axes]`.
+    #[serde(
+        default,
+        deserialize_with = "some_pair",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub ratio: Option<(u32, u32)>,
     /// Replaces the value in `[axes]`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -193,6 +203,7 @@ impl AxisOverrides {
             reversed: false,
             drive: None,
             steps_per_turn: None,
+            gear: None,
             ratio: None,
             offset_deg: None,
             index: None,

@@ -1,6 +1,7 @@
 //! Constants of the phase offset of one axis, and conversion between steps and turns.
 
 use crate::functions::{Divisor, multiply_long};
+use crate::pulse::StepsPerTurn;
 use crate::settings::{AxisSettings, turns_at_most};
 use crate::units::{FRACTION_BITS, ONE_TURN, Turns};
 
@@ -21,9 +22,9 @@ pub(super) fn slot_ticks(steps_per_tick: f64) -> u32 {
 /// Constants of one axis.
 #[derive(Clone, Debug)]
 pub(super) struct Lane {
-    /// 2⁶⁴ / steps per turn, and steps per turn.
+    /// One step in turns of 2⁻⁶⁴, and steps per turn of the crank.
     pub(super) turns_per_step: u64,
-    pub(super) steps_per_turn: u32,
+    pub(super) steps_per_turn: StepsPerTurn,
     pub(super) limit: Turns,
     pub(super) limit_steps: i32,
     /// Most steps in a slot, and the divisor for it.
@@ -37,19 +38,18 @@ pub(super) struct Lane {
 impl Lane {
     #[cold]
     pub(super) fn new(axis: &AxisSettings, slot_ticks: u32, slot_steps: u32) -> Self {
-        let steps_per_turn = axis.steps_per_turn.max(2);
+        let steps_per_turn = axis.steps_per_crank_turn();
         let ticks = i64::from(slot_ticks);
         Self {
-            turns_per_step: ((1_u128 << 64) / u128::from(steps_per_turn)) as u64,
+            turns_per_step: steps_per_turn.step_in_2_64(),
             steps_per_turn,
             limit: Turns::from_bits(turns_at_most(axis.trim_limit_turns)),
             // A limit of whole steps stays whole.
-            limit_steps: libm::floor(axis.trim_limit_turns * f64::from(steps_per_turn) + 1e-6)
-                as i32,
+            limit_steps: libm::floor(axis.trim_limit_turns * steps_per_turn.to_f64() + 1e-6) as i32,
             slot_steps,
             per_slot: Divisor::new(slot_steps),
             half_steps_per_tick: STEP / ticks,
-            turns_per_tick: ONE_TURN / i64::from(steps_per_turn) / ticks,
+            turns_per_tick: steps_per_turn.step_turns().0 / ticks,
         }
     }
 
@@ -71,12 +71,14 @@ impl Lane {
     /// Rounds `turns`, up to ±½, to the nearest whole number of steps. Returns it, and how many steps of 2⁻⁴⁸ rounding added. If the offset
     /// with the `other` part would exceed the limit, the result is one step towards a smaller offset.
     pub(super) fn rounded(&self, turns: Turns, other: i32) -> (i32, i64) {
-        let exact = multiply_long(turns.to_bits() as u64, self.steps_per_turn) as i64;
-        let mut steps = ((exact >> (FRACTION_BITS - 1)) as i32 + 1) >> 1;
+        let (exact, mut steps) = self.steps_per_turn.distance(turns.to_bits());
         let offset = steps + other;
         if offset.abs() > self.limit_steps {
             steps -= offset.signum();
         }
-        (steps, (i64::from(steps) << FRACTION_BITS) - exact)
+        (
+            steps,
+            (i64::from(steps) << FRACTION_BITS).wrapping_sub(exact),
+        )
     }
 }

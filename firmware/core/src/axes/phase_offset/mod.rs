@@ -67,7 +67,7 @@ impl PhaseOffsets {
         *self = Self::new();
         let share = settings.axes.len() as f64 / f64::from(settings.tick_hz);
         let steps_per_tick =
-            |axis: &AxisSettings| axis.trim_rate_hz * f64::from(axis.steps_per_turn) * share;
+            |axis: &AxisSettings| axis.trim_rate_hz * axis.steps_per_crank_turn().to_f64() * share;
         let slowest = settings
             .axes
             .iter()
@@ -178,9 +178,9 @@ impl PhaseOffsets {
     /// furthest. Offsets in other steps than those of the first axis do not change.
     #[inline(never)]
     fn balance(&self, steps: &mut PerAxis<i32>, rounding: &mut PerAxis<i64>) {
-        let steps_per_turn = self.lanes.first().map_or(0, |lane| lane.steps_per_turn);
+        let steps_per_turn = self.lanes.first().map(|lane| lane.steps_per_turn);
         for (rounding, lane) in rounding.iter_mut().zip(&self.lanes) {
-            if lane.steps_per_turn != steps_per_turn {
+            if Some(lane.steps_per_turn) != steps_per_turn {
                 *rounding = 0;
             }
         }

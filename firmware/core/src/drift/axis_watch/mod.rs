@@ -59,7 +59,7 @@ impl AxisWatch {
     pub(super) fn new(axis: &AxisSettings, traits: Traits) -> Self {
         let encoder = axis
             .encoder
-            .then(|| EncoderWatch::new(axis.steps_per_turn, axis.reversed));
+            .then(|| EncoderWatch::new(axis.steps_per_crank_turn(), axis.reversed));
         Self {
             traits,
             index: IndexWatch::new(&traits, Phase::ZERO),

@@ -86,13 +86,13 @@ impl Traits {
 
 /// Largest error of a reading of an axis: that of the settings, and two steps.
 fn tolerance(axis: &AxisSettings, reading: Turns) -> Turns {
-    let step = turns(1.0 / f64::from(axis.steps_per_turn));
+    let step = turns(axis.steps_per_crank_turn().turns_of(1.0));
     reading.saturating_add(step).saturating_add(step)
 }
 
 /// An electrical cycle, turns; zero of an axis that has none.
 fn cycle(axis: &AxisSettings) -> Turns {
-    turns(f64::from(axis.cycle_steps) / f64::from(axis.steps_per_turn))
+    turns(axis.cycle_turns())
 }
 
 /// Gate: half an electrical cycle less the error of a reading, but at least the largest difference of two readings.

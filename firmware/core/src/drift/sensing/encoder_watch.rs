@@ -7,6 +7,8 @@
 
 use super::tick_phase::TickPhase;
 use crate::drift::axis_watch::Traits;
+use crate::functions::Ratio;
+use crate::pulse::StepsPerTurn;
 use crate::units::Turns;
 
 /// Motion of a motor compared with its command.
@@ -39,13 +41,13 @@ pub(in crate::drift) enum Read {
 }
 
 /// Watches one encoder.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(in crate::drift) struct EncoderWatch {
-    /// Turns per count, in the axis's own sense.
+    /// True if the counts are against the axis's own sense.
+    reversed: bool,
+    /// Turns of the crank per count: whole units, and the exact fraction of one that is left, with the remainder so far.
     per_count: i64,
-    /// Remainder of a count with 16 more fraction bits, and the sum of remainders that is not a whole unit yet.
-    rest_a_count: i64,
-    rest: i64,
+    fraction: Ratio,
     last: Option<i32>,
     /// Measured minus commanded turns since the reset, and its filtered value.
     pub(in crate::drift) phase_error: Turns,
@@ -95,24 +97,34 @@ const WINDOW_TICKS: u8 = 4;
 const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {
-    /// Encoder with `counts` per turn, reversed or not.
-    pub(in crate::drift) fn new(counts: u32, reversed: bool) -> Self {
-        let counts = i64::from(counts.max(1));
-        let sense = if reversed { -1 } else { 1 };
+    /// Encoder with these counts per turn of the crank, reversed or not.
+    pub(in crate::drift) const fn new(counts: StepsPerTurn, reversed: bool) -> Self {
+        let (per_count, fraction) = counts.step_turns();
         Self {
-            per_count: sense * (crate::units::ONE_TURN / counts),
-            rest_a_count: sense * (((crate::units::ONE_TURN % counts) << 16) / counts),
-            ..Self::default()
+            reversed,
+            per_count,
+            fraction,
+            last: None,
+            phase_error: Turns::ZERO,
+            filtered: Turns::ZERO,
+            mean: Turns::ZERO,
+            at_flag: Turns::ZERO,
+            deviation: Deviation::Small(Turns::ZERO),
+            made: None,
+            made_since: Turns::ZERO,
+            unconfirmed_jump: None,
+            ticks: 0,
+            error_before: Turns::ZERO,
+            commanded: Turns::ZERO,
+            tracking: Tracking::Ok,
         }
     }
 
     /// Discards all readings. The phase error is zero from now on.
-    pub(in crate::drift) fn reset(&mut self) {
-        *self = Self {
-            per_count: self.per_count,
-            rest_a_count: self.rest_a_count,
-            ..Self::default()
-        };
+    pub(in crate::drift) const fn reset(&mut self) {
+        let (reversed, per_count, fraction) = (self.reversed, self.per_count, self.fraction);
+        *self = Self::new(StepsPerTurn::whole(1), reversed);
+        (self.per_count, self.fraction) = (per_count, fraction);
     }
 
     /// Adds the present phase error over a share of a turn, up to ½, to the mean. Its error is below a millionth of the errors.
@@ -148,14 +160,9 @@ impl EncoderWatch {
         };
         // A tick has at most half a turn, which is at most 2^15 counts. A larger difference is invalid, and may wrap.
         let counts = i64::from(count.wrapping_sub(last));
-        let mut made = counts.wrapping_mul(self.per_count);
-        // The remainder keeps a million turns exact to a millionth of a degree.
-        self.rest = self
-            .rest
-            .wrapping_add(counts.wrapping_mul(self.rest_a_count));
-        made = made.wrapping_add(self.rest >> 16);
-        self.rest &= 0xFFFF;
-        let made = Turns::from_bits(made);
+        let counts = if self.reversed { -counts } else { counts };
+        let whole = counts.wrapping_mul(self.per_count);
+        let made = Turns::from_bits(whole.wrapping_add(self.fraction.advance(counts)));
         let off = made.wrapping_sub(commanded.turns);
         let read = self.classify(off, jump);
         self.made_since = if self.phase_error.wrapping_abs() <= about(jump) {

@@ -22,7 +22,8 @@
 use super::run::RunsOf;
 use super::runs::Appending;
 use super::step_rate::{HALF_STEP, StepRate, StepRates, TIME_BITS};
-use super::{PulseTiming, Run, Runs};
+use super::{PulseTiming, Run, Runs, StepsPerTurn};
+use crate::functions::Ratio;
 use crate::units::{FRACTION_BITS, Turns};
 
 /// Greatest number of edges in a chunk.
@@ -53,18 +54,33 @@ pub struct Place {
     high: bool,
     /// Level of DIR.
     forward: bool,
+    /// Fraction of a half-step that each turn has on top of the whole ones, with the remainder so far; none in the usual case.
+    fraction: Option<Ratio>,
+}
+
+impl Place {
+    /// Half-steps of 2⁻⁴⁸ that some turns have on top of the whole half-steps per turn, beside an `offset`.
+    #[inline(always)]
+    const fn beside(&mut self, turns: Turns, offset: i64) -> i64 {
+        match &mut self.fraction {
+            None => offset,
+            Some(fraction) => offset + fraction.advance(turns.to_bits()),
+        }
+    }
 }
 
 impl Planner {
     /// Planner at step 0, with STEP low and DIR forward.
-    pub const fn new(timing: PulseTiming, steps_per_turn: u32) -> Self {
+    pub const fn new(timing: PulseTiming, steps_per_turn: StepsPerTurn) -> Self {
+        let (half_steps_per_turn, fraction) = steps_per_turn.half_steps();
         Self {
             timing,
             place: Place {
-                half_steps_per_turn: 2 * steps_per_turn,
+                half_steps_per_turn,
                 within: 0,
                 high: false,
                 forward: true,
+                fraction,
             },
         }
     }
@@ -96,6 +112,7 @@ impl Planner {
     ) -> i32 {
         runs.clear();
         let tick_cycles = self.timing.tick;
+        let offset = self.place.beside(turns, offset);
         let step_rate = step_rate.take(turns.to_bits(), offset, self.place.half_steps_per_turn);
         let travel = self.travel(step_rate);
         let forward = step_rate.forward;
@@ -154,6 +171,7 @@ impl Planner {
         step_rate: &mut StepRates,
         runs: &mut Runs,
     ) -> i32 {
+        let offset = self.place.beside(turns, offset);
         let step_rate = step_rate.take(turns.to_bits(), offset, self.place.half_steps_per_turn);
         let travel = self.travel(step_rate);
         runs.clear();

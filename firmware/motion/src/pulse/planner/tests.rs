@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::settings::PulseSettings;
+use crate::units::ONE_TURN;
 use proptest::prelude::*;
 use std::vec::Vec;
 
@@ -124,10 +125,10 @@ fn ns(cycles: u64) -> f64 {
 
 /// Plays ticks with the given turns. Returns the drive, and the steps that were counted.
 fn play_ticks(tick_hz: u32, steps_per_turn: u32, ticks: &[i64]) -> (Drive, i64) {
-    play_with(timing(tick_hz), steps_per_turn, ticks)
+    play_with(timing(tick_hz), StepsPerTurn::whole(steps_per_turn), ticks)
 }
 
-fn play_with(lines: Lines, steps_per_turn: u32, ticks: &[i64]) -> (Drive, i64) {
+fn play_with(lines: Lines, steps_per_turn: StepsPerTurn, ticks: &[i64]) -> (Drive, i64) {
     let mut planner = Planner::new(lines.timing, steps_per_turn);
     let mut drive = Drive::new(lines);
     let mut step_rate = StepRates::new(lines.timing.tick());
@@ -168,26 +169,83 @@ fn any_tick_hz() -> impl Strategy<Value = u32> {
     prop::sample::select(std::vec![500_u32, 1000, 2000, 4000, 8000, 10_000])
 }
 
+/// Motor turns and turns of the shaft: belts, gearboxes, and any.
+fn any_gear() -> impl Strategy<Value = (u32, u32)> {
+    prop_oneof![
+        Just((1, 1)),
+        prop::sample::select(std::vec![(57, 11), (50, 17), (20, 36), (3, 1), (1000, 999)]),
+        (1_u32..=1000, 1_u32..=1000),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    /// If this fails, an axis behind a belt or gearbox departs from its exact ratio by a step or more within a month. The shaft turns about
+    /// once a second, and each tick takes as much of that as a tick can count.
+    #[test]
+    fn steps_of_a_geared_axis_are_exact_after_a_month(
+        gear in any_gear(),
+        steps_per_turn in prop::sample::select(std::vec![200_u32, 1600, 3217, 20_000, 102_400, 1_048_576]),
+        seed: u64,
+    ) {
+        const MONTH_S: i128 = 30 * 86_400;
+        const MOST_COUNTS: f64 = 8000.0;
+        let steps = StepsPerTurn::geared(steps_per_turn, gear);
+        prop_assume!((4.0..=StepsPerTurn::MAX).contains(&steps.to_f64()));
+        let (motor, shaft) = (i128::from(gear.0), i128::from(gear.1));
+        let most = (MOST_COUNTS / steps.to_f64()).min(0.5) * ONE_TURN as f64;
+        // Finer steps take more ticks, and so a shorter time.
+        let goal = (MONTH_S * i128::from(ONE_TURN)).min((2e6 * most) as i128);
+        let lines = timing(2000);
+        let mut planner = Planner::new(lines.timing, steps);
+        let (mut rates, mut runs) = (StepRates::new(lines.timing.tick()), Runs::new());
+        let (mut travel, mut counted, mut random) = (0_i128, 0_i128, seed | 1);
+        let mut tick = 0_u32;
+        while travel < goal {
+            random ^= random << 13;
+            random ^= random >> 7;
+            random ^= random << 17;
+            // One tick in eight goes back.
+            let sign = if random.is_multiple_of(8) { -1.0 } else { 1.0 };
+            let turns = (sign * most * (0.5 + 0.5 * (random >> 11) as f64 / (1_u64 << 53) as f64)) as i64;
+            travel += i128::from(turns);
+            counted += i128::from(planner.count(Turns::from_bits(turns), 0, &mut rates, &mut runs));
+            tick += 1;
+            if tick.is_multiple_of(4096) || travel >= goal {
+                let exact = travel * i128::from(steps_per_turn) * motor;
+                prop_assert_eq!(counted, exact.div_euclid(shaft << FRACTION_BITS), "after {} ticks", tick);
+            }
+        }
+    }
+}
+
 proptest! {
     /// Every rising edge of an axis that moves forward, up to 1 M steps/s, is within 0.25 µs of the time at which the
     /// phase crosses its step. No edge is missing, and pulses keep their width.
     #[test]
     fn edges_are_within_250_ns_of_their_phase_crossing(
         tick_hz in any_tick_hz(),
-        steps_per_turn in 4_u32..65_536,
+        motor_steps in 4_u32..65_536,
+        gear in any_gear(),
         rates in prop::collection::vec(prop_oneof![0.0..1.0_f64, 0.0..1e6_f64, 0.9e6..1e6_f64], 1..12),
         repeats in 1_usize..4,
     ) {
+        let per_turn = StepsPerTurn::geared(motor_steps, gear);
+        prop_assume!(per_turn.to_f64() >= 4.0);
+        // In turns of a shaft that many times as slow, the steps per turn are whole.
+        let (steps_per_turn, slower) = (motor_steps * gear.0, i64::from(gear.1));
         let ticks: Vec<i64> = rates
             .iter()
-            .flat_map(|&rate| std::iter::repeat_n(turns_per_tick(rate, steps_per_turn, tick_hz), repeats))
+            .flat_map(|&rate| std::iter::repeat_n(turns_per_tick(rate, steps_per_turn, tick_hz) * slower, repeats))
             .collect();
-        let (drive, steps) = play_ticks(tick_hz, steps_per_turn, &ticks);
+        prop_assume!(ticks.iter().all(|&turns| turns < ONE_TURN / 2));
+        let (drive, steps) = play_with(timing(tick_hz), per_turn, &ticks);
         let total: i128 = ticks.iter().map(|&t| i128::from(t) * i128::from(steps_per_turn)).sum();
-        prop_assert_eq!(i128::from(steps), total >> FRACTION_BITS);
+        prop_assert_eq!(i128::from(steps), total.div_euclid(i128::from(slower) << FRACTION_BITS));
         prop_assert_eq!(drive.rises.len() as i64, steps);
         for (cycle, position) in drive.rises {
-            let due = crossing(&ticks, steps_per_turn, drive.lines.timing.tick, position);
+            let due = crossing(&ticks, steps_per_turn, drive.lines.timing.tick, position * slower);
             let error = cycle as f64 - due;
             prop_assert!(error.abs() <= QUARTER_MICROSECOND, "step {position}: {error} cycles");
         }
@@ -212,7 +270,7 @@ proptest! {
         let most = lines.timing.most_step_hz(tick_hz);
         let ticks: Vec<i64> =
             parts.iter().map(|&part| turns_per_tick(part * most, steps_per_turn, tick_hz)).collect();
-        let (drive, steps) = play_with(lines, steps_per_turn, &ticks);
+        let (drive, steps) = play_with(lines, StepsPerTurn::whole(steps_per_turn), &ticks);
         let total: i128 = ticks.iter().map(|&t| i128::from(t) * i128::from(steps_per_turn)).sum();
         prop_assert_eq!(i128::from(steps), total >> FRACTION_BITS);
         let width = ((width_ns / 8.0).ceil() as u64).max(u64::from(Run::LEAST_CYCLES));
@@ -234,7 +292,7 @@ proptest! {
 /// keeps the guard, and the last chunk is shortened for it.
 #[test]
 fn a_steady_rate_needs_few_runs_per_tick() {
-    let mut planner = Planner::new(timing(2000).timing, 2000);
+    let mut planner = Planner::new(timing(2000).timing, StepsPerTurn::whole(2000));
     let mut runs = Runs::new();
     let turns = Turns::from_num(0.125); // 250 steps in a tick of 62,500 cycles: 125 cycles an edge
     let mut step_rate = StepRates::new(timing(2000).timing.tick());
@@ -255,7 +313,7 @@ fn a_change_of_direction_keeps_the_pulse_width_low() {
     let lines = timing_of(2000, 2500.0, 500.0, 500.0);
     let step = HALF_STEP as f64 / 3200.0;
     let ticks = [1.001, -0.999, 0.9985, -1.0, 1.0].map(|steps| (steps * step) as i64);
-    let (drive, _) = play_with(lines, 3200, &ticks);
+    let (drive, _) = play_with(lines, StepsPerTurn::whole(3200), &ticks);
     assert!(drive.shortest >= 313, "{} cycles of 8 ns", drive.shortest);
 }
 

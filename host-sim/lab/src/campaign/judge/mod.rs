@@ -71,7 +71,7 @@ pub fn judge(
     let bound_mrad = geometry.map_or(0.0, |geometry| {
         bound::tilt_mrad(scene, geometry, observation.out.as_ref())
     });
-    let steps = f64::from(scene.axes.steps_per_turn);
+    let steps = scene.steps_per_crank_turn(0);
     let verdict = match scene.fault.first() {
         _ if diverged => Verdict::Diverged,
         None if slipped => Verdict::Moot,

@@ -119,7 +119,7 @@ pub fn draw(
         FaultName::EncoderGlitch => {
             // The smallest glitch is more than the error of a reading and the travel of two ticks. The error of a reading is four
             // tolerances, each with two steps, and noise. The largest glitch is half a turn.
-            let per_turn = f64::from(scene.axes.steps_per_turn);
+            let per_turn = scene.steps_per_crank_turn(axis);
             let tick_turns = window.level_hz / f64::from(scene.control.tick_hz);
             let tolerance = scene.drift.reading_error_deg / 360.0 + 2.0 / per_turn;
             let noise = NOISES * 2.0_f64.sqrt() * scene.noise.encoder_counts / per_turn;

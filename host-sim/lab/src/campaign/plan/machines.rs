@@ -189,6 +189,9 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven, required_nm: f
     let (inertia, friction) = (scene.axes.rotor_inertia_kgm2 + load, scene.axes.friction_nm);
     let axes = &mut scene.axes;
     axes.encoder = driven.has_encoder();
+    // The motors are drawn for the cranks, so they are on their shafts.
+    axes.gear = (1, 1);
+    scene.axis.iter_mut().for_each(|own| own.gear = None);
     if matches!(driven, Driven::Servo | Driven::PulseServo) {
         (axes.drive, axes.steps_per_turn) = if driven == Driven::Servo {
             (Drive::Servo, stream.one_of(&[4096, 10_000, 16_384]))

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 use cophase_core::axes::{FollowerSettings, PhaseOffsets};
-use cophase_core::settings::{AxisSettings, DriveKind, Settings};
+use cophase_core::settings::{AxisSettings, DriveKind, Settings, Transmission};
 use cophase_core::units::Turns;
 
 const TICK_HZ: u32 = 500;
@@ -52,6 +52,7 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
     let axis = AxisSettings {
         drive: DriveKind::Stepper,
         steps_per_turn: STEPS_PER_TURN,
+        gear: Transmission::DIRECT,
         reversed: false,
         follower: FollowerSettings::DIRECT,
         offset_turns: 0.0,

@@ -203,6 +203,10 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         ("text", inner) if whole && inner.parse::<u32>().is_ok() => {
             format!("; write {inner}, without quotes")
         }
+        _ if kind.contains("fraction") && path.ends_with("steps_per_turn") => {
+            "; give the motor's own, and its belt or gearbox as gear = [motor turns, crank turns]"
+                .to_owned()
+        }
         _ => such_as,
     };
     format!("`{source}` is {kind}, where {expected_kind} belongs{right}")
