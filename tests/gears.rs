@@ -125,16 +125,23 @@ fn a_motor_behind_a_gear_moves_its_crank_as_the_converted_motor_on_its_shaft() {
         let [behind, on_shaft] =
             [behind, on_shaft].map(|axes| run(&(text("phased", axes) + drift)));
         assert_parked(&behind);
+        // A torque setpoint has an error of three units of 2⁻¹⁶ N·m, three times that at the crank. The drive has 90 N·m/rad.
+        let (tolerance, tolerance_nm) = if motors.contains("setpoints") {
+            let error_nm = 2.0 * 9.0 / 65_536.0;
+            (error_nm / 90.0 / std::f64::consts::TAU, error_nm)
+        } else {
+            (1e-7, 1e-6)
+        };
         for column in ["actual_turns_0", "actual_turns_2", "z_m"] {
             let apart = apart(&behind, &on_shaft, column);
-            assert!(apart < 1e-7, "{motors}: {column} differs by {apart}");
+            assert!(apart < tolerance, "{motors}: {column} differs by {apart}");
         }
         for axis in 0..3 {
             let of = |run: &Run, key: &str| run.report["axes"][axis][key].as_f64().unwrap();
             assert_eq!(of(&behind, "steps"), of(&on_shaft, "steps"), "{motors}");
             let [motor, crank] = [&behind, &on_shaft].map(|run| of(run, "torque_worst_nm"));
             assert!(
-                (3.0 * motor - crank).abs() < 1e-6 * crank,
+                (3.0 * motor - crank).abs() < tolerance_nm,
                 "{motors}: {motor} N·m of the motor, {crank} at the crank"
             );
             let of = |run: &Run, key: &str| run.report["axes"][axis]["motor"][key].as_f64();
@@ -155,22 +162,30 @@ fn a_motor_behind_a_gear_moves_its_crank_as_the_converted_motor_on_its_shaft() {
     }
 }
 
-/// If this fails, a weak motor behind a gear keeps step, or a strong one does not: pull-out torque or speed are not the motor's.
+/// If this fails, pull-out torque or speed are not the motor's: a weak motor behind a gear keeps step, or a strong one does not.
 #[test]
 fn a_stepper_behind_a_gear_loses_step_as_its_own_curve_says() {
-    // The load requires 1.5 N·m of each crank.
-    for (pull_out, slips) in [
-        ("[[0, 0.9], [70, 0.9]]", false),
-        ("[[0, 0.2], [70, 0.2]]", true),
-        ("[[0, 0.9], [30, 0.9]]", true),
-    ] {
-        let axes = format!(
-            "drive = \"stepper\"\nsteps_per_turn = 3200\ngear = [57, 11]\npull_out = {pull_out}"
-        );
-        let run = run(&text("quasi-static", &axes));
-        let slipped = run.report["axes"][0]["slipped_cycles"].as_i64().unwrap() != 0;
-        assert_eq!(slipped, slips, "{pull_out}: {}", run.report["axes"][0]);
-    }
+    let motor = |more: &str, pull_out: &str| {
+        let axes =
+            format!("drive = \"stepper\"\nsteps_per_turn = 3200\n{more}pull_out = {pull_out}");
+        run(&text("quasi-static", &axes))
+    };
+    let used = |run: &Run| run.report["axes"][0]["pull_out_used"].as_f64().unwrap();
+    let slips = |run: &Run| run.report["axes"][0]["slipped_cycles"].as_i64().unwrap() != 0;
+    let gear = "gear = [57, 11]\n";
+    // At the crank: 57/11 of the torque, at 11/57 of the speed.
+    let behind = motor(gear, "[[0, 0.22], [57, 0.11]]");
+    let on_shaft = motor("", "[[0, 1.14], [11, 0.57]]");
+    let (one, other) = (used(&behind), used(&on_shaft));
+    // Whole steps place the cranks differently.
+    assert!(
+        (one - other).abs() < 1e-3 * other && (0.3..1.0).contains(&one),
+        "{one}, and {other} on the shaft"
+    );
+    assert!(!slips(&behind));
+    // A tenth of that torque is too little, and beyond its last speed a motor has none.
+    assert!(slips(&motor(gear, "[[0, 0.022], [57, 0.011]]")));
+    assert!(slips(&motor(gear, "[[0, 0.22], [30, 0.22]]")));
 }
 
 /// If this fails, steps of a gear that leaves a fraction accumulate an error, or an encoder's counts do: the cranks depart from their
@@ -225,15 +240,15 @@ fn cranks_behind_uneven_gears_stay_at_their_commands() {
 /// If this fails, a lost electrical cycle behind a gear is taken for another angle of the crank.
 #[test]
 fn a_lost_electrical_cycle_is_found_at_its_angle_of_the_crank() {
-    let axes = "drive = \"stepper\"\nsteps_per_turn = 3200\ngear = [20, 36]\n[[fault]]\nat_s = 1.6\nkind = \"lost-steps\"\naxis = 1\ncycles = 1\n";
+    let axes = "drive = \"stepper\"\nsteps_per_turn = 3200\ngear = [57, 11]\n[[fault]]\nat_s = 1.6\nkind = \"lost-steps\"\naxis = 1\ncycles = 1\n";
     let run = run(&text("kinematic", axes));
     let fault = &run.report["reported_faults"][0];
     assert_eq!(fault["kind"], "lost-steps", "{fault}");
-    // Four of 200 full steps, behind 20 turns of the motor to 36 of the crank.
+    // Four of 200 full steps, behind 57 turns of the motor to 11 of the crank.
     let size_deg = fault["size_deg"].as_f64().unwrap();
-    let cycle_deg = 7.2 * 36.0 / 20.0;
+    let cycle_deg = 7.2 * 11.0 / 57.0;
     assert!(
-        (size_deg.abs() - cycle_deg).abs() < 0.5,
+        (size_deg.abs() - cycle_deg).abs() < 0.3,
         "{size_deg}° of {cycle_deg}°"
     );
 }

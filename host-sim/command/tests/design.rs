@@ -53,14 +53,17 @@ fn json_has_exactly_the_promised_fields() {
     // These are figures of items 1, 3, 4 and 9. A motor has a sixth of the torque, and safety doubles it.
     let numbers = [
         ("crank_radius_mm", 4.6055, 5e-5),
+        ("electrical_cycle_deg", 7.2, 1e-12),
         ("gravity_mps2", 10.0, 0.0),
         ("motor_torque_nm", 38.121, 2e-3),
         ("motor_torque_with_safety_nm", 76.242, 4e-3),
         ("peak_power_w", 141_700.0, 50.0),
         ("rod_length_mm", 46.055, 5e-4),
         ("speed_rad_s", TAU * 100.0, 1e-9),
+        ("step_rate_max_hz", 320_000.0, 1e-6),
         ("torque_max_exact_nm", 228.81, 0.05),
         ("torque_max_two_term_nm", 228.725, 0.01),
+        ("torque_required_nm", 76.242, 4e-3),
     ];
     for (name, value, tolerance) in numbers {
         let ours = object[name].as_f64().expect("a number");
@@ -75,6 +78,46 @@ fn json_has_exactly_the_promised_fields() {
         );
     }
     assert_eq!(object.len(), numbers.len() + 1, "{text}");
+}
+
+/// If this fails, figures of the motor are those of the crank, or its scene has other motors than the design.
+#[test]
+fn figures_behind_a_gear_are_the_motors_own() {
+    let flags = "--load-kg 10 --amax-g 10 --freq-hz 5 --lambda 0.3 --motors 3 --gear 57:11 --steps-per-turn 102400 --rotor-inertia-kgm2 2e-3";
+    let json = |flags: &str| -> serde_json::Value {
+        let text = command(&format!("{flags} --json")).expect("a design");
+        serde_json::from_str(&text).expect("JSON")
+    };
+    let json = json(flags);
+    let of = |name: &str| json[name].as_f64().expect("a number");
+    let ratio = 57.0 / 11.0;
+    assert_near("cycle", of("electrical_cycle_deg"), 7.2 / ratio, 1e-12);
+    assert_near(
+        "rate",
+        of("step_rate_max_hz"),
+        5.0 * ratio * 102_400.0,
+        1e-6,
+    );
+    let at_crank = of("motor_torque_with_safety_nm");
+    assert_near("torque", of("torque_required_nm"), at_crank / ratio, 1e-12);
+    // A crank at a right angle to its rod moves the load at about its radius.
+    let radius_m = of("crank_radius_mm") / 1e3;
+    let about = 10.0 / 3.0 * radius_m * radius_m / (ratio * ratio) / 2e-3;
+    let found = of("inertia_ratio");
+    assert!(
+        (about..1.2 * about).contains(&found),
+        "{found}, about {about}"
+    );
+    let scene = command(&format!("{flags} --scene")).expect("a scene");
+    for line in [
+        "gear = [57, 11]",
+        "steps_per_turn = 102400",
+        "rotor_inertia_kgm2 = 0.002",
+    ] {
+        assert!(scene.contains(line), "{line}: {scene}");
+    }
+    let refused = command(&flags.replace("57:11", "0:11")).expect_err("no gear");
+    assert!(refused.to_string().contains("--gear 0"), "{refused}");
 }
 
 /// If this fails, defaults are not the documented ones, or negative numbers and bad counts are reported incorrectly.
