@@ -31,7 +31,7 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     let axis = SMALL + U32 + gear + SMALL + follower + F64 + index + SMALL + U32 + 3 * F64;
     let axes = SMALL + MAX_AXES * axis;
     const { assert!(MAX_CAM_POINTS < 128) }; // The number of points takes one byte.
-    let table = U32 + SMALL + MAX_CAM_POINTS * F64;
+    let table = U32 + 2 * F64 + SMALL + MAX_CAM_POINTS * F64;
     let cams = SMALL + MAX_CAMS * table;
     let trims = SMALL + MAX_AXES * F64;
     let drift = 4 * F64;
@@ -230,6 +230,8 @@ impl<'a> Payload<'a> {
                 .map_err(|_| SettingsFileError::Unreadable)?;
             if let Some(cam) = cams.last_mut() {
                 cam.net_turns = self.take()?;
+                cam.max_speed_hz = self.take()?;
+                cam.max_acceleration_hz_per_s = self.take()?;
                 self.take_list(&mut cam.points_turns)?;
             }
         }

@@ -56,6 +56,9 @@ pub struct Report<'a> {
     control_ticks: u64,
     time_in_state_s: TimeInState,
     axes: Vec<AxisReport>,
+    /// Cam tables, in the order of the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    cam_tables: Vec<CamTableReport<'a>>,
     phase_spread_worst_deg: f64,
     phase_spread_rms_deg: f64,
     /// Largest tilt of a platform, and its limit.
@@ -159,6 +162,16 @@ struct AxisReport {
     /// Upper bounds on the motion of an axis that follows a cam table, at the limits of the master.
     #[serde(flatten)]
     bounds: Option<BoundsReport>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct CamTableReport<'a> {
+    name: &'a str,
+    /// Number of points of its curve.
+    points: usize,
+    /// Largest difference of the curve's acceleration from its law's, relative to the law's peak, if it has a law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    off_law_accel: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -285,6 +298,14 @@ impl<'a> Report<'a> {
                 fault,
             },
             axes: (0..checked.scene.axes.count).map(axis).collect(),
+            cam_tables: checked
+                .cam_tables()
+                .map(|(table, points, off_law_accel)| CamTableReport {
+                    name: &table.name,
+                    points,
+                    off_law_accel,
+                })
+                .collect(),
             phase_spread_worst_deg: statistics.worst_spread_deg,
             phase_spread_rms_deg: statistics.rms_spread_deg,
             tilt_worst_mrad: of_platform(Some(statistics.worst_tilt_mrad)),

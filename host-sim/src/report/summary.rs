@@ -173,6 +173,17 @@ fn write_page(
     if let Some(coupling) = coupling(checked) {
         writeln!(page, "{coupling}")?;
     }
+    for (table, points, off) in checked.cam_tables() {
+        if let Some(off) = off {
+            writeln!(
+                page,
+                "Cam table \"{}\": {points} points; the curve's acceleration is within {:.1} % of its law's peak.",
+                table.name,
+                // Rounded up, so that it is a bound.
+                (1e3 * off).ceil() / 10.0
+            )?;
+        }
+    }
     followers(page, checked, outcome)?;
     let figures = statistics.figures.iter();
     for figure in figures.filter(|figure| !figure.sentence.is_empty()) {

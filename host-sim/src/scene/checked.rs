@@ -9,8 +9,8 @@ use cophase_core::settings::{
 };
 
 use super::SceneError;
-use super::check::{Follower, program};
-use super::file::{AxisOverrides, Drive, Fidelity, Scene};
+use super::check::{Follower, off_law, program};
+use super::file::{AxisOverrides, CamTable, Drive, Fidelity, Scene};
 use crate::fidelity::Choice;
 use crate::machine::{self, Chosen};
 use crate::mechanism::{AnyMechanism, Mechanism, Mount, Platform};
@@ -122,6 +122,16 @@ impl Checked {
             radius_m: platform.mount_radius_m,
             load_kg: platform.load_kg,
         }
+    }
+
+    /// Returns each cam table with the largest difference of its acceleration from its law's, relative to the law's peak. A table of points
+    /// has no law.
+    pub fn cam_tables(&self) -> impl Iterator<Item = (&CamTable, usize, Option<f64>)> {
+        let tables = self.scene.cam_table.iter().zip(&self.settings.cams);
+        tables.map(|(table, cam)| {
+            let points = &cam.points_turns;
+            (table, points.len(), off_law(table, points))
+        })
     }
 
     /// Returns method and step as the scene sets them, and the accuracy for those that it leaves open.

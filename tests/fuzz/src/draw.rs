@@ -39,6 +39,8 @@ fn cam() -> CamSettings {
     };
     CamSettings {
         net_turns: 1,
+        max_speed_hz: CamSettings::USUAL_MAX_SPEED_HZ,
+        max_acceleration_hz_per_s: CamSettings::USUAL_MAX_ACCELERATION_HZ_PER_S,
         points_turns: (0..32).map(point).collect(),
     }
 }

@@ -15,6 +15,10 @@ const LAWS: [LawName; 4] = [
     LawName::ModifiedTrapezoid,
 ];
 
+/// Limits of axes that follow tables: the greatest, as the step rate limits these axes more tightly.
+const MAX_SPEED_HZ: f64 = 1e3;
+const MAX_ACCELERATION_HZ_PER_S: f64 = 1e9;
+
 /// A cam, with masses on springs in more than half of the scenes, and always in scenes with
 /// questions.
 pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> CamShaft {
@@ -94,6 +98,8 @@ fn from_segments(source: &mut Source, name: &str, shaft: Option<&CamShaft>) -> C
     CamTable {
         name: name.to_owned(),
         net_turns,
+        max_speed_hz: MAX_SPEED_HZ,
+        max_acceleration_hz_per_s: MAX_ACCELERATION_HZ_PER_S,
         law: source.one_of(&LAWS),
         segments: vec![
             CamSegment {
@@ -139,6 +145,8 @@ fn from_file(source: &mut Source) -> (CamTable, String) {
     let table = CamTable {
         name: "waves".to_owned(),
         net_turns: 1,
+        max_speed_hz: MAX_SPEED_HZ,
+        max_acceleration_hz_per_s: MAX_ACCELERATION_HZ_PER_S,
         law: LawName::default(),
         segments: Vec::new(),
         file: Some(TABLE_FILE.to_owned()),

@@ -15,6 +15,10 @@ use cophase_motion::settings::{self as motion, inside, turns};
 const MOST_TURNS: f64 = 1000.0;
 /// Greatest second derivative, turns per turn²: 48 fraction bits and a sign leave 15 bits.
 const MOST_BEND: f64 = 30_000.0;
+/// Roughness of a closing step that is a jump, over that of the table without it.
+const JUMP: f64 = 3.0;
+/// Roughness that a table has by the rounding of its points to six decimals, turns.
+const ROUNDING_TURNS: f64 = 2e-6;
 
 /// Cam table: positions of an axis over one turn of the master.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,17 +26,26 @@ const MOST_BEND: f64 = 30_000.0;
 pub struct CamSettings {
     /// Whole turns of the axis in one turn of the master, −1000 to 1000; 0 if the axis comes back.
     pub net_turns: i32,
+    /// Limit on the speed of an axis that follows the table, rev/s, 0.001 to 1000.
+    pub max_speed_hz: f64,
+    /// Limit on the acceleration of an axis that follows the table, rev/s², 0.001 to 10⁹.
+    pub max_acceleration_hz_per_s: f64,
     /// Positions at equally spaced phases of the master from 0 on, turns, −1000 to 1000. 4 to [`MAX_CAM_POINTS`] points.
     pub points_turns: heapless::Vec<f64, MAX_CAM_POINTS>,
 }
 
 impl CamSettings {
-    /// Checks every number.
+    /// Speed limit of an axis whose own is not given, rev/s: no usual motor of a positioning drive turns faster.
+    pub const USUAL_MAX_SPEED_HZ: f64 = 100.0;
+    /// Acceleration limit of an axis whose own is not given, rev/s²: a usual servo motor reaches twice as much without a load.
+    pub const USUAL_MAX_ACCELERATION_HZ_PER_S: f64 = 10_000.0;
+
+    /// Checks every number, and that the table keeps to its axes' limits when the master reaches `master`: rev/s, rev/s², rev/s³.
     ///
     /// # Errors
-    /// The first number that is wrong, or a curve that is too steep.
+    /// The first number that is wrong, a curve that jumps where it closes, or one that is too steep.
     #[cold]
-    pub fn check(&self) -> Result<(), SettingsError> {
+    pub fn check(&self, master: &Bounds) -> Result<(), SettingsError> {
         let count = self.points_turns.len() as f64;
         let (least, most) = (LEAST_CAM_POINTS as f64, MAX_CAM_POINTS as f64);
         inside("cam_table.points", count, least, most)?;
@@ -41,12 +54,94 @@ impl CamSettings {
         for &point in &self.points_turns {
             inside("cam_table.points", point, -MOST_TURNS, MOST_TURNS)?;
         }
+        inside("cam_table.max_speed_hz", self.max_speed_hz, 1e-3, 1e3)?;
+        let acceleration = self.max_acceleration_hz_per_s;
+        inside(
+            "cam_table.max_acceleration_hz_per_s",
+            acceleration,
+            1e-3,
+            1e9,
+        )?;
+        self.check_closing()?;
         let (slope, bend) = self.steepest();
         if slope > MOST_TURNS || bend > MOST_BEND {
             return Err(SettingsError::new(
                 "cam_table.points",
                 Problem::CamTooSteep { slope, bend },
             ));
+        }
+        self.check_limits(master)
+    }
+
+    /// Step of the axis from point `i` to the next one, turns. The last one closes the table.
+    fn step(&self, i: usize) -> f64 {
+        let points = &self.points_turns;
+        let count = points.len().max(1);
+        let at = |i: usize| {
+            let turn = (i / count) as f64 * f64::from(self.net_turns);
+            points.get(i % count).copied().unwrap_or(0.0) + turn
+        };
+        let i = i % count;
+        at(i + 1) - at(i)
+    }
+
+    /// Checks that no whole turns are missing from the net travel.
+    ///
+    /// A step is *rough* by its distance from the mean of the two beside it, and a table as its roughest step. Whole turns are missing if
+    /// the closing step is more than three times as rough as the table is with them.
+    #[cold]
+    fn check_closing(&self) -> Result<(), SettingsError> {
+        let count = self.points_turns.len();
+        let closing = count - 1;
+        // With `more` turns in each turn of the master.
+        let rough = |i: usize, more: f64| {
+            let step = |i: usize| self.step(i) + if i % count == closing { more } else { 0.0 };
+            (step(i) - 0.5 * (step(i + closing) + step(i + 1))).abs()
+        };
+        let beside = 0.5 * (self.step(closing - 1) + self.step(0));
+        let missing = libm::round(beside - self.step(closing));
+        let steps = (0..count).map(|i| rough(i, missing));
+        let roughest = steps.fold(ROUNDING_TURNS, f64::max);
+        if missing == 0.0 || rough(closing, 0.0) <= JUMP * roughest {
+            return Ok(());
+        }
+        let problem = Problem::CamJump {
+            step_turns: self.step(closing),
+            meant: self.net_turns + missing as i32,
+        };
+        Err(SettingsError::new("cam_table.net_turns", problem))
+    }
+
+    /// Checks the curve against the limits of the axes.
+    #[cold]
+    #[inline(never)] // The curve takes a kilobyte of stack.
+    fn check_limits(&self, master: &Bounds) -> Result<(), SettingsError> {
+        let mut curve = Spline::NONE;
+        curve.fit(&self.points_turns, self.net_turns);
+        let bounds = curve.bounds(master);
+        let (speed_hz, limit_hz) = (bounds.speed, self.max_speed_hz);
+        if speed_hz > limit_hz {
+            let steps = (0..self.points_turns.len()).map(|i| self.step(i).abs());
+            let (fastest, _) = steps.enumerate().fold((0, 0.0), |fastest, (i, step)| {
+                if step > fastest.1 { (i, step) } else { fastest }
+            });
+            let problem = Problem::CamSpeed {
+                master_hz: master.speed,
+                speed_hz,
+                limit_hz,
+                from_deg: 360.0 * fastest as f64 / self.points_turns.len() as f64,
+            };
+            return Err(SettingsError::new("cam_table.max_speed_hz", problem));
+        }
+        let limit_hz_per_s = self.max_acceleration_hz_per_s;
+        if bounds.acceleration > limit_hz_per_s {
+            let problem = Problem::CamAcceleration {
+                master_hz: master.speed,
+                hz_per_s: bounds.acceleration,
+                limit_hz_per_s,
+            };
+            let key = "cam_table.max_acceleration_hz_per_s";
+            return Err(SettingsError::new(key, problem));
         }
         Ok(())
     }
@@ -55,16 +150,10 @@ impl CamSettings {
     /// exceeds half of the largest second difference. For smooth tables the first is some percent too high, the second up to three times.
     #[cold]
     pub fn steepest(&self) -> (f64, f64) {
-        let points = &self.points_turns;
-        let count = points.len();
-        let at = |i: usize| {
-            let turn = (i / count.max(1)) as f64 * f64::from(self.net_turns);
-            points.get(i % count.max(1)).copied().unwrap_or(0.0) + turn
-        };
-        let step = |i: usize| at(i + 1) - at(i);
-        let steps = (0..count).map(|i| step(i).abs()).fold(0.0, f64::max);
+        let count = self.points_turns.len();
+        let steps = (0..count).map(|i| self.step(i).abs()).fold(0.0, f64::max);
         let bends = (0..count)
-            .map(|i| (step(i + 1) - step(i)).abs())
+            .map(|i| (self.step(i + 1) - self.step(i)).abs())
             .fold(0.0, f64::max);
         let count = count as f64;
         (count * (steps + 1.5 * bends), 3.0 * count * count * bends)
@@ -198,22 +287,9 @@ impl Follower for CamTable {
         Turns::from_bits(self.position)
     }
 
-    /// Applies the chain rule: v = y′ ω, a = y′ α + y″ ω², j = y′ J + 3 y″ ω α + y‴ ω³.
     #[cold]
     fn bounds(&self, master: &Bounds, cams: &Cams) -> Bounds {
-        let curve = self.curve(cams).extremes().greatest;
-        let Bounds {
-            speed,
-            acceleration,
-            jerk,
-        } = *master;
-        Bounds {
-            speed: curve.speed * speed,
-            acceleration: curve.speed * acceleration + curve.acceleration * speed * speed,
-            jerk: curve.speed * jerk
-                + 3.0 * curve.acceleration * speed * acceleration
-                + curve.jerk * speed * speed * speed,
-        }
+        self.curve(cams).bounds(master)
     }
 
     #[cold]

@@ -51,7 +51,7 @@ fn all() -> Vec<Case> {
     settings.cams = tables().into_iter().collect();
     let mut cams = NO_CAMS;
     for (curve, cam) in cams.iter_mut().zip(&settings.cams) {
-        cam.check().unwrap();
+        cam.check(&settings.master_bounds()).unwrap();
         curve.fit(&cam.points_turns, cam.net_turns);
     }
     [
@@ -90,10 +90,14 @@ fn tables() -> [CamSettings; 2] {
     [
         CamSettings {
             net_turns: 0,
+            max_speed_hz: 1000.0,
+            max_acceleration_hz_per_s: 1e6,
             points_turns: points.collect(),
         },
         CamSettings {
             net_turns: -1,
+            max_speed_hz: 1000.0,
+            max_acceleration_hz_per_s: 1e6,
             points_turns: [0.0, -0.3, -0.4, -0.8].into_iter().collect(),
         },
     ]

@@ -174,6 +174,37 @@ impl Spline {
         Turns::from_bits(by_acceleration + by_speed)
     }
 
+    /// Second derivative at a part of the turn from 0 to 1, turns per turn².
+    #[cold]
+    pub fn second_derivative(&self, part: f64) -> f64 {
+        let count = self.segments() as f64;
+        let place = part * count;
+        let segment = (libm::floor(place) as usize).min(self.segments().saturating_sub(1));
+        let u = place - segment as f64;
+        let bend = |i: usize| (self.bend(i) << self.scale) as f64 / ONE_TURN as f64;
+        6.0 * count * count * ((1.0 - u) * bend(segment) + u * bend(segment + 1))
+    }
+
+    /// Upper bounds on the axis's speed, acceleration and jerk, from those of the master.
+    ///
+    /// Applies the chain rule: v = y′ ω, a = y′ α + y″ ω², j = y′ J + 3 y″ ω α + y‴ ω³.
+    #[cold]
+    pub(super) fn bounds(&self, master: &Bounds) -> Bounds {
+        let curve = self.extremes().greatest;
+        let Bounds {
+            speed,
+            acceleration,
+            jerk,
+        } = *master;
+        Bounds {
+            speed: curve.speed * speed,
+            acceleration: curve.speed * acceleration + curve.acceleration * speed * speed,
+            jerk: curve.speed * jerk
+                + 3.0 * curve.acceleration * speed * acceleration
+                + curve.jerk * speed * speed * speed,
+        }
+    }
+
     /// Extremes of the curve's derivatives over a turn.
     #[cold]
     pub(super) fn extremes(&self) -> Extremes {

@@ -71,7 +71,7 @@ impl Settings {
 
     /// Greatest speed, acceleration and jerk of the master, including those of a stop by a fault.
     #[cold]
-    fn master_bounds(&self) -> Bounds {
+    pub(crate) fn master_bounds(&self) -> Bounds {
         Bounds {
             speed: self.limits.speed_hz,
             acceleration: self.limits.reachable_stop_acceleration_hz_per_s(),

@@ -23,7 +23,8 @@ impl Settings {
         self.pulse.check()?;
         self.index.check(self.tick_hz)?;
         for (i, cam) in self.cams.iter().enumerate() {
-            cam.check().map_err(|e| e.on_entry(i))?;
+            cam.check(&self.master_bounds())
+                .map_err(|e| e.on_entry(i))?;
         }
         for (i, axis) in self.axes.iter().enumerate() {
             axis.check(self).map_err(|e| e.on_entry(i))?;

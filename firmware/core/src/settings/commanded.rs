@@ -199,7 +199,7 @@ mod tests {
     use super::super::sample::{platform, settings};
     use super::super::{FollowerSettings, MachineSettings, ShaftSettings};
     use super::*;
-    use crate::axes::CamTableSettings;
+    use crate::axes::{CamSettings, CamTableSettings};
     use proptest::prelude::*;
     use std::string::{String, ToString};
 
@@ -287,8 +287,10 @@ mod tests {
             }
         }
         let mut on_cam = settings(2);
-        on_cam.cams = core::iter::once(super::super::CamSettings {
+        on_cam.cams = core::iter::once(CamSettings {
             net_turns: 1,
+            max_speed_hz: CamSettings::USUAL_MAX_SPEED_HZ,
+            max_acceleration_hz_per_s: CamSettings::USUAL_MAX_ACCELERATION_HZ_PER_S,
             points_turns: [0.0, 0.25, 0.5, 0.75].into_iter().collect(),
         })
         .collect();

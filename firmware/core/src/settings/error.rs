@@ -73,6 +73,31 @@ pub enum Problem {
          axes.steps_per_turn", Number(*steps), Number(*low), Number(*high)
     )]
     StepsPerCrankTurn { steps: f64, low: f64, high: f64 },
+    #[error(
+        "the table jumps by {step_turns:.3} turns from its last point to the first of the next turn; did you mean net_turns = {meant}? if the axis \
+         does come back there, give it more points on its way"
+    )]
+    CamJump { step_turns: f64, meant: i32 },
+    #[error(
+        "at limits.speed_hz = {} rev/s the table moves its axes at up to {speed_hz:.2} rev/s, the fastest after {from_deg:.1}° of the master, and \
+         {} rev/s is their limit; flatten the table there, lower limits.speed_hz, or raise the limit to what the motors reach",
+        Number(*master_hz), Number(*limit_hz)
+    )]
+    CamSpeed {
+        master_hz: f64,
+        speed_hz: f64,
+        limit_hz: f64,
+        from_deg: f64,
+    },
+    #[error(
+        "at limits.speed_hz = {} rev/s the table accelerates its axes by up to {hz_per_s:.0} rev/s², and {} rev/s² is their limit; spread its rises \
+         over larger angles, lower limits.speed_hz, or raise the limit to what the motors reach", Number(*master_hz), Number(*limit_hz_per_s)
+    )]
+    CamAcceleration {
+        master_hz: f64,
+        hz_per_s: f64,
+        limit_hz_per_s: f64,
+    },
     #[error("there is no table {table}; {tables} are given")]
     NoSuchCam { table: u8, tables: usize },
     #[error(

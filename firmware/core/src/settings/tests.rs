@@ -116,6 +116,8 @@ fn on_a_cam(net_turns: i32, points_turns: &[f64]) -> Settings {
     settings.machine = MachineSettings::Shafts(ShaftSettings { length_m: 0.02 });
     settings.cams = heapless::Vec::from_array([CamSettings {
         net_turns,
+        max_speed_hz: 1000.0,
+        max_acceleration_hz_per_s: 1e6,
         points_turns: points_turns.iter().copied().collect(),
     }]);
     settings.axes[1].follower = FollowerSettings::CamTable(CamTableSettings {
@@ -158,6 +160,98 @@ fn bad_cam_tables_are_refused_with_their_key() {
     fast.axes[1].steps_per_turn = 50_000;
     fast.axes[1].drive = DriveKind::Servo;
     fast.controller().unwrap();
+}
+
+/// If this fails, a table whose net travel was forgotten is accepted, and the axis flies back within one step of the table.
+#[test]
+fn a_table_without_its_net_travel_is_refused_and_asks_for_it() {
+    let line = |count: usize, turns: f64| -> std::vec::Vec<f64> {
+        let place = |i: usize| turns * i as f64 / count as f64;
+        // As a file gives it, with six decimals.
+        (0..count)
+            .map(|i| libm::round(place(i) * 1e6) / 1e6)
+            .collect()
+    };
+    let indexing = |count: usize| -> std::vec::Vec<f64> {
+        let cycloid = |u: f64| u - libm::sin(core::f64::consts::TAU * u) / core::f64::consts::TAU;
+        // A turn over a third of the master's, then a rest.
+        (0..count)
+            .map(|i| cycloid((3.0 * i as f64 / count as f64).min(1.0)))
+            .collect()
+    };
+    for (given, meant, points) in [
+        (0, 4, line(36, 4.0)),
+        (0, 1, line(4, 1.0)),
+        (1, -2, line(96, -2.0)),
+        (7, 900, line(96, 900.0)),
+        (0, 1, indexing(96)),
+        (0, 1, indexing(24)),
+    ] {
+        let said = refused(&on_a_cam(given, &points));
+        assert!(
+            said.starts_with("cam_table.net_turns (number 0): the table jumps by "),
+            "{said}"
+        );
+        let question = std::format!("did you mean net_turns = {meant}?");
+        assert!(said.contains(&question), "{said}");
+        let mut mended = on_a_cam(meant, &points);
+        mended.limits.speed_hz = 0.1;
+        mended.limits.homing_speed_hz = 0.1;
+        mended.program[0] = EntrySettings::Segment(SegmentSettings {
+            amax_mps2: 0.001,
+            ..LEVEL
+        });
+        mended.axes[1].steps_per_turn = 200;
+        mended.check().unwrap();
+    }
+}
+
+/// If this fails, a table is refused as one that jumps, although it comes back as steeply elsewhere, or over several points.
+#[test]
+fn tables_that_come_back_steeply_have_no_jump() {
+    for points in [
+        &[0.0, 1.0, 2.0, 1.0][..],
+        &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0],
+        &[0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 4.0, 2.0],
+        &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 4.0, 2.0],
+        &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.3],
+    ] {
+        on_a_cam(0, points).check().unwrap();
+    }
+}
+
+/// If this fails, a table moves an axis faster, or accelerates it harder, than its motor can.
+///
+/// The table is y = 0.5 sin 2πx in 96 points. The spline's slope is within 1e-6 of π, and its second derivative within (2π/96)²/12 = 4e-4
+/// of 2π². At 20 rev/s the axis reaches 20 π = 62.83 rev/s, and π times the shaft's acceleration, 20 rev/s², beyond 800 π² = 7,896 rev/s².
+#[test]
+fn a_table_keeps_to_the_limits_of_its_axes() {
+    let points: std::vec::Vec<f64> = (0..96)
+        .map(|i| 0.5 * libm::sin(core::f64::consts::TAU * f64::from(i) / 96.0))
+        .collect();
+    let mut limited = on_a_cam(0, &points);
+    limited.cams[0].max_speed_hz = 62.9;
+    limited.cams[0].max_acceleration_hz_per_s = 7990.0;
+    limited.check().unwrap();
+    limited.cams[0].max_speed_hz = 62.8;
+    let said = refused(&limited);
+    assert!(
+        said.starts_with("cam_table.max_speed_hz (number 0): at limits.speed_hz = 20 rev/s the table moves its axes at up to 62.83 rev/s"),
+        "{said}"
+    );
+    limited.cams[0].max_speed_hz = 62.9;
+    limited.cams[0].max_acceleration_hz_per_s = 7890.0;
+    let said = refused(&limited);
+    assert!(
+        said.starts_with("cam_table.max_acceleration_hz_per_s (number 0): at limits.speed_hz = 20 rev/s the table accelerates its axes by up to 79"),
+        "{said}"
+    );
+    limited.cams[0].max_acceleration_hz_per_s = f64::NAN;
+    assert!(
+        refused(&limited).contains("NaN is not a finite"),
+        "{}",
+        refused(&limited)
+    );
 }
 
 /// If this fails, an index is accepted where the axis turns back over its flag, and its pulses stop a sound machine.

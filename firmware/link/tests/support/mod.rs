@@ -112,6 +112,8 @@ pub fn longest() -> Settings {
     longest.cams = core::iter::repeat_n(
         CamSettings {
             net_turns: i32::MIN,
+            max_speed_hz: CamSettings::USUAL_MAX_SPEED_HZ,
+            max_acceleration_hz_per_s: CamSettings::USUAL_MAX_ACCELERATION_HZ_PER_S,
             points_turns: [0.25; MAX_CAM_POINTS].into_iter().collect(),
         },
         MAX_CAMS,

@@ -1,7 +1,7 @@
 //! Cam tables: points for the core from motion laws or files, and the tables that axes choose.
 
 use cophase_core::axes::{
-    CamSettings, CamTableSettings, FollowerSettings, LEAST_CAM_POINTS, MAX_CAM_POINTS, MAX_CAMS,
+    CamSettings, CamTableSettings, FollowerSettings, MAX_CAM_POINTS, MAX_CAMS, Spline,
 };
 use cophase_methods::problems::Law;
 
@@ -11,8 +11,13 @@ use crate::scene::entry::ordinal;
 use crate::scene::file::{CamTable, Scene};
 use crate::scene::load::nearest;
 
-/// Distance from a point up to which an angle counts as on it, relative to the distance of two points.
-const ON_A_POINT: f64 = 1e-9;
+/// Largest difference of a table's acceleration from that of its law, relative to the law's peak.
+const MOST_OFF_LAW: f64 = 0.15;
+/// Number of places at which a curve is compared with its law, per point of the table.
+const SAMPLES_A_POINT: usize = 16;
+
+/// Points of a table, turns.
+type Points = heapless::Vec<f64, MAX_CAM_POINTS>;
 
 /// Returns the tables of a scene for the core.
 pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAMS>, SceneError> {
@@ -64,23 +69,24 @@ fn one(entry: usize, table: &CamTable) -> Result<CamSettings, SceneError> {
     }?;
     Ok(CamSettings {
         net_turns: table.net_turns,
+        max_speed_hz: table.max_speed_hz,
+        max_acceleration_hz_per_s: table.max_acceleration_hz_per_s,
         points_turns,
     })
 }
 
-/// Returns the points of a motion law over segments.
-fn sampled(
-    entry: usize,
-    table: &CamTable,
-) -> Result<heapless::Vec<f64, MAX_CAM_POINTS>, SceneError> {
-    let (mut corners_deg, mut end_deg, mut travel) = (Vec::new(), 0.0, 0.0);
+/// Returns the points of a motion law over segments, in the number for which the curve's acceleration is closest to the law's.
+///
+/// The spline's second derivative is off where the law's third one jumps between two points, so a number is best that has points at the
+/// ends of segments, or near them.
+fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
+    let (mut end_deg, mut travel) = (0.0, 0.0);
     for (i, segment) in table.segments.iter().enumerate() {
         let key = |name: &str| format!("cam_table[{entry}].segment[{i}].{name}");
         range(&key("deg"), segment.deg, 1.0, 360.0)?;
         range(&key("turns"), segment.turns, -1000.0, 1000.0)?;
         end_deg += segment.deg;
         travel += segment.turns;
-        corners_deg.push(end_deg);
         if end_deg > 360.0 + 1e-9 {
             return Err(SceneError::at(
                 key("deg"),
@@ -94,43 +100,103 @@ fn sampled(
         return Err(SceneError::at(
             format!("cam_table[{entry}].net_turns"),
             format!(
-                "{} is not the travel of the segments, {travel} turns; after a turn of the master the axis must be whole turns further, or back",
-                table.net_turns
+                "{} is not the travel of the segments, {travel} turns; {}after a turn of the master the axis must be whole turns further, or back",
+                table.net_turns,
+                meant_net_turns(travel, 1e-9)
             ),
         ));
     }
-    let law = Law::from(table.law);
-    let points = point_count(&corners_deg);
-    let at = |i: usize| position(table, law, 360.0 * i as f64 / points as f64);
-    Ok((0..points).map(at).collect())
+    // A count beats a larger one only by more than rounding.
+    let counts = (MAX_CAM_POINTS / 2..=MAX_CAM_POINTS).rev();
+    let mut best: Option<(Points, OffLaw)> = None;
+    for count in counts {
+        let points = (0..count)
+            .map(|i| law_at(table, 360.0 * i as f64 / count as f64).0)
+            .collect();
+        let own = OffLaw::new(table, &points);
+        if best
+            .as_ref()
+            .is_none_or(|(_, best)| own.part < best.part - 1e-9)
+        {
+            best = Some((points, own));
+        }
+    }
+    let (points, off) = best.unwrap_or_default();
+    if off.part > MOST_OFF_LAW {
+        return Err(SceneError::at(
+            format!("cam_table[{entry}].segment[{}].deg", off.segment),
+            format!(
+                "{} is too short: the curve through {} points, the best for these segments, is off the law's acceleration by {:.0} % of its peak \
+                 here, and {:.0} % is the most; extend the segment over a larger angle",
+                table.segments[off.segment].deg,
+                points.len(),
+                1e2 * off.part,
+                1e2 * MOST_OFF_LAW,
+            ),
+        ));
+    }
+    Ok(points)
 }
 
-/// Returns the position at an angle of the master, turns.
-fn position(table: &CamTable, law: Law, angle_deg: f64) -> f64 {
+/// Returns the question for the net travel that was meant, if `travel` is whole turns within `rounding`; else nothing.
+pub(in crate::scene) fn meant_net_turns(travel: f64, rounding: f64) -> String {
+    if (travel - travel.round()).abs() > rounding {
+        return String::new();
+    }
+    format!("did you mean net_turns = {}? ", travel.round())
+}
+
+/// Returns the position at an angle of the master, turns, its second derivative, turns per turn², and the segment.
+fn law_at(table: &CamTable, angle_deg: f64) -> (f64, f64, usize) {
+    let law = Law::from(table.law);
     let (mut start_deg, mut turns) = (0.0, 0.0);
-    for segment in &table.segments {
-        let part = (angle_deg - start_deg) / segment.deg;
-        if part < 1.0 {
-            return turns + segment.turns * law.at(part).displacement;
+    for (i, segment) in table.segments.iter().enumerate() {
+        let own = (angle_deg - start_deg) / segment.deg;
+        if own < 1.0 {
+            let motion = law.at(own);
+            let per_turn = 360.0 / segment.deg;
+            let bend = segment.turns * motion.acceleration * per_turn * per_turn;
+            return (turns + segment.turns * motion.displacement, bend, i);
         }
         start_deg += segment.deg;
         turns += segment.turns;
     }
-    turns
+    (turns, 0.0, table.segments.len().saturating_sub(1))
 }
 
-/// Returns the number of points: the largest with a point at every corner, where the law's third derivative jumps. If that is below
-/// half of a table's capacity, the capacity.
-fn point_count(corners_deg: &[f64]) -> usize {
-    let on_points = |count: &usize| {
-        corners_deg.iter().all(|corner_deg| {
-            let place = corner_deg / 360.0 * *count as f64;
-            (place - place.round()).abs() < ON_A_POINT
-        })
-    };
-    const { assert!(LEAST_CAM_POINTS <= MAX_CAM_POINTS / 2) };
-    let counts = (MAX_CAM_POINTS / 2..=MAX_CAM_POINTS).rev();
-    counts.clone().find(on_points).unwrap_or(MAX_CAM_POINTS)
+/// Returns the largest difference of a table's acceleration from that of its law, relative to the law's peak. A table from a file has no
+/// law.
+pub fn off_law(table: &CamTable, points: &Points) -> Option<f64> {
+    (!table.segments.is_empty()).then(|| OffLaw::new(table, points).part)
+}
+
+/// Largest difference of a table's second derivative from that of its law.
+#[derive(Default)]
+struct OffLaw {
+    /// Difference relative to the law's peak.
+    part: f64,
+    /// Segment in which it is.
+    segment: usize,
+}
+
+impl OffLaw {
+    fn new(table: &CamTable, points: &Points) -> Self {
+        let mut curve = Spline::NONE;
+        curve.fit(points, table.net_turns);
+        let samples = points.len() * SAMPLES_A_POINT;
+        let (mut peak, mut off, mut segment) = (0.0_f64, 0.0, 0);
+        for i in 0..samples {
+            let part = i as f64 / samples as f64;
+            let (_, bend, own) = law_at(table, 360.0 * part);
+            peak = peak.max(bend.abs());
+            let difference = (curve.second_derivative(part) - bend).abs();
+            if difference > off {
+                (off, segment) = (difference, own);
+            }
+        }
+        let part = if peak > 0.0 { off / peak } else { 0.0 };
+        Self { part, segment }
+    }
 }
 
 /// Returns the follower of axis `number`.

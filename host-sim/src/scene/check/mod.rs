@@ -27,6 +27,8 @@ use crate::mechanism::{AnyMechanism, Configured};
 use crate::plant::Plant;
 
 pub use cam::Follower;
+pub(super) use cam_table::meant_net_turns;
+pub use cam_table::off_law;
 pub use correction::plant;
 pub use machine::platform;
 pub use numbers::range as in_range;

@@ -1,5 +1,6 @@
 //! `[[cam_table]]`: curves that axes follow instead of a gear, over one turn of the master.
 
+use cophase_core::axes::CamSettings;
 use serde::{Deserialize, Serialize};
 
 use super::LawName;
@@ -13,6 +14,12 @@ pub struct CamTable {
     /// Whole turns of the axis per turn of the master; 0 if the axis returns.
     #[serde(default)]
     pub net_turns: i32,
+    /// Limit on the speed of axes that follow it, rev/s.
+    #[serde(default = "usual_max_speed_hz")]
+    pub max_speed_hz: f64,
+    /// Limit on the acceleration of axes that follow it, rev/s².
+    #[serde(default = "usual_max_acceleration_hz_per_s")]
+    pub max_acceleration_hz_per_s: f64,
     /// Motion law of the segments.
     #[serde(default)]
     pub law: LawName,
@@ -28,11 +35,16 @@ pub struct CamTable {
 }
 
 impl CamTable {
-    /// Creates a table from points, in turns of the axis, at equal distances over a turn of the master. The axis returns.
+    /// Creates a table from points, in turns of the axis, at equal distances over a turn of the master. After a turn the axis is where its
+    /// last point is nearest to the first.
     pub fn of_points(name: &str, points_turns: Vec<f64>) -> Self {
+        let (first, last) = (points_turns.first(), points_turns.last());
+        let travel = last.zip(first).map_or(0.0, |(last, first)| last - first);
         Self {
             name: name.to_owned(),
-            net_turns: 0,
+            net_turns: travel.round() as i32,
+            max_speed_hz: usual_max_speed_hz(),
+            max_acceleration_hz_per_s: usual_max_acceleration_hz_per_s(),
             law: LawName::default(),
             segments: Vec::new(),
             file: None,
@@ -50,4 +62,12 @@ pub struct CamSegment {
     /// Travel of the axis over the segment, turns; 0 is a dwell.
     #[serde(default)]
     pub turns: f64,
+}
+
+const fn usual_max_speed_hz() -> f64 {
+    CamSettings::USUAL_MAX_SPEED_HZ
+}
+
+const fn usual_max_acceleration_hz_per_s() -> f64 {
+    CamSettings::USUAL_MAX_ACCELERATION_HZ_PER_S
 }

@@ -9,6 +9,7 @@ use std::path::Path;
 use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
 
 use crate::scene::SceneError;
+use crate::scene::check::meant_net_turns;
 use crate::scene::file::{CamTable, Scene};
 
 /// Difference up to which two phases or positions are equal, turns: the rounding of six decimals.
@@ -100,8 +101,9 @@ fn close(rows: &mut Vec<Row>, net_turns: f64) -> Result<(), String> {
     }
     let travel = last.turns - first.turns;
     if (travel - net_turns).abs() > SAME_TURNS {
+        let meant = meant_net_turns(travel, SAME_TURNS);
         return Err(format!(
-            ":{}: the axis is {travel} turns from where it was at phase 0, and net_turns = {net_turns}; a table must close, so change one of the two",
+            ":{}: the axis is {travel} turns from where it was at phase 0, and net_turns = {net_turns}; {meant}a table must close, so change one of the two",
             last.line
         ));
     }
@@ -168,12 +170,8 @@ mod tests {
 
     fn table(net_turns: i32) -> CamTable {
         CamTable {
-            name: "t".to_owned(),
             net_turns,
-            law: Default::default(),
-            segments: Vec::new(),
-            file: None,
-            points_turns: Vec::new(),
+            ..CamTable::of_points("t", Vec::new())
         }
     }
 
