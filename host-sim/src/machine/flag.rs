@@ -3,6 +3,9 @@
 //! A flag without a length is a point, which the sensor detects in forward motion only. A flag with a length is detected at its start
 //! in forward motion, and at its end in backward motion. Noise moves each edge from turn to turn. Within one turn an edge has one
 //! position, however often the crank reverses there.
+//!
+//! A crank has *passed* an edge if it is at the edge or beyond it. That depends on its position alone. It meets an edge in the tick in
+//! which that changes, so in exactly one, wherever ticks begin and end.
 
 use crate::faults::{Sensor, Stream};
 use crate::scene::Checked;
@@ -71,10 +74,7 @@ impl Flag {
     /// True if the flag is in front of the sensor of a crank at rest at `turns`. The edges have the same noise as when the crank moves
     /// on.
     pub fn is_over(&self, turns: f64) -> bool {
-        let turn = (turns - self.start.nominal).floor();
-        [turn - 1.0, turn, turn + 1.0]
-            .into_iter()
-            .any(|turn| self.start.place(turn) <= turns && turns < self.end.place(turn))
+        self.start.passed(turns) > self.end.passed(turns)
     }
 
     /// Adds pulses that no flag causes, from the next played tick on.
@@ -117,22 +117,14 @@ impl Flag {
 
     fn pass(&self, before: f64, after: f64) -> Met {
         let forward = after > before;
-        if !self.has_length() && self.start.noise.is_none() {
-            let passes = (after - self.start.nominal).floor();
-            let passed = passes > (before - self.start.nominal).floor();
-            return Met {
-                rise: passed.then_some(passes + self.start.nominal),
-                ..Met::default()
-            };
-        }
-        let start = self.start.between(before, after);
+        let start = self.start.met(before, after);
         if !self.has_length() {
             return Met {
                 rise: start.filter(|_| forward),
                 ..Met::default()
             };
         }
-        let end = self.end.between(before, after);
+        let end = self.end.met(before, after);
         let (rise, fall) = if forward { (start, end) } else { (end, start) };
         Met {
             rise,
@@ -191,27 +183,139 @@ impl Edge {
         )
     }
 
-    /// Returns the position of the edge between two positions of the crank, if it lies there.
-    fn between(&self, before: f64, after: f64) -> Option<f64> {
-        let (low, high) = (before.min(after), before.max(after));
-        let (mut turn, last) = (
-            (low - self.nominal - self.reach).ceil(),
-            (high - self.nominal + self.reach).floor(),
-        );
-        while turn <= last {
-            let place = self.place(turn);
-            if low < place && place <= high {
-                return Some(place);
-            }
-            turn += 1.0;
+    /// Returns the number of the last turn whose edge a crank at this position has passed.
+    fn passed(&self, turns: f64) -> f64 {
+        // Noise and rounding move an edge by less than a turn.
+        let mut turn = (turns - self.nominal).floor() + 1.0;
+        while self.place(turn) > turns {
+            turn -= 1.0;
         }
-        None
+        turn
+    }
+
+    /// Returns the position of the edge that a crank meets on its way, if it meets one.
+    fn met(&self, before: f64, after: f64) -> Option<f64> {
+        let (before, after) = (self.passed(before), self.passed(after));
+        (before != after).then(|| self.place(before.max(after)))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn flag(start_turns: f64, width_turns: f64) -> Flag {
+        Flag {
+            start: Edge::new(start_turns, None),
+            end: Edge::new(start_turns + width_turns, None),
+            begins: None,
+            again: None,
+            clear: NOWHERE,
+        }
+    }
+
+    /// Moves a crank through `places`, each of which begins and ends ticks. Returns the level of the line of a flag with a length, after
+    /// it has checked that rises and falls alternate.
+    fn level_after(flag: &mut Flag, places: &[f64], case: &str) -> bool {
+        let mut level = flag.is_over(places[0]);
+        for pair in places.windows(2) {
+            let met = flag.meet(pair[0], pair[1]).unwrap_or_default();
+            assert!(
+                !(met.rise.is_some() && level)
+                    && !(met.fall.is_some() && !level && met.rise.is_none()),
+                "{case}: an edge is met twice, {pair:?}"
+            );
+            level = (level || met.rise.is_some()) && met.fall.is_none();
+        }
+        level
+    }
+
+    /// If this fails, an edge on a whole step is met in neither of two ticks, or in both. A working sensor is then reported as faulty.
+    ///
+    /// The judge knows only that a crank well inside the flag is over it, and one well outside is not.
+    #[test]
+    fn every_edge_is_met_once_whatever_steps_widths_and_directions() {
+        // Steps per turn, some of them behind a gear: 57:11, 50:17 and 20:36.
+        let geared = |steps: f64, motor: f64, crank: f64| steps * motor / crank;
+        let counts = [
+            24.0,
+            200.0,
+            400.0,
+            1000.0,
+            3200.0,
+            6400.0,
+            10_000.0,
+            25_600.0,
+            102_400.0,
+            geared(3200.0, 57.0, 11.0),
+            geared(400.0, 50.0, 17.0),
+            geared(6400.0, 20.0, 36.0),
+        ];
+        for steps in counts {
+            for half_degrees in (0..720).step_by(7) {
+                for width in [0.5, 1.0, 3.0, 6.0, 7.5, 9.0, 18.0, 33.3, 45.0, 90.0, 120.0] {
+                    for turn in [0.0, 1.0, -3.0, 1e5] {
+                        let start = f64::from(half_degrees) / 720.0;
+                        let mut flag = flag(start, width / 360.0);
+                        let case = format!("{steps} steps, flag at {start} turns, {width}° long");
+                        for edge in [start, start + width / 360.0] {
+                            let at = ((turn + edge) * steps).round();
+                            // Steps around the edge, and between two of them the places next to the edge itself.
+                            let near = (-2..=2).map(|step| (at + f64::from(step)) / steps);
+                            let exact = turn + edge;
+                            let next = [exact.next_down(), exact, exact.next_up()];
+                            let mut places: Vec<f64> = near.chain(next).collect();
+                            places.sort_by(f64::total_cmp);
+                            let inside = |sign: f64| exact + sign * 0.2 * width / 360.0;
+                            let (low, high) = (inside(-1.0), inside(1.0));
+                            places.retain(|&place| low < place && place < high);
+                            let is_start = edge == start;
+                            // Forward and back over the edge, turning round in every place, and standing there.
+                            for &reversal in &places {
+                                let up = places.iter().copied().filter(|&place| place <= reversal);
+                                let there: Vec<f64> = [low].into_iter().chain(up).collect();
+                                let back = there.iter().rev().copied();
+                                let path: Vec<f64> = there.iter().copied().chain(back).collect();
+                                let level = level_after(&mut flag, &path, &case);
+                                assert_eq!(level, !is_start, "{case}: back from {reversal}");
+                            }
+                            let over: Vec<f64> =
+                                [low].into_iter().chain(places).chain([high]).collect();
+                            let level = level_after(&mut flag, &over, &case);
+                            assert_eq!(level, is_start, "{case}: forward over {exact}");
+                            let back: Vec<f64> = over.into_iter().rev().collect();
+                            let level = level_after(&mut flag, &back, &case);
+                            assert_eq!(level, !is_start, "{case}: back over {exact}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// If this fails, a flag without a length is missed, or detected twice, where its place is on a whole step.
+    #[test]
+    fn a_flag_without_a_length_rises_once_per_forward_passage() {
+        for steps in [200.0, 3200.0, 102_400.0, 3200.0 * 57.0 / 11.0] {
+            for degrees in 0..360 {
+                let start = f64::from(degrees) / 360.0;
+                let mut flag = flag(start, 0.0);
+                let at = (start * steps).round();
+                let there: Vec<f64> = (-2..=2)
+                    .map(|step| (at + f64::from(step)) / steps)
+                    .collect();
+                for _ in 0..2 {
+                    let rises = |places: &[f64], flag: &mut Flag| {
+                        let met = places.windows(2).map(|pair| flag.meet(pair[0], pair[1]));
+                        met.flatten().filter(|met| met.rise.is_some()).count()
+                    };
+                    assert_eq!(rises(&there, &mut flag), 1, "{steps} steps, {degrees}°");
+                    let back: Vec<f64> = there.iter().rev().copied().collect();
+                    assert_eq!(rises(&back, &mut flag), 0, "{steps} steps, {degrees}°");
+                }
+            }
+        }
+    }
 
     /// If this fails, a sensor at power-up may be on the wrong side of an edge that the crank stands close to, within the noise. The
     /// next flag then does not rise, and a working sensor is reported as faulty.
