@@ -81,13 +81,9 @@ fn a_reversed_crank_is_reported_and_its_drive_disabled() {
                     .find(|sample| sample.tick as f64 * TICK_S > AT_S && !sample.enabled);
                 let after_s = off.expect("its drive is off").tick as f64 * TICK_S - AT_S;
                 // The crank has gone back by an electrical cycle, 1/50 turn, and two windows of four ticks are over. A rotor swings
-                // in its field before it turns with it.
+                // in its field before it turns with it, ahead too: what it goes back counts from its furthest point ahead.
                 let swings_s = if level == "phased" { 0.02 } else { 0.0 };
-                // A stepper that turns back this slowly still swings ahead when it counts as stuck: by less than half a cycle, or it
-                // would slip. The monitor measures the travel back from there.
-                let swings_ahead = level == "phased" && drive == STEPPER && speed_hz == -0.5;
-                let cycles = if swings_ahead { 1.5 } else { 1.0 };
-                let most_s = cycles * 0.02 / -speed_hz + 8.0 * TICK_S + swings_s;
+                let most_s = 0.02 / -speed_hz + 8.0 * TICK_S + swings_s;
                 assert!(after_s < most_s, "{after_s} s, {case}");
             }
         }

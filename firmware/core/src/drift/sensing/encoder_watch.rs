@@ -59,8 +59,9 @@ pub(in crate::drift) struct EncoderWatch {
     deviation: Deviation,
     /// Measured turns in the tick that was read last; none if they are not known.
     pub(in crate::drift) made: Option<Turns>,
-    /// Measured turns since the motor was last about where commanded, or moved about as commanded.
-    made_since: Turns,
+    /// Travel back from the furthest point ahead since the motor was last about where commanded, or moved about as commanded. A rotor that is
+    /// turned back may swing ahead first.
+    back: Turns,
     /// Sum of the jumps that the index has to confirm; about zero if the reading came back.
     pub(in crate::drift) unconfirmed_jump: Option<Turns>,
     /// Ticks of the window for tracking, which has some ticks and some travel.
@@ -137,12 +138,11 @@ impl EncoderWatch {
     /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by more than a motor that was blocked for a
     /// time. When that is released, it may spring back, and swing once to either side.
     pub(in crate::drift) fn has_gone_back(&self, traits: &Traits) -> bool {
-        let back = self.made_since.wrapping_neg();
         let behind = self.phase_error.wrapping_neg();
         let most = traits.swing().saturating_add(traits.swing());
         // The travel must be large against the noise.
-        let is_sure = behind > 0 && back > about(traits.jump());
-        is_sure && (back > Turns::from_bits(behind.to_bits() >> 2) || back > most)
+        let is_sure = behind > 0 && self.back > about(traits.jump());
+        is_sure && (self.back > Turns::from_bits(behind.to_bits() >> 2) || self.back > most)
     }
 
     /// Processes a reading at the end of a tick. A deviation from the command by more than `jump` in a tick is held back. Returns the
@@ -165,10 +165,10 @@ impl EncoderWatch {
         let made = Turns::from_bits(whole.wrapping_add(self.fraction.advance(counts)));
         let off = made.wrapping_sub(commanded.turns);
         let read = self.classify(off, jump);
-        self.made_since = if self.phase_error.wrapping_abs() <= about(jump) {
+        self.back = if self.phase_error.wrapping_abs() <= about(jump) {
             Turns::ZERO
         } else {
-            self.made_since.saturating_add(made)
+            self.back.saturating_sub(made).max(Turns::ZERO)
         };
         self.judge(commanded.turns, jump);
         let anew = self.phase_error.wrapping_sub(self.filtered);
@@ -228,7 +228,7 @@ impl EncoderWatch {
         } else if 4 * made > commanded {
             Tracking::Overspeed
         } else {
-            self.made_since = Turns::ZERO;
+            self.back = Turns::ZERO;
             Tracking::Ok
         };
         self.ticks = 0;

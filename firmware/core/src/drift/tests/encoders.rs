@@ -140,17 +140,22 @@ fn a_servo_that_stands_at_speed_is_stuck_whenever_that_begins() {
 /// disabled.
 #[test]
 fn a_crank_that_is_let_go_springs_back_and_is_stuck_all_the_same() {
-    let mut cranks = encoders(3.0);
-    let found = cranks.turn(150, |i, t| {
-        let stood = (t - 1.5).clamp(0.0, 0.2);
-        // Half an electrical cycle back, and a swing of the same size, in twenty ticks.
-        let swing = 0.01 * (1.0 - (core::f64::consts::PI * (t - 1.7) / 0.1).cos());
-        let back = if t > 1.7 { swing } else { 0.0 };
-        if i == 2 { -stood - back } else { 0.0 }
-    });
-    let kinds: Vec<_> = found.iter().map(|(_, found)| found.fault.kind).collect();
-    assert!(!kinds.contains(&FaultKind::Reversed), "{found:?}");
-    assert!(kinds.contains(&FaultKind::Stuck), "{found:?}");
+    // From the end of its swing that is ahead, from the other one, and from between, either way.
+    for eighth in 0..8 {
+        let mut cranks = encoders(3.0);
+        let begin = core::f64::consts::FRAC_PI_4 * f64::from(eighth);
+        let found = cranks.turn(150, |i, t| {
+            let stood = (t - 1.5).clamp(0.0, 0.2);
+            // An electrical cycle from end to end, less a count, in twenty ticks.
+            let angle = core::f64::consts::PI * (t - 1.7) / 0.1;
+            let swing = (0.01 - 1.0 / 3200.0) * ((begin + angle).cos() - begin.cos());
+            let swing = if t > 1.7 { swing } else { 0.0 };
+            if i == 2 { -stood + swing } else { 0.0 }
+        });
+        let kinds: Vec<_> = found.iter().map(|(_, found)| found.fault.kind).collect();
+        assert!(!kinds.contains(&FaultKind::Reversed), "{eighth}: {found:?}");
+        assert!(kinds.contains(&FaultKind::Stuck), "{eighth}: {found:?}");
+    }
 }
 
 /// A reading that is off for some ticks is a glitch. The index shows counts that stay lost. The index alone detects a crank that slips on
