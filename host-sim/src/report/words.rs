@@ -177,6 +177,7 @@ pub fn fault_words(fault: &Fault) -> String {
                 )
             }
             FaultKind::IndexExtra => format!(": a pulse {size_deg:.2}° from its place"),
+            FaultKind::Drift => format!(", by {size_deg:.2}° so far"),
             _ if fault.axis.is_some() => format!(" off by {size_deg:.2}°"),
             _ => format!(", off by {size_deg:.2}°"),
         };

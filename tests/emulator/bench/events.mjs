@@ -15,7 +15,7 @@ const UNITS_A_TURN = 2 ** 32;
 const KINDS = [
   'tilt', 'warp', 'common-lag', 'lost-steps', 'slip', 'stuck', 'runaway', 'index-timeout', 'index-missing', 'index-extra', 'swapped-wiring',
   'reversed', 'encoder-glitch', 'drive-alarm', 'overrun', 'step-fifo-underrun', 'enable-loss', 'stop-input', 'homing-range-exceeded', 'program-rejected',
-  'settings-rejected', 'watchdog-reset', 'capture',
+  'settings-rejected', 'watchdog-reset', 'capture', 'drift',
 ];
 
 const STATE = /tick (\d+): (Idle|Homing|Run|Stop|Parked|Fault), phase error/;

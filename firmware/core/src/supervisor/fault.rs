@@ -79,11 +79,14 @@ pub enum FaultKind {
     /// All axes lag together where the master crosses a forbidden band: the resonance takes more torque than the motors have.
     #[error("captured at a resonance: all axes lag together at a forbidden band")]
     Capture = 22,
+    /// The phase error of a crank walks in one direction, turn after turn.
+    #[error("a phase error walks in one direction: the sensor creeps, or the crank on its shaft")]
+    Drift = 23,
 }
 
 impl FaultKind {
     /// All kinds, each at the index of its number.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Tilt,
         Self::Warp,
         Self::CommonLag,
@@ -107,6 +110,7 @@ impl FaultKind {
         Self::SettingsRejected,
         Self::WatchdogReset,
         Self::Capture,
+        Self::Drift,
     ];
 
     /// Name of the kind in reports and tables.
@@ -135,6 +139,7 @@ impl FaultKind {
             Self::SettingsRejected => "settings-rejected",
             Self::WatchdogReset => "watchdog-reset",
             Self::Capture => "capture",
+            Self::Drift => "drift",
         }
     }
 }

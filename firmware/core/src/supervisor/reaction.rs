@@ -104,6 +104,8 @@ pub static REACTIONS: [Row; FaultKind::ALL.len()] = {
         row(Kind::WatchdogReset, Disable, Disable),
         // The load was too much for moving motors at the resonance; at rest there is no resonance.
         row(Kind::Capture, StopAndHold, StopAndHold),
+        // It is slow. If it goes on, the limits stop the machine.
+        row(Kind::Drift, Report, Report),
     ]
 };
 

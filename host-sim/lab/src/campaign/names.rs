@@ -43,9 +43,9 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::Slip
             if !at.has_encoder && fault.rate_deg_per_s.is_some_and(|rate| rate < 0.0) =>
         {
-            vec![Kind::Slip, Kind::Runaway]
+            vec![Kind::Slip, Kind::Runaway, Kind::Drift]
         }
-        FaultName::Slip => vec![Kind::Slip],
+        FaultName::Slip => vec![Kind::Slip, Kind::Drift],
         // Fact 1: without an encoder, a crank that stands and a dead sensor give the same line.
         FaultName::Stuck if !at.has_encoder => match fault.for_s {
             None => vec![Kind::IndexTimeout],

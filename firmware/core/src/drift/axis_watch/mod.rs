@@ -1,10 +1,12 @@
 //! One axis of the monitor: its index sensor, its encoder, and the events of its crank.
 
 mod sorting;
+mod steady_drift;
 mod tracking;
 mod traits;
 
 pub(super) use sorting::Report;
+use steady_drift::SteadyDrift;
 pub(super) use traits::Traits;
 pub use traits::place_gate;
 
@@ -52,6 +54,7 @@ pub(super) struct AxisWatch {
     last: i32,
     home: i32,
     pub(super) diagnosis: Diagnosis,
+    pub(super) steady_drift: SteadyDrift,
 }
 
 impl AxisWatch {
@@ -67,6 +70,7 @@ impl AxisWatch {
             last: 0,
             home: 0,
             diagnosis: Diagnosis::new(),
+            steady_drift: SteadyDrift::default(),
         }
     }
 
@@ -125,9 +129,18 @@ impl AxisWatch {
         if self.traits.is_beyond_gate(own_jump) {
             self.home = self.home.wrapping_add(own_jump);
             self.jump(of_angle(own_jump));
-        } else if self.traits.is_beyond_gate(own_walk) {
-            self.home = self.last.wrapping_sub(common.walk);
-            self.diagnosis.drift(of_angle(own_walk));
+        } else {
+            self.walk(own_walk);
+        }
+    }
+
+    /// Records how far the crank is from where its drift is counted, an angle, once a turn.
+    fn walk(&mut self, walk: i32) {
+        self.steady_drift.add(walk, self.traits.drift_step());
+        if self.traits.is_beyond_gate(walk) {
+            self.home = self.home.wrapping_add(walk);
+            self.steady_drift.shift(walk);
+            self.diagnosis.drift(of_angle(walk));
         }
     }
 
@@ -203,6 +216,7 @@ impl AxisWatch {
         self.last = angle(self.index.offset);
         self.home = self.last;
         self.diagnosis = Diagnosis::new();
+        self.steady_drift = SteadyDrift::default();
     }
 
     pub(super) fn shift(&mut self, by: Turns) {

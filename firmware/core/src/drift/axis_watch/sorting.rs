@@ -4,7 +4,7 @@
 //! that the crank moved. If the index is out of place and the encoder has measured nothing, the crank slipped on its shaft.
 
 use super::AxisWatch;
-use crate::drift::detection::angles::{angle, of_angle};
+use crate::drift::detection::angles::angle;
 use crate::drift::sensing::encoder_watch::Read;
 use crate::drift::sensing::index_watch::Detection;
 use crate::supervisor::FaultKind;
@@ -97,11 +97,9 @@ impl AxisWatch {
     ) -> Option<Report> {
         let extra = extra.map(|by| self.extra(by, is_sure));
         self.diagnosis.pass_turn();
-        let walk = self.motion().walk;
-        if self.encoder.is_some() && self.traits.is_beyond_gate(walk) {
-            // The crank moves away from its encoder, turn by turn.
-            self.home = angle(self.index.offset);
-            self.diagnosis.drift(of_angle(walk));
+        if self.encoder.is_some() {
+            // The crank may move away from its encoder, turn by turn.
+            self.walk(self.motion().walk);
         }
         if was_overdue {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));

@@ -78,6 +78,11 @@ impl Traits {
         self.gate.max(Turns::from_bits(self.cycle.to_bits() / 2))
     }
 
+    /// Largest change of a mean phase error that is no step of a drift, an angle.
+    pub fn drift_step(&self) -> u32 {
+        to_angle(self.tolerance).unsigned_abs() / 2
+    }
+
     /// True if an angle is wider than the gate.
     pub fn is_beyond_gate(&self, angle: i32) -> bool {
         angle.unsigned_abs() > to_angle(self.gate).unsigned_abs()

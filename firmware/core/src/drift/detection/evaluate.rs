@@ -187,10 +187,19 @@ impl DriftMonitor {
     /// Reports new motions of cranks by name. During homing and levelling, the steps of homing evaluate the motion of the cranks.
     fn report_moves(&mut self, within_limits: bool, sensed: &Sensed<'_>) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
-            let watch = self.axes.get_mut(axis);
-            let fresh = watch.and_then(|watch| watch.diagnosis.take_new());
-            if let Some((kind, by)) = fresh.filter(|_| !self.is_homing) {
+            let Some(watch) = self.axes.get_mut(axis) else {
+                return;
+            };
+            let drift = watch.steady_drift.take_new();
+            let fresh = watch.diagnosis.take_new();
+            if self.is_homing {
+                continue;
+            }
+            if let Some((kind, by)) = fresh {
                 self.report(axis, (kind, by, within_limits), sensed);
+            }
+            if let Some(by) = drift {
+                self.report(axis, (FaultKind::Drift, by, true), sensed);
             }
         }
     }

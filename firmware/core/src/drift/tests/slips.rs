@@ -2,6 +2,7 @@
 //! a slip.
 
 use super::*;
+use std::format;
 
 /// Plays ticks in which encoders read the commanded phases. Crank i has the phase error `slipped(i, turns)`, and `sensor` changes its
 /// pulses.
@@ -187,5 +188,94 @@ fn a_walk_is_slip() {
             found.iter().any(|(_, finding)| !finding.within_limits),
             "{a_turn}: beyond the limit"
         );
+    }
+}
+
+/// Kinds, axes and sizes, in degrees, of what is found in so many ticks of 0.01 turn.
+fn walking(
+    count: usize,
+    ticks: u32,
+    off: impl Fn(usize, f64) -> f64,
+) -> Vec<(FaultKind, Option<usize>, f64)> {
+    let mut cranks = Cranks::new(monitor(count, 5.0, 5.0, 15.0), 0.01).homed();
+    let from = f64::from(cranks.tick) * 0.01;
+    let found = cranks.turn(ticks, move |i, t| off(i, (t - from).max(0.0)));
+    let of = |fault: crate::supervisor::Fault| {
+        let size_deg = fault.size.to_num::<f64>() * 360.0;
+        (fault.kind, fault.axis, size_deg)
+    };
+    found.iter().map(|(_, found)| of(found.fault)).collect()
+}
+
+/// If this fails, a correction follows a sensor that creeps, and nobody is told; or a slip is reported before, as which it is not known.
+#[test]
+fn a_phase_error_that_walks_is_a_drift_before_it_is_a_slip() {
+    let tolerance_deg = {
+        let cranks = Cranks::new(monitor(3, 5.0, 5.0, 15.0), 0.01);
+        cranks.monitor.tolerance(1).to_num::<f64>() * 360.0
+    };
+    for count in 3..=6 {
+        for sense in [-1.0, 1.0] {
+            for axis in [0, count - 1] {
+                // Two tolerances in 500 turns.
+                let a_turn = sense * 2.0 * tolerance_deg / 360.0 / 500.0;
+                let found = walking(
+                    count,
+                    60_000,
+                    |i, t| if i == axis { a_turn * t } else { 0.0 },
+                );
+                let (kind, of, size_deg) = found[0];
+                let case = format!("{count}: {axis}, {found:?}");
+                assert_eq!((kind, of), (FaultKind::Drift, Some(axis)), "{case}");
+                // Less what the reading was off as homing ended, and a window.
+                let far = (size_deg / tolerance_deg).abs();
+                assert!(
+                    size_deg * sense > 0.0 && (1.6..2.4).contains(&far),
+                    "{case}"
+                );
+            }
+        }
+    }
+}
+
+/// If this fails, a machine is stopped and taken apart for a slip that was corrected, or for noise.
+#[test]
+fn what_does_not_walk_in_one_direction_is_no_drift() {
+    let drifts = |off: &dyn Fn(usize, f64) -> f64| {
+        let found = walking(3, 60_000, off);
+        found.iter().any(|(kind, ..)| *kind == FaultKind::Drift)
+    };
+    // A slip, at once or in some seconds, up to several gates.
+    for size_deg in [0.3, 0.9, 1.7, 3.0, -4.0] {
+        for turns in [0.01, 5.0, 30.0, 64.0] {
+            let slip = |i: usize, t: f64| {
+                let part = ((t - 100.0) / turns).clamp(0.0, 1.0);
+                if i == 1 { part * size_deg / 360.0 } else { 0.0 }
+            };
+            assert!(!drifts(&slip), "{size_deg}° in {turns} turns");
+        }
+    }
+    // An error that comes and goes with the load.
+    for period in [50.0, 150.0, 400.0, 1000.0] {
+        let swing = |i: usize, t: f64| {
+            let angle = core::f64::consts::TAU * t / period;
+            if i == 1 {
+                0.4 / 360.0 * angle.sin()
+            } else {
+                0.0
+            }
+        };
+        assert!(!drifts(&swing), "a period of {period} turns");
+    }
+    // Readings that err by up to a tolerance, uniformly: another one in each turn.
+    for seed in 1..20_u32 {
+        let noise = |i: usize, t: f64| {
+            let mut word = (t + 0.5).floor() as u32 ^ (seed << 20) ^ (i as u32) << 27;
+            for _ in 0..3 {
+                word = (word ^ word >> 16).wrapping_mul(0x45D9_F3B5);
+            }
+            (f64::from(word >> 8) / f64::from(1 << 23) - 1.0) * 0.47 / 360.0
+        };
+        assert!(!drifts(&noise), "seed {seed}");
     }
 }
