@@ -21,6 +21,7 @@ mod lost_shafts;
 mod machine_words;
 mod model_levels;
 mod phases;
+mod platform_limits;
 mod pulse_servo;
 mod reactions;
 mod readers;

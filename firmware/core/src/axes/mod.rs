@@ -23,5 +23,5 @@ pub use cam_table::{CamSettings, CamTable, CamTableSettings};
 pub use cams::{Cams, MAX_CAMS, NO_CAMS};
 pub use follower::Follower;
 pub use gear::{Gear, GearSettings};
-pub use phase_offset::{OffsetMotion, PhaseOffsets};
+pub use phase_offset::{OffsetMotion, PhaseOffsets, slot_turns};
 pub use spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};

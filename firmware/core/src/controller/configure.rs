@@ -219,7 +219,7 @@ impl Controller {
     fn fill_homing(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let count = settings.axes.len();
         let patterns = if settings.correction.prove_wiring {
-            wiring_patterns(count, &self.drift, &self.offsets)?
+            wiring_patterns(settings, &self.drift, &self.offsets)?
         } else {
             [PerAxis::default(); 2]
         };

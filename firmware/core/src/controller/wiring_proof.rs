@@ -3,7 +3,7 @@
 
 use crate::axes::PhaseOffsets;
 use crate::drift::DriftMonitor;
-use crate::settings::{Problem, SettingsError};
+use crate::settings::{Problem, Settings, SettingsError};
 use crate::units::{PerAxis, Turns};
 
 /// Smallest distance by which any two cranks are moved apart in one of the tilts, in tolerances.
@@ -15,17 +15,23 @@ pub(super) const APART: i64 = 3;
 /// The trims or the platform do not allow the tilts.
 #[cold]
 pub(super) fn wiring_patterns(
-    count: usize,
+    settings: &Settings,
     drift: &DriftMonitor,
     offsets: &PhaseOffsets,
 ) -> Result<[PerAxis<Turns>; 2], SettingsError> {
+    let count = settings.axes.len();
     let tolerances = (0..count).map(|axis| drift.tolerance(axis));
     let tolerance = tolerances.max().unwrap_or_default();
     let patterns = patterns(count, tolerance);
     // Adds the largest error of a reading.
     let on_top = |level: Turns| level + if level < 0 { -tolerance } else { tolerance };
     for pattern in &patterns {
-        if offsets.beyond_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
+        // Where a trim has no room for it, a tilt goes the other way.
+        if offsets.beyond_limit(pattern).is_some()
+            || !drift.allows(&pattern.map(on_top))
+            || !settings.allows_apart(pattern)
+            || !settings.allows_apart(&pattern.map(|level| -level))
+        {
             let most = pattern.iter().map(|level| level.abs()).max();
             let problem = Problem::WiringPattern {
                 deg: most.unwrap_or_default().to_num::<f64>() * 360.0,

@@ -8,9 +8,10 @@
 //! radius ρ, and is R Z(α + δᵢ) high: δᵢ is the lead of its crank, and Z the integral of the mechanism's slope over the crank angle. With
 //! heights zᵢ the slope is |2/N Σ zᵢ (cos θ, sin θ)| / ρ. *Warp* is the largest distance of a lead from the plane closest to all leads.
 
-use super::{AxisSettings, PlatformSettings, Problem, Settings, SettingsError};
+use super::{PlatformSettings, Problem, Settings, SettingsError};
+use crate::axes::slot_turns;
 use crate::mechanism::{AnyMechanism, Mechanism};
-use crate::units::{MAX_AXES, PerAxis};
+use crate::units::{MAX_AXES, PerAxis, Turns};
 use core::f64::consts::TAU;
 
 /// Angles of a turn at which the tilt is computed, half a degree apart. The tilt between two of them is higher by less than 4e-5 of the
@@ -20,16 +21,24 @@ const ANGLES: u32 = 720;
 /// Greatest part of a limit by which rounding may exceed it.
 const ROUNDING: f64 = 1e-4;
 
+/// Stages of the trims on their way at which tilt and warp are computed, besides the first, if cranks have offsets, too. A trim is up to
+/// 36°, so a crank is within 2.25° of a stage.
+const STAGES: u32 = 8;
+
+/// Slots by which cranks that move apart, one after the other, tilt and warp at most beyond the straight way. In both, the lead of N cranks
+/// counts with factors whose magnitudes add up to √2 at most.
+const SLOTS: f64 = core::f64::consts::SQRT_2;
+
 impl Settings {
-    /// Largest tilt over a turn of a platform whose cranks are where offsets and trims command them to be, mrad. Zero without a platform.
-    /// The error is below 1e-4 of the tilt of one crank that is half a turn ahead. The settings must have been checked.
+    /// Largest tilt over a turn of a platform whose cranks are where offsets and trims command them to be, mrad, also while the trims are on
+    /// their way. Zero without a platform. The error is below 1e-4 of the tilt of one crank that is half a turn ahead. The settings must
+    /// have been checked.
     #[cold]
     pub fn commanded_tilt_mrad(&self) -> f64 {
-        let leads = Leads::of(&self.axes, &self.trims_turns);
-        match self.machine.platform() {
-            Some(platform) if !leads.are_equal() => leads.tilt_mrad(platform, self.mechanism()),
-            _ => 0.0, // The usual case needs no integrals.
-        }
+        let Some(platform) = self.machine.platform() else {
+            return 0.0;
+        };
+        self.max_tilt_mrad(platform, &PerAxis::default())
     }
 
     /// Checks that commanded phases alone keep a platform within its limits, and that its cranks make the master's own turns.
@@ -43,40 +52,111 @@ impl Settings {
                 return Err(SettingsError::new(key, Problem::NotInPhase).on_entry(i));
             }
         }
-        if platform.allow_commanded_tilt {
+        let Some((problem, axis)) = self.commanded_problem(platform, &PerAxis::default()) else {
             return Ok(());
-        }
-        let leads = Leads::of(&self.axes, &self.trims_turns);
-        let (warp_deg, axis) = leads.warp_deg();
-        let at_fault = |problem| {
-            let apart = |lead: fn(&AxisSettings) -> f64| {
-                self.axes
-                    .windows(2)
-                    .any(|pair| lead(&pair[0]) != lead(&pair[1]))
-            };
-            let key = if apart(|axis| axis.offset_turns) {
-                "axes.offset_deg"
-            } else {
-                "axes.trim_deg"
-            };
-            Err(SettingsError::new(key, problem).on_entry(axis))
         };
-        let tilt_mrad = self.commanded_tilt_mrad();
+        let key = if self.are_offset() {
+            "axes.offset_deg"
+        } else {
+            "axes.trim_deg"
+        };
+        Err(SettingsError::new(key, problem).on_entry(axis))
+    }
+
+    /// Returns true if a platform stays within its limits when its cranks are also moved apart by `levels`, turns. It does if it may be
+    /// tilted by commands.
+    #[cold]
+    pub(crate) fn allows_apart(&self, levels: &PerAxis<Turns>) -> bool {
+        let levels = levels.map(Turns::to_num::<f64>);
+        self.machine
+            .platform()
+            .is_none_or(|platform| self.commanded_problem(platform, &levels).is_none())
+    }
+
+    /// Limit that commanded phases exceed, and the axis that is farthest off, with cranks that are also moved apart by `levels`, turns.
+    #[cold]
+    fn commanded_problem(
+        &self,
+        platform: &PlatformSettings,
+        levels: &PerAxis<f64>,
+    ) -> Option<(Problem, usize)> {
+        if platform.allow_commanded_tilt {
+            return None;
+        }
+        let stages = self.stages(levels).map(|leads| leads.warp_deg());
+        let (warp_deg, axis) = stages
+            .reduce(|farthest, stage| {
+                if stage.0 > farthest.0 {
+                    stage
+                } else {
+                    farthest
+                }
+            })
+            .unwrap_or_default();
+        // While cranks move apart, each waits for its slot.
+        let moves = |turns: &f64| *turns != 0.0;
+        let ahead = if self.trims_turns.iter().any(moves) || levels.iter().any(moves) {
+            SLOTS * slot_turns(self)
+        } else {
+            0.0
+        };
+        let warp_deg = if self.axes.len() > 3 {
+            warp_deg + 360.0 * ahead
+        } else {
+            warp_deg
+        };
+        let tilt_mrad = self.max_tilt_mrad(platform, levels)
+            + ahead * self.machine.tilt_mrad_per_turn(self.tick_hz);
         let limit_mrad = platform.tilt_limit_mrad;
-        if tilt_mrad > limit_mrad * (1.0 + ROUNDING) {
-            return at_fault(Problem::CommandedTilt {
+        let limit_deg = self.drift.warp_limit_deg;
+        let problem = if tilt_mrad > limit_mrad * (1.0 + ROUNDING) {
+            Problem::CommandedTilt {
                 tilt_mrad,
                 limit_mrad,
-            });
-        }
-        let limit_deg = self.drift.warp_limit_deg;
-        if warp_deg > limit_deg * (1.0 + ROUNDING) {
-            return at_fault(Problem::CommandedWarp {
+            }
+        } else if warp_deg > limit_deg * (1.0 + ROUNDING) {
+            Problem::CommandedWarp {
                 warp_deg,
                 limit_deg,
-            });
-        }
-        Ok(())
+            }
+        } else {
+            return None;
+        };
+        Some((problem, axis))
+    }
+
+    #[cold]
+    fn max_tilt_mrad(&self, platform: &PlatformSettings, levels: &PerAxis<f64>) -> f64 {
+        let mechanism = self.mechanism();
+        self.stages(levels)
+            .filter(|leads| !leads.are_equal()) // The usual case needs no integrals.
+            .map(|leads| leads.tilt_mrad(platform, mechanism))
+            .fold(0.0, f64::max)
+    }
+
+    fn are_offset(&self) -> bool {
+        self.axes
+            .windows(2)
+            .any(|pair| pair[0].offset_turns != pair[1].offset_turns)
+    }
+
+    /// Commanded leads while the trims move in, all at the same part of their way at a time. Without offsets, the last stage is the worst.
+    fn stages(&self, levels: &PerAxis<f64>) -> impl Iterator<Item = Leads> {
+        let trims = &self.trims_turns;
+        let are_trimmed = trims.windows(2).any(|pair| pair[0] != pair[1]);
+        let first = if are_trimmed && self.are_offset() {
+            0
+        } else {
+            STAGES
+        };
+        (first..=STAGES).map(move |stage| {
+            let part = f64::from(stage) / f64::from(STAGES);
+            Leads::new(self.axes.len(), |i| {
+                let offset = self.axes.get(i).map_or(0.0, |axis| axis.offset_turns);
+                let level = levels.get(i).copied().unwrap_or(0.0);
+                offset + part * trims.get(i).copied().unwrap_or(0.0) + level
+            })
+        })
     }
 }
 
@@ -87,18 +167,14 @@ struct Leads {
 }
 
 impl Leads {
-    fn of(axes: &[AxisSettings], trims_turns: &[f64]) -> Self {
-        let lead = |i: usize| {
-            let offset = axes.get(i).map_or(0.0, |axis| axis.offset_turns);
-            offset + trims_turns.get(i).copied().unwrap_or(0.0)
-        };
+    fn new(count: usize, lead: impl Fn(usize) -> f64) -> Self {
         let first = lead(0);
         Self {
             turns: core::array::from_fn(|i| {
                 let ahead = lead(i) - first;
                 ahead - libm::round(ahead)
             }),
-            count: axes.len().min(MAX_AXES),
+            count: count.min(MAX_AXES),
         }
     }
 
@@ -247,6 +323,28 @@ mod tests {
         assert_eq!(refused(&with_offsets(&[2.9, -2.9, 2.9, -2.9])), None);
     }
 
+    /// If this fails, a platform is accepted that tilts until its trims have moved in.
+    #[test]
+    fn trims_that_undo_offsets_are_refused_too() {
+        let mut undone = with_offsets(&[0.0, 0.0, 5.0]);
+        undone.trims_turns = heapless::Vec::from_array([0.0, 0.0, -5.0 / 360.0]);
+        let said = refused(&undone).expect("it tilts before the trim is there");
+        assert!(said.starts_with("axes.offset_deg (number 2)"), "{said}");
+    }
+
+    /// If this fails, a platform is accepted that tilts beyond its limit when the proof of the wiring tilts it further.
+    #[test]
+    fn the_proof_of_the_wiring_has_the_rest_of_the_limit() {
+        let proving = |offset_deg: f64| {
+            let mut proving = with_offsets(&[0.0, 0.0, offset_deg]);
+            proving.correction.prove_wiring = true;
+            proving.controller().err().map(|error| error.to_string())
+        };
+        assert_eq!(proving(0.0), None);
+        let said = proving(3.0).expect("it tilts by 2.9 mrad and more");
+        assert!(said.starts_with("correction.prove_wiring: "), "{said}");
+    }
+
     /// If this fails, machines in phase are refused, or trims that level a platform.
     #[test]
     fn cranks_in_phase_are_accepted() {
@@ -322,7 +420,8 @@ mod tests {
             );
             let (radius, mount) = (own.crank_radius_m, own.mount_radius_m);
             let own = *own;
-            let actual = Leads::of(&settings.axes, &[]).tilt_mrad(&own, settings.mechanism());
+            let actual = Leads::new(leads.len(), |i| leads.get(i).copied().unwrap_or(0.0))
+                .tilt_mrad(&own, settings.mechanism());
             let mut largest = 0.0_f64;
             for angle in 0..1000 {
                 let (mut x, mut y) = (0.0, 0.0);

@@ -1,6 +1,6 @@
 //! Errors in cam tables, in the axes that follow them, and in the screws that these axes turn.
 
-use host_sim::scene::library;
+use host_sim::scene::{library, load};
 
 use super::{Case, assert_all_refused, case};
 
@@ -61,6 +61,38 @@ fn invalid_cam_tables_are_refused() {
             "cam_table[1].name",
             "name of the 1st [[cam_table]] entry already",
             "lobe",
+        ),
+        edited(
+            "a forgotten net travel",
+            "turns = -4.2",
+            "turns = -0.2",
+            "cam_table[0].net_turns",
+            "0 is not the travel of the segments, 4 turns",
+            "did you mean net_turns = 4?",
+        ),
+        edited(
+            "too fast",
+            "name = \"lobe\"\n",
+            "name = \"lobe\"\nmax_speed_hz = 38\n",
+            "cam_table[0].max_speed_hz",
+            "at limits.speed_hz = 1.5 rev/s the table moves its axes at up to 38.01 rev/s",
+            "raise the limit to what the motors reach",
+        ),
+        edited(
+            "too hard",
+            "name = \"lobe\"\n",
+            "name = \"lobe\"\nmax_acceleration_hz_per_s = 600\n",
+            "cam_table[0].max_acceleration_hz_per_s",
+            "the table accelerates its axes by up to 6",
+            "over larger angles",
+        ),
+        edited(
+            "off its law",
+            "{ deg = 120, turns = 4.2 },    # 84 mm at 20 mm a turn\n  { deg = 135 },\n  { deg = 105, turns = -4.2 },",
+            "{ deg = 120, turns = 0.1 }, { deg = 15, turns = -0.1 },",
+            "cam_table[0].segment[1].deg",
+            "off the law's acceleration by 36 % of its peak",
+            "extend the segment over a larger angle",
         ),
         edited(
             "too steep",
@@ -171,4 +203,28 @@ fn unsuitable_screw_settings_are_refused() {
             "STEP and DIR",
         ),
     ]);
+}
+
+/// If this fails, a user who forgets `net_turns` gets an axis that flies back by four turns within a step of the table.
+#[test]
+fn a_table_from_a_file_without_its_net_travel_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = |rows: &str| {
+        std::fs::write(folder.path().join("jump.csv"), rows).unwrap();
+        let text = library::find("electronic-cam").unwrap().text;
+        let (head, rest) = text.split_once("law = \"modified-sine\"\nsegment").unwrap();
+        let (_, rest) = rest.split_once("[control]").unwrap();
+        let file = folder.path().join("jump.toml");
+        std::fs::write(&file, format!("{head}file = \"jump.csv\"\n[control]{rest}")).unwrap();
+        load::checked_from_file(&file)
+            .expect_err("a jump")
+            .to_string()
+    };
+    let row = |i: u32| format!("{:.6},{:.6}\n", f64::from(i) / 36.0, f64::from(i) / 9.0);
+    // Without a row at phase 1, and with it.
+    for (rows, key) in [(36, "cam_table[0].net_turns"), (37, "cam_table[0].file")] {
+        let said = scene(&(0..rows).map(row).collect::<String>());
+        assert!(said.contains(key), "{said}");
+        assert!(said.contains("did you mean net_turns = 4?"), "{said}");
+    }
 }

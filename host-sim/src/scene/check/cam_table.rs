@@ -184,12 +184,18 @@ impl OffLaw {
         let mut curve = Spline::NONE;
         curve.fit(points, table.net_turns);
         let samples = points.len() * SAMPLES_A_POINT;
+        let between = (0..samples).map(|i| 360.0 * i as f64 / samples as f64);
+        // The difference is largest at points, and where a segment ends between two points.
+        let mut end_deg = 0.0;
+        let ends = table.segments.iter().map(|segment| {
+            end_deg += segment.deg;
+            end_deg
+        });
         let (mut peak, mut off, mut segment) = (0.0_f64, 0.0, 0);
-        for i in 0..samples {
-            let part = i as f64 / samples as f64;
-            let (_, bend, own) = law_at(table, 360.0 * part);
+        for angle_deg in between.chain(ends.filter(|&end_deg| end_deg < 360.0)) {
+            let (_, bend, own) = law_at(table, angle_deg);
             peak = peak.max(bend.abs());
-            let difference = (curve.second_derivative(part) - bend).abs();
+            let difference = (curve.second_derivative(angle_deg / 360.0) - bend).abs();
             if difference > off {
                 (off, segment) = (difference, own);
             }

@@ -11,9 +11,10 @@
 mod lane;
 mod part;
 
-use crate::settings::{AxisSettings, Settings};
+use crate::settings::Settings;
 use crate::units::{MAX_AXES, ONE_TURN, PerAxis, Turns};
-use lane::{Lane, STEP, slot_ticks};
+pub use lane::slot_turns;
+use lane::{Lane, STEP, slot_steps, slot_ticks};
 use part::Part;
 
 /// Phase offsets of all axes.
@@ -65,20 +66,11 @@ impl PhaseOffsets {
     #[cold]
     pub fn configure(&mut self, settings: &Settings) {
         *self = Self::new();
-        let share = settings.axes.len() as f64 / f64::from(settings.tick_hz);
-        let steps_per_tick =
-            |axis: &AxisSettings| axis.trim_rate_hz * axis.steps_per_crank_turn().to_f64() * share;
-        let slowest = settings
-            .axes
-            .iter()
-            .map(steps_per_tick)
-            .fold(f64::INFINITY, f64::min);
-        self.slot_ticks = slot_ticks(slowest);
+        let ticks = slot_ticks(settings);
+        self.slot_ticks = ticks;
         for axis in &settings.axes {
-            let steps = libm::floor(steps_per_tick(axis) * f64::from(self.slot_ticks));
-            let pushed = self
-                .lanes
-                .push(Lane::new(axis, self.slot_ticks, steps.max(1.0) as u32));
+            let steps = slot_steps(settings, axis, ticks);
+            let pushed = self.lanes.push(Lane::new(axis, ticks, steps));
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
         self.gain = libm::round(settings.correction.gain * 65_536.0) as i64;
