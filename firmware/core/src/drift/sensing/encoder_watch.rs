@@ -112,7 +112,7 @@ impl EncoderWatch {
             at_flag: Turns::ZERO,
             deviation: Deviation::Small(Turns::ZERO),
             made: None,
-            made_since: Turns::ZERO,
+            back: Turns::ZERO,
             unconfirmed_jump: None,
             ticks: 0,
             error_before: Turns::ZERO,
