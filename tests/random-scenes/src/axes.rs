@@ -55,7 +55,8 @@ pub fn gear(source: &mut Source) -> (u32, u32) {
     (part(source), part(source))
 }
 
-fn part(source: &mut Source) -> u32 {
+/// A whole number of turns in a ratio.
+pub fn part(source: &mut Source) -> u32 {
     if source.percent(5) {
         source.one_of(&[1, 1000])
     } else {

@@ -20,6 +20,7 @@ mod machine;
 mod motors;
 mod program;
 mod source;
+mod steady;
 
 use std::fs;
 use std::io;
@@ -30,6 +31,7 @@ use host_sim::scene::file::{Drive, Fidelity, Scene};
 use host_sim::scene::{Checked, SceneError, load};
 
 use source::Source;
+pub use steady::steady;
 
 /// Kinds of the scenes that are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -63,7 +63,8 @@ pub fn check_none(folder: &Path) -> Result<(), String> {
     }
 }
 
-fn read(folder: &Path, name: &str) -> Result<String, String> {
+/// Reads a text file of a run.
+pub fn read(folder: &Path, name: &str) -> Result<String, String> {
     fs::read_to_string(folder.join(name)).map_err(|error| format!("{name}: {error}"))
 }
 

@@ -1,12 +1,16 @@
-//! `cophase run` on random valid scenes. No run panics, every number is finite, and exit status, text and report agree.
+//! `cophase run` on random valid scenes. No run panics, every number is finite, and exit status, text and report agree. On steady platforms
+//! every printed amplitude, speed and limit is the crank's.
 //!
-//! Without arguments there are few scenes. This runs 10,000 of them, on all cores, in about half an hour on two:
+//! Without arguments there are few scenes. This runs 10,000 of each kind, on all cores, in about an hour on two:
 //!
 //!     COPHASE_RANDOM_SCENES=10000 cargo test -p cophase-random-scenes -- --nocapture
+//!
+//! The name of a test after `-p cophase-random-scenes` runs that one alone.
 //!
 //! `COPHASE_RANDOM_SEED` is the first seed. A scene follows from its seed alone. Scenes that fail are kept under
 //! `target/tmp/random-scenes`. Overflow checks must be on, so do not run the tests in release mode.
 
+mod at_the_crank;
 mod files;
 mod refusal;
 
@@ -20,7 +24,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use cophase::{Command, Status};
-use cophase_random_scenes::scene;
+use cophase_random_scenes::{Drawn, scene, steady};
 
 /// Number of scenes if no other is requested.
 const FEW: u64 = 60;
@@ -41,15 +45,20 @@ struct Run {
     err: String,
 }
 
-/// Runs a scene into a folder.
-fn run(scene: &Path, folder: &Path) -> Run {
-    let command = Command::try_parse_from([
+/// Runs a scene into a folder, with options.
+fn run(scene: &Path, folder: &Path, options: &[&str]) -> Run {
+    let fixed = [
         "cophase".as_ref(),
         "run".as_ref(),
         scene.as_os_str(),
         "--out".as_ref(),
         folder.as_os_str(),
-    ]);
+    ];
+    let command = Command::try_parse_from(
+        fixed
+            .into_iter()
+            .chain(options.iter().map(|option| option.as_ref())),
+    );
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let status = command.expect("arguments").carry_out(&mut out, &mut err);
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
@@ -58,6 +67,20 @@ fn run(scene: &Path, folder: &Path) -> Run {
         out: text(out),
         err: text(err),
     }
+}
+
+/// Writes the settings of a scene for a board into a folder.
+fn settings(scene: &Path, folder: &Path) -> Status {
+    let file = folder.join("scene.settings");
+    let command = Command::try_parse_from([
+        "cophase".as_ref(),
+        "settings".as_ref(),
+        scene.as_os_str(),
+        "--out".as_ref(),
+        file.as_os_str(),
+    ]);
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    command.expect("arguments").carry_out(&mut out, &mut err)
 }
 
 /// Outcome of a scene.
@@ -71,7 +94,7 @@ enum Fate {
 /// Runs a scene and checks all that it leaves in a folder. With `twice`, it runs the scene again and compares.
 fn play(scene: &Path, folder: &Path, twice: bool) -> Result<Fate, String> {
     let out = folder.join("out");
-    let first = run(scene, &out);
+    let first = run(scene, &out, &[]);
     let fate = match first.status {
         Status::BadInput => {
             refusal::check(&first.err, scene)?;
@@ -84,7 +107,7 @@ fn play(scene: &Path, folder: &Path, twice: bool) -> Result<Fate, String> {
     files::check(&out, &first)?;
     if twice {
         let again = folder.join("again");
-        let second = run(scene, &again);
+        let second = run(scene, &again, &[]);
         if second.status != first.status {
             return Err("a second run has another exit status".to_owned());
         }
@@ -93,19 +116,20 @@ fn play(scene: &Path, folder: &Path, twice: bool) -> Result<Fate, String> {
     Ok(fate)
 }
 
-/// Draws a scene and plays it on a thread of its own. A panic ends that thread, and the virtual time with it.
-fn play_apart(seed: u64) -> Result<Fate, String> {
+/// Plays a drawn scene on a thread of its own. A panic ends that thread, and the virtual time with it.
+fn play_apart(
+    drawn: &Drawn,
+    play: impl FnOnce(&Path, &Path) -> Result<Fate, String> + Send,
+) -> Result<Fate, String> {
     let folder = tempfile::tempdir().map_err(|error| format!("no folder: {error}"))?;
-    let path = folder.path().to_owned();
-    let thread = thread::spawn(move || {
-        let scene = scene(seed).write(&path);
+    let path = folder.path();
+    let on_thread = || {
+        let scene = drawn.write(path);
         let scene = scene.map_err(|error| format!("cannot write: {error}"))?;
-        play(&scene, &path, seed.is_multiple_of(TWICE))
-    });
-    thread
-        .join()
+        play(&scene, path)
+    };
+    thread::scope(|scope| scope.spawn(on_thread).join())
         .unwrap_or_else(|panic| Err(format!("panics: {}", words(panic.as_ref()))))
-        .inspect_err(|_| keep(seed))
 }
 
 fn words(panic: &dyn Any) -> String {
@@ -120,9 +144,9 @@ fn kept() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("random-scenes")
 }
 
-fn keep(seed: u64) {
+fn keep(seed: u64, drawn: &Drawn) {
     let folder = kept().join(seed.to_string());
-    let written = fs::create_dir_all(&folder).and_then(|()| scene(seed).write(&folder));
+    let written = fs::create_dir_all(&folder).and_then(|()| drawn.write(&folder));
     if let Err(error) = written {
         eprintln!("scene {seed} cannot be kept: {error}");
     }
@@ -181,9 +205,11 @@ fn scenes_that_failed_before_now_run() {
     assert!(played.count() > 0);
 }
 
-/// If this fails, some valid scene ends in a panic or in numbers that are not finite, or its exit status contradicts its report.
-#[test]
-fn every_scene_runs_or_is_refused() {
+/// Draws scenes and plays each, on all cores. The number of scenes and the first seed are those of the variables.
+fn play_all(
+    draw: impl Fn(u64) -> Drawn + Sync,
+    play: impl Fn(u64, &Path, &Path) -> Result<Fate, String> + Sync,
+) -> Tally {
     let count = number("COPHASE_RANDOM_SCENES", FEW);
     let first = number("COPHASE_RANDOM_SEED", 0);
     let (next, tally) = (AtomicU64::new(0), Mutex::new(Tally::default()));
@@ -195,7 +221,9 @@ fn every_scene_runs_or_is_refused() {
                 return;
             }
             let (seed, at) = (first + i, Instant::now());
-            let fate = play_apart(seed);
+            let drawn = draw(seed);
+            let fate = play_apart(&drawn, |scene, folder| play(seed, scene, folder))
+                .inspect_err(|_| keep(seed, &drawn));
             let mut tally = tally.lock().expect("no thread left it locked");
             tally.add(seed, fate, at.elapsed());
         }
@@ -234,6 +262,16 @@ fn every_scene_runs_or_is_refused() {
         kept().display(),
         tally.wrong
     );
+    tally
+}
+
+/// If this fails, some valid scene ends in a panic or in numbers that are not finite, or its exit status contradicts its report.
+#[test]
+fn every_scene_runs_or_is_refused() {
+    let tally = play_all(scene, |seed, scene, folder| {
+        play(scene, folder, seed.is_multiple_of(TWICE))
+    });
+    let count = tally.all();
     // Otherwise hardly anything would be tested.
     assert!(
         (count - tally.refused) * 100 >= LEAST_ACCEPTED * count,
@@ -242,4 +280,28 @@ fn every_scene_runs_or_is_refused() {
     );
     assert!(tally.done > count / 5, "hardly any scene ends well");
     assert!(tally.faults > count / 20, "hardly anything goes wrong");
+}
+
+/// If this fails, a run prints an amplitude, a speed or a limit that the cranks under the platform do not have.
+#[test]
+fn every_printed_amplitude_speed_and_limit_is_the_cranks() {
+    let judged = AtomicU64::new(0);
+    let tally = play_all(steady, |_, scene, folder| {
+        let (fate, speeds) = at_the_crank::play(scene, folder)?;
+        judged.fetch_add(speeds, Ordering::Relaxed);
+        Ok(fate)
+    });
+    let (count, judged) = (tally.all(), judged.into_inner());
+    println!("{judged} steady speeds judged");
+    // Otherwise hardly anything would be tested.
+    assert!(
+        tally.refused * 3 < count,
+        "{} scenes refused",
+        tally.refused
+    );
+    assert!(
+        judged >= tally.done,
+        "{judged} speeds of {} scenes",
+        tally.done
+    );
 }

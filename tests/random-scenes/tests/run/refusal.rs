@@ -54,7 +54,7 @@ pub fn check(err: &str, scene: &Path) -> Result<(), String> {
             .split_once(&format!("{key}: "))
             .map_or("", |(_, problem)| problem);
         let name = key.rsplit('.').next().unwrap_or_default();
-        let name = name.split('[').next().unwrap_or_default();
+        let name = name.split([' ', '[']).next().unwrap_or_default();
         if name.is_empty() || !documented.contains(name) {
             return wrong("has a key that is not documented");
         }
