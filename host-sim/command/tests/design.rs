@@ -83,7 +83,7 @@ fn json_has_exactly_the_promised_fields() {
 /// If this fails, figures of the motor are those of the crank, or its scene has other motors than the design.
 #[test]
 fn figures_behind_a_gear_are_the_motors_own() {
-    let flags = "--load-kg 10 --amax-g 10 --freq-hz 5 --lambda 0.3 --motors 3 --gear 57:11 --steps-per-turn 102400 --rotor-inertia-kgm2 2e-3";
+    let flags = "--load-kg 10 --amax-g 10 --freq-hz 5 --lambda 0.3 --motors 3 --gear 57:11 --steps-per-turn 25600 --rotor-inertia-kgm2 2e-3";
     let json = |flags: &str| -> serde_json::Value {
         let text = command(&format!("{flags} --json")).expect("a design");
         serde_json::from_str(&text).expect("JSON")
@@ -92,12 +92,7 @@ fn figures_behind_a_gear_are_the_motors_own() {
     let of = |name: &str| json[name].as_f64().expect("a number");
     let ratio = 57.0 / 11.0;
     assert_near("cycle", of("electrical_cycle_deg"), 7.2 / ratio, 1e-12);
-    assert_near(
-        "rate",
-        of("step_rate_max_hz"),
-        5.0 * ratio * 102_400.0,
-        1e-6,
-    );
+    assert_near("rate", of("step_rate_max_hz"), 5.0 * ratio * 25_600.0, 1e-6);
     let at_crank = of("motor_torque_with_safety_nm");
     assert_near("torque", of("torque_required_nm"), at_crank / ratio, 1e-12);
     // A crank at a right angle to its rod moves the load at about its radius.
@@ -111,7 +106,7 @@ fn figures_behind_a_gear_are_the_motors_own() {
     let scene = command(&format!("{flags} --scene")).expect("a scene");
     for line in [
         "gear = [57, 11]",
-        "steps_per_turn = 102400",
+        "steps_per_turn = 25600",
         "rotor_inertia_kgm2 = 0.002",
     ] {
         assert!(scene.contains(line), "{line}: {scene}");

@@ -69,7 +69,7 @@ fn invalid_common_axis_keys_are_refused() {
             "axes.full_steps_per_turn",
             "1",
             "1 is outside",
-            "4 to 1048576",
+            "4 to 65536",
         ),
         key(
             "ratio of nothing",

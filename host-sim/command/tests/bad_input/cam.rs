@@ -40,6 +40,30 @@ fn a_scene_needs_either_a_machine_or_a_cam() {
     ]);
 }
 
+/// Machines without a platform may have ratios to the master.
+#[test]
+fn invalid_ratios_of_cam_shafts_are_refused() {
+    let ratio = |name, pair: &str, wrong, right| {
+        let text = edit("[axes]\n", &format!("[axes]\nratio = {pair}\n"));
+        case(name, text, "axes.ratio", wrong, right)
+    };
+    assert_all_refused(&[
+        ratio("nothing", "[0, 1]", "numerator 0 is outside", "1 to 1000"),
+        ratio(
+            "over nothing",
+            "[1, 0]",
+            "denominator 0 is outside",
+            "1 to 1000",
+        ),
+        ratio(
+            "too fast",
+            "[1000, 1]",
+            "turns a tick",
+            "lower limits.speed_hz or the ratio",
+        ),
+    ]);
+}
+
 #[test]
 fn invalid_cam_angles_and_heights_are_refused() {
     let number = |name, from, to, key, wrong, right| case(name, edit(from, to), key, wrong, right);

@@ -8,7 +8,7 @@ use cophase_methods::problems::Law;
 use super::numbers::range;
 use crate::scene::SceneError;
 use crate::scene::entry::ordinal;
-use crate::scene::file::{CamTable, Scene};
+use crate::scene::file::{CamSegment, CamTable, Scene};
 use crate::scene::load::nearest;
 
 /// Largest difference of a table's acceleration from that of its law, relative to the law's peak.
@@ -108,34 +108,36 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
     }
     // A count beats a larger one only by more than rounding.
     let counts = (MAX_CAM_POINTS / 2..=MAX_CAM_POINTS).rev();
-    let mut best: Option<(Points, OffLaw)> = None;
+    let mut best: Option<(Points, f64)> = None;
     for count in counts {
         let points = (0..count)
             .map(|i| law_at(table, 360.0 * i as f64 / count as f64).0)
             .collect();
-        let own = OffLaw::new(table, &points);
-        if best
-            .as_ref()
-            .is_none_or(|(_, best)| own.part < best.part - 1e-9)
-        {
-            best = Some((points, own));
+        let off = off_law_of(table, &points);
+        if best.as_ref().is_none_or(|(_, best)| off < best - 1e-9) {
+            best = Some((points, off));
         }
     }
     let (points, off) = best.unwrap_or_default();
-    if off.part > MOST_OFF_LAW {
-        return Err(SceneError::at(
-            format!("cam_table[{entry}].segment[{}].deg", off.segment),
-            format!(
-                "{} is too short: the curve through {} points, the best for these segments, is off the law's acceleration by {:.0} % of its peak \
-                 here, and {:.0} % is the most; extend the segment over a larger angle",
-                table.segments[off.segment].deg,
-                points.len(),
-                1e2 * off.part,
-                1e2 * MOST_OFF_LAW,
-            ),
-        ));
+    if off <= MOST_OFF_LAW {
+        return Ok(points);
     }
-    Ok(points)
+    // The segment of the largest acceleration is the shortest for its travel.
+    let steepness = |segment: &CamSegment| segment.turns.abs() / (segment.deg * segment.deg);
+    let segments = table.segments.iter().enumerate();
+    let (number, deg) = segments
+        .max_by(|(_, a), (_, b)| steepness(a).total_cmp(&steepness(b)))
+        .map_or((0, 0.0), |(number, segment)| (number, segment.deg));
+    Err(SceneError::at(
+        format!("cam_table[{entry}].segment[{number}].deg"),
+        format!(
+            "{deg} is too short: the curve through {} points, the best for these segments, is off the law's acceleration by {:.0} % of its peak, \
+             and {:.0} % is the most; extend the segment over a larger angle",
+            points.len(),
+            1e2 * off,
+            1e2 * MOST_OFF_LAW,
+        ),
+    ))
 }
 
 /// Returns the question for the net travel that was meant, if `travel` is whole turns within `rounding`; else nothing.
@@ -146,63 +148,48 @@ pub(in crate::scene) fn meant_net_turns(travel: f64, rounding: f64) -> String {
     format!("did you mean net_turns = {}? ", travel.round())
 }
 
-/// Returns the position at an angle of the master, turns, its second derivative, turns per turn², and the segment.
-fn law_at(table: &CamTable, angle_deg: f64) -> (f64, f64, usize) {
+/// Returns the position at an angle of the master, turns, and its second derivative, turns per turn².
+fn law_at(table: &CamTable, angle_deg: f64) -> (f64, f64) {
     let law = Law::from(table.law);
     let (mut start_deg, mut turns) = (0.0, 0.0);
-    for (i, segment) in table.segments.iter().enumerate() {
+    for segment in &table.segments {
         let own = (angle_deg - start_deg) / segment.deg;
         if own < 1.0 {
             let motion = law.at(own);
             let per_turn = 360.0 / segment.deg;
             let bend = segment.turns * motion.acceleration * per_turn * per_turn;
-            return (turns + segment.turns * motion.displacement, bend, i);
+            return (turns + segment.turns * motion.displacement, bend);
         }
         start_deg += segment.deg;
         turns += segment.turns;
     }
-    (turns, 0.0, table.segments.len().saturating_sub(1))
+    (turns, 0.0)
 }
 
 /// Returns the largest difference of a table's acceleration from that of its law, relative to the law's peak. A table from a file has no
 /// law.
 pub fn off_law(table: &CamTable, points: &Points) -> Option<f64> {
-    (!table.segments.is_empty()).then(|| OffLaw::new(table, points).part)
+    (!table.segments.is_empty()).then(|| off_law_of(table, points))
 }
 
-/// Largest difference of a table's second derivative from that of its law.
-#[derive(Default)]
-struct OffLaw {
-    /// Difference relative to the law's peak.
-    part: f64,
-    /// Segment in which it is.
-    segment: usize,
-}
-
-impl OffLaw {
-    fn new(table: &CamTable, points: &Points) -> Self {
-        let mut curve = Spline::NONE;
-        curve.fit(points, table.net_turns);
-        let samples = points.len() * SAMPLES_A_POINT;
-        let between = (0..samples).map(|i| 360.0 * i as f64 / samples as f64);
-        // The difference is largest at points, and where a segment ends between two points.
-        let mut end_deg = 0.0;
-        let ends = table.segments.iter().map(|segment| {
-            end_deg += segment.deg;
-            end_deg
-        });
-        let (mut peak, mut off, mut segment) = (0.0_f64, 0.0, 0);
-        for angle_deg in between.chain(ends.filter(|&end_deg| end_deg < 360.0)) {
-            let (_, bend, own) = law_at(table, angle_deg);
-            peak = peak.max(bend.abs());
-            let difference = (curve.second_derivative(angle_deg / 360.0) - bend).abs();
-            if difference > off {
-                (off, segment) = (difference, own);
-            }
-        }
-        let part = if peak > 0.0 { off / peak } else { 0.0 };
-        Self { part, segment }
+fn off_law_of(table: &CamTable, points: &Points) -> f64 {
+    let mut curve = Spline::NONE;
+    curve.fit(points, table.net_turns);
+    let samples = points.len() * SAMPLES_A_POINT;
+    let between = (0..samples).map(|i| 360.0 * i as f64 / samples as f64);
+    // The difference is largest at points, and where a segment ends between two points.
+    let mut end_deg = 0.0;
+    let ends = table.segments.iter().map(|segment| {
+        end_deg += segment.deg;
+        end_deg
+    });
+    let (mut peak, mut off) = (0.0_f64, 0.0_f64);
+    for angle_deg in between.chain(ends.filter(|&end_deg| end_deg < 360.0)) {
+        let (_, bend) = law_at(table, angle_deg);
+        peak = peak.max(bend.abs());
+        off = off.max((curve.second_derivative(angle_deg / 360.0) - bend).abs());
     }
+    if peak > 0.0 { off / peak } else { 0.0 }
 }
 
 /// Returns the follower of axis `number`.
