@@ -47,7 +47,7 @@ fn offsets_that_tilt_the_platform_beyond_its_limit_are_refused() {
     );
 }
 
-/// If this fails, a report blames index sensors for a tilt that is commanded, or says that the cranks are in phase.
+/// If this fails, a report gives index sensors as the cause of a tilt that is commanded, or says that the cranks are in phase.
 #[test]
 fn a_commanded_tilt_is_stated_as_such() {
     let meant = SCENE.replace("[machine]", "[machine]\nallow_commanded_tilt = true");

@@ -38,7 +38,7 @@ pub enum MachineSettings {
     Shafts(ShaftSettings),
 }
 
-/// Shafts without a platform: of a screen, a crusher, an arm, or of cams.
+/// Shafts without a platform: those of a screen, a crusher, an arm, or a cam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShaftSettings {

@@ -164,7 +164,7 @@ fn bad_cam_tables_are_refused_with_their_key() {
 
 /// If this fails, a table whose net travel was forgotten is accepted, and the axis flies back within one step of the table.
 #[test]
-fn a_table_without_its_net_travel_is_refused_and_asks_for_it() {
+fn a_table_without_its_net_travel_is_refused_with_the_one_it_fits() {
     let line = |count: usize, turns: f64| -> std::vec::Vec<f64> {
         let place = |i: usize| turns * i as f64 / count as f64;
         // As a file gives it, with six decimals.
@@ -194,15 +194,15 @@ fn a_table_without_its_net_travel_is_refused_and_asks_for_it() {
         );
         let question = std::format!("did you mean net_turns = {meant}?");
         assert!(said.contains(&question), "{said}");
-        let mut mended = on_a_cam(meant, &points);
-        mended.limits.speed_hz = 0.1;
-        mended.limits.homing_speed_hz = 0.1;
-        mended.program[0] = EntrySettings::Segment(SegmentSettings {
+        let mut corrected = on_a_cam(meant, &points);
+        corrected.limits.speed_hz = 0.1;
+        corrected.limits.homing_speed_hz = 0.1;
+        corrected.program[0] = EntrySettings::Segment(SegmentSettings {
             amax_mps2: 0.001,
             ..LEVEL
         });
-        mended.axes[1].steps_per_turn = 200;
-        mended.check().unwrap();
+        corrected.axes[1].steps_per_turn = 200;
+        corrected.check().unwrap();
     }
 }
 

@@ -80,7 +80,7 @@ pub enum FaultKind {
     #[error("captured at a resonance: all axes lag together at a forbidden band")]
     Capture = 22,
     /// The phase error of a crank walks in one direction, turn after turn.
-    #[error("a phase error walks in one direction: the sensor creeps, or the crank on its shaft")]
+    #[error("a phase error walks in one direction: the sensor shifts, or the crank on its shaft")]
     Drift = 23,
 }
 

@@ -91,7 +91,7 @@ fn invalid_cam_tables_are_refused() {
             "{ deg = 120, turns = 4.2 },    # 84 mm at 20 mm a turn\n  { deg = 135 },\n  { deg = 105, turns = -4.2 },",
             "{ deg = 120, turns = 0.1 }, { deg = 15, turns = -0.1 },",
             "cam_table[0].segment[1].deg",
-            "off the law's acceleration by 29 % of its peak",
+            "15 is too short: the curve through",
             "extend the segment over a larger angle",
         ),
         edited(

@@ -134,7 +134,7 @@ impl AxisWatch {
         }
     }
 
-    /// Records how far the crank is from where its drift is counted, an angle, once a turn.
+    /// Records how far the crank is from where steady motion is counted, an angle, once a turn.
     fn walk(&mut self, walk: i32) {
         self.steady_drift.add(walk, self.traits.drift_step());
         if self.traits.is_beyond_gate(walk) {

@@ -1,6 +1,6 @@
 //! Steady drift: a phase error that walks in one direction, turn after turn.
 //!
-//! A sensor that creeps on its bracket and a crank that creeps on its shaft look the same to the monitor. A correction follows either, so
+//! A sensor that shifts on its bracket and a crank that shifts on its shaft look the same to the monitor. A correction follows either, so
 //! that no limit is reached for a long time. The mean of the phase error over [`WINDOW_TURNS`] turns shows it early. It makes a *step* where
 //! it is further than half a tolerance from the mean at the last step. [`STEPS`] steps in a row in one direction are a steady drift. Together
 //! they exceed two tolerances, which is the largest difference of two readings of a crank that has not moved.
@@ -11,7 +11,7 @@
 use crate::drift::detection::angles::of_angle;
 use crate::units::Turns;
 
-/// Binary logarithm of the number of turns of a window. It is long against a slip, and short against the creep of a warm sensor.
+/// Binary logarithm of the number of turns of a window. It is long against a slip, and short against the shift of a warm sensor.
 const WINDOW_SHIFT: u32 = 6;
 
 /// Turns of a window.
@@ -20,7 +20,7 @@ pub(in crate::drift) const WINDOW_TURNS: u8 = 1 << WINDOW_SHIFT;
 /// Steps in a row that are a steady drift.
 pub(in crate::drift) const STEPS: u8 = 4;
 
-/// Steady drift of one axis. All distances are angles.
+/// Steady drift, per axis. All distances are angles.
 #[derive(Clone, Debug, Default)]
 pub(in crate::drift) struct SteadyDrift {
     /// Turns of this window, and the sum of their errors, each divided by the number of turns of a whole window.

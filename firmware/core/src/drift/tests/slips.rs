@@ -207,7 +207,7 @@ fn walking(
     found.iter().map(|(_, found)| of(found.fault)).collect()
 }
 
-/// If this fails, a correction follows a sensor that creeps, and nobody is told; or a slip is reported before, as which it is not known.
+/// If this fails, a correction follows a sensor that shifts, and nothing reports it; or a slip is reported before, as which it is not known.
 #[test]
 fn a_phase_error_that_walks_is_a_drift_before_it_is_a_slip() {
     let tolerance_deg = {

@@ -4,7 +4,7 @@
 //! a second difference at most the largest acceleration times τ², a third at most the largest jerk times τ³. A crank stands within a step
 //! of its continuous motion, on one side of it.
 
-use super::told::Told;
+use super::stated::Stated;
 use super::trace::Trace;
 
 /// Times over which differences are taken, ticks.
@@ -13,18 +13,18 @@ const SPANS: [usize; 5] = [1, 8, 64, 512, 4096];
 /// Share of a limit by which rounding may exceed it.
 const ROUNDING: f64 = 1e-6;
 
-pub fn check(told: &Told, trace: &Trace) -> Result<(), String> {
+pub fn check(stated: &Stated, trace: &Trace) -> Result<(), String> {
     let homing = trace.states.iter().take_while(|state| *state == "homing");
     let homing = homing.count();
-    for (axis, turns) in trace.cranks(told.count)?.into_iter().enumerate() {
-        let step = 1.0 / told.steps[axis];
+    for (axis, turns) in trace.cranks(stated.count)?.into_iter().enumerate() {
+        let step = 1.0 / stated.steps[axis];
         let at_most = |what: &str, key: &str, turns: &[f64], order: i32, limit: f64| {
             SPANS.into_iter().try_for_each(|span| {
-                let time_s = span as f64 * told.tick_s;
+                let time_s = span as f64 * stated.tick_s;
                 // Differences of numbers between 0 and a step, and of an offset that moves by whole steps at a bounded rate.
                 let steps = f64::from(1 << (order - 1)) * (step + 1e-9);
                 let offset =
-                    f64::from(1 << (order - 1)) * (told.homing_offset_hz * time_s + step);
+                    f64::from(1 << (order - 1)) * (stated.homing_offset_hz * time_s + step);
                 let allowed = limit * time_s.powi(order) * (1.0 + ROUNDING) + steps + offset;
                 match largest(turns, span, order) {
                     Some(most) if most > allowed => Err(format!(
@@ -40,17 +40,17 @@ pub fn check(told: &Told, trace: &Trace) -> Result<(), String> {
             "homing_speed_hz",
             &turns[..homing],
             1,
-            told.homing_hz,
+            stated.homing_hz,
         )?;
-        at_most("a speed", "speed_hz", turns, 1, told.speed_hz)?;
+        at_most("a speed", "speed_hz", turns, 1, stated.speed_hz)?;
         at_most(
             "an acceleration",
             "acceleration_hz_per_s",
             turns,
             2,
-            told.acceleration,
+            stated.acceleration,
         )?;
-        at_most("a jerk", "jerk_hz_per_s2", turns, 3, told.jerk)?;
+        at_most("a jerk", "jerk_hz_per_s2", turns, 3, stated.jerk)?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@
 
 mod height;
 mod limits;
-mod told;
+mod stated;
 mod trace;
 
 use std::fs;
@@ -16,7 +16,7 @@ use cophase::Status;
 use serde_json::Value;
 
 use self::height::{Height, Peak};
-use self::told::Told;
+use self::stated::Stated;
 use self::trace::{Trace, apart};
 use super::{Fate, Run, files, refusal, run, settings};
 
@@ -47,35 +47,35 @@ struct Steady {
 /// Runs a scene and judges it. It returns the number of steady speeds that were judged.
 pub fn play(scene: &Path, folder: &Path) -> Result<(Fate, u64), String> {
     let text = fs::read_to_string(scene).map_err(|error| error.to_string())?;
-    let told = Told::read(&text).ok_or("a scene without its keys")?;
+    let stated = Stated::read(&text).ok_or("a scene without its keys")?;
     let out = folder.join("out");
     let run = run(scene, &out, &["--every", "1", "--trace", "csv"]);
     if run.status == Status::BadInput {
         refusal::check(&run.err, scene)?;
-        if told.turns_otherwise && !run.err.contains("gear = [") {
+        if stated.turns_otherwise && !run.err.contains("gear = [") {
             return Err(format!("a ratio is refused without its fix: {}", run.err));
         }
-        if told.turns_otherwise && settings(scene, folder) != Status::BadInput {
+        if stated.turns_otherwise && settings(scene, folder) != Status::BadInput {
             return Err("the settings of a board may have a ratio".to_owned());
         }
         return Ok((Fate::Refused, 0));
     }
-    if told.turns_otherwise {
+    if stated.turns_otherwise {
         return Err("cranks under a platform may turn otherwise than the master".to_owned());
     }
     if run.status != Status::Done {
         return Ok((Fate::Fault, 0));
     }
     let trace = Trace::read(&out)?;
-    limits::check(&told, &trace)?;
-    let steady = steady(&told, &trace)?;
+    limits::check(&stated, &trace)?;
+    let steady = steady(&stated, &trace)?;
     for one in &steady {
-        check_trace(&told, &trace, one)?;
-        check_program(&told, one)?;
+        check_trace(&stated, &trace, one)?;
+        check_program(&stated, one)?;
     }
-    check_report(&told, &trace, &steady, &out, &run)?;
+    check_report(&stated, &trace, &steady, &out, &run)?;
     if let Some(peak) = steady.first().map(|one| one.peak) {
-        check_limit(&told, &text, peak, folder)?;
+        check_limit(&stated, &text, peak, folder)?;
     }
     Ok((Fate::Done, steady.len() as u64))
 }
@@ -93,7 +93,7 @@ fn equal(what: &str, printed: f64, measured: f64, error: f64) -> Result<(), Stri
 }
 
 /// The steady speeds of a run that the trace resolves.
-fn steady(told: &Told, trace: &Trace) -> Result<Vec<Steady>, String> {
+fn steady(stated: &Stated, trace: &Trace) -> Result<Vec<Steady>, String> {
     let commanded = trace.column("amax_commanded_mps2")?;
     let omega = trace.column("omega_rad_s")?;
     let is_level = |row: usize| trace.states[row] == "run" && commanded[row] > 0.0;
@@ -105,7 +105,7 @@ fn steady(told: &Told, trace: &Trace) -> Result<Vec<Steady>, String> {
         let goes_on = row < commanded.len() && is_level(row) && is_equal(row);
         if !goes_on {
             if row > from + 2 * MARGIN + 40 && is_level(from) {
-                found.extend(measure(told, trace, from + MARGIN..row - MARGIN)?);
+                found.extend(measure(stated, trace, from + MARGIN..row - MARGIN)?);
             }
             from = row;
         }
@@ -115,22 +115,22 @@ fn steady(told: &Told, trace: &Trace) -> Result<Vec<Steady>, String> {
 
 /// Measures what the platform does in rows of one speed, if they resolve it.
 fn measure(
-    told: &Told,
+    stated: &Stated,
     trace: &Trace,
     rows: std::ops::Range<usize>,
 ) -> Result<Option<Steady>, String> {
-    let angles = &trace.angle(told.count)?[rows.clone()];
+    let angles = &trace.angle(stated.count)?[rows.clone()];
     let heights_m = &trace.column("z_m")?[rows.clone()];
-    let step = told
+    let step = stated
         .steps
         .iter()
         .fold(0.0, |most, steps| f64::max(most, 1.0 / steps));
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else {
         return Ok(None);
     };
-    let time_s = (angles.len() - 1) as f64 * told.tick_s;
+    let time_s = (angles.len() - 1) as f64 * stated.tick_s;
     let turns = last - first;
-    let offset = told.offset_turns(step, time_s);
+    let offset = stated.offset_turns(step, time_s);
     let (hz, hz_error) = (turns / time_s, (step + offset + 2e-9) / turns.max(1e-9));
     let stride = angles.len().div_ceil(ROWS);
     let some = |column: &[f64]| column.iter().copied().step_by(stride).collect::<Vec<f64>>();
@@ -159,7 +159,7 @@ fn measure(
 }
 
 /// Checks the columns of the trace.
-fn check_trace(told: &Told, trace: &Trace, steady: &Steady) -> Result<(), String> {
+fn check_trace(stated: &Stated, trace: &Trace, steady: &Steady) -> Result<(), String> {
     let row = steady.rows.start;
     let commanded = trace.column("amax_commanded_mps2")?[row];
     // The column has four decimals.
@@ -184,12 +184,12 @@ fn check_trace(told: &Told, trace: &Trace, steady: &Steady) -> Result<(), String
             steady.amax_mps2
         ));
     }
-    let time_s = (steady.rows.len() - 1) as f64 * told.tick_s;
-    let cranks = trace.cranks(told.count)?;
+    let time_s = (steady.rows.len() - 1) as f64 * stated.tick_s;
+    let cranks = trace.cranks(stated.count)?;
     for (axis, turns) in cranks.iter().enumerate() {
         let turned = turns[steady.rows.end - 1] - turns[row];
-        let step = 1.0 / told.steps[axis];
-        let error = (step + told.offset_turns(step, time_s) + 2e-9) / time_s;
+        let step = 1.0 / stated.steps[axis];
+        let error = (step + stated.offset_turns(step, time_s) + 2e-9) / time_s;
         if (turned / time_s - hz).abs() > error + 1e-6 * hz {
             return Err(format!(
                 "omega_rad_s is {hz} rev/s, and crank {axis} makes {} (±{error})",
@@ -198,14 +198,14 @@ fn check_trace(told: &Told, trace: &Trace, steady: &Steady) -> Result<(), String
         }
         let steps = trace.column(&format!("steps_{axis}"))?;
         let stepped = (steps[steady.rows.end - 1] - steps[row]).abs();
-        let due = turned * told.steps[axis];
+        let due = turned * stated.steps[axis];
         if (stepped - due).abs() > 1.0 + 1e-8 * due {
             return Err(format!(
                 "axis {axis} makes {stepped} steps for {turned} turns of its crank, which are {due}"
             ));
         }
         let off = apart(turns[row], cranks[0][row]).abs();
-        if off > 1.0 / told.steps[axis] + 1.0 / told.steps[0] + 1.0 / 360.0 {
+        if off > 1.0 / stated.steps[axis] + 1.0 / stated.steps[0] + 1.0 / 360.0 {
             return Err(format!("cranks 0 and {axis} are {off} turns apart"));
         }
     }
@@ -213,8 +213,8 @@ fn check_trace(told: &Told, trace: &Trace, steady: &Steady) -> Result<(), String
 }
 
 /// Checks that a speed is that of a level of the program, or lies at the edge of a forbidden band.
-fn check_program(told: &Told, steady: &Steady) -> Result<(), String> {
-    for (from_hz, to_hz) in &told.bands {
+fn check_program(stated: &Stated, steady: &Steady) -> Result<(), String> {
+    for (from_hz, to_hz) in &stated.bands {
         let error = steady.hz_error + 1e-6;
         if steady.hz > from_hz * (1.0 + error) && steady.hz < to_hz * (1.0 - error) {
             return Err(format!(
@@ -228,21 +228,21 @@ fn check_program(told: &Told, steady: &Steady) -> Result<(), String> {
         let at = |edge: f64| (steady.hz - edge).abs() <= (steady.hz_error + 1e-3) * edge;
         at(*from_hz) || at(*to_hz)
     };
-    if told.levels_mps2.iter().any(at_level) || told.bands.iter().any(at_edge) {
+    if stated.levels_mps2.iter().any(at_level) || stated.bands.iter().any(at_edge) {
         Ok(())
     } else {
         Err(format!(
             "the platform accelerates by {} m/s² (±{:.4} %), and the program has {:?}",
             steady.amax_mps2,
             100.0 * steady.error,
-            told.levels_mps2
+            stated.levels_mps2
         ))
     }
 }
 
 /// Checks the report and the text.
 fn check_report(
-    told: &Told,
+    stated: &Stated,
     trace: &Trace,
     steady: &[Steady],
     out: &Path,
@@ -278,9 +278,9 @@ fn check_report(
         let rows = &fastest.rows;
         let steps = trace.column(&format!("steps_{axis}"))?;
         let stepped = (steps[rows.end - 1] - steps[rows.start]).abs();
-        let time_s = (rows.len() - 1) as f64 * told.tick_s;
-        let at_limit_hz = stepped / time_s * told.speed_hz / fastest.hz;
-        let offset = told.offset_turns(1.0 / told.steps[axis], time_s) * told.steps[axis];
+        let time_s = (rows.len() - 1) as f64 * stated.tick_s;
+        let at_limit_hz = stepped / time_s * stated.speed_hz / fastest.hz;
+        let offset = stated.offset_turns(1.0 / stated.steps[axis], time_s) * stated.steps[axis];
         let error = fastest.hz_error + (1.0 + offset) / stepped;
         equal("step_rate_max_hz", rate_hz, at_limit_hz, error + 1e-6)?;
     }
@@ -314,8 +314,8 @@ fn check_report(
 }
 
 /// Checks that the largest amplitude that a refusal allows is that of the cranks at the limit of their speed.
-fn check_limit(told: &Told, text: &str, peak: Peak, folder: &Path) -> Result<(), String> {
-    let limit_g = peak.m * (told.speed_hz * std::f64::consts::TAU).powi(2) / G_MPS2;
+fn check_limit(stated: &Stated, text: &str, peak: Peak, folder: &Path) -> Result<(), String> {
+    let limit_g = peak.m * (stated.speed_hz * std::f64::consts::TAU).powi(2) / G_MPS2;
     let error = peak.error_m / peak.m;
     let amax_g = limit_g * (1.0 + error) * 1.01 + 0.01;
     if amax_g * G_MPS2 >= 1e4 {

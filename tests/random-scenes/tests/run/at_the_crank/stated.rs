@@ -3,7 +3,7 @@
 use toml::{Table, Value};
 
 /// Numbers of a scene by which its run is judged.
-pub struct Told {
+pub struct Stated {
     pub tick_s: f64,
     pub count: usize,
     pub speed_hz: f64,
@@ -43,7 +43,7 @@ fn levels(entries: Option<&Value>, found: &mut Vec<f64>) {
     }
 }
 
-impl Told {
+impl Stated {
     pub fn read(text: &str) -> Option<Self> {
         let table: Table = text.parse().ok()?;
         let section = |name: &str| table.get(name).and_then(Value::as_table);
