@@ -9,8 +9,9 @@
 
 use std::error::Error;
 
-use cophase_methods::{Scheme, advance};
-use host_sim::dynamics::{Body, Driven, Field, Freedom, Motor, Phased, Stepper};
+use cophase_methods::friction::{DryFriction, Friction};
+use cophase_methods::{Equations, Scheme, advance};
+use host_sim::dynamics::{Body, Driven, Field, Freedom, MOST, Motor, Phased, Stepper};
 use host_sim::machine::PullOut;
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
@@ -35,12 +36,41 @@ struct Machine {
     damping_nms: f64,
     torque_nm: Vec<f64>,
     friction_nm: Vec<f64>,
+    creep_rad_s: f64,
     offset_deg: Vec<f64>,
     speed_hz: f64,
     ramp_s: f64,
     hold_s: f64,
     tick_s: f64,
     ticks_per_sample: u32,
+}
+
+/// The machine with friction that reverses smoothly over a speed, as the other two sides have it.
+struct Smoothed<'a> {
+    driven: &'a Driven,
+    creep_rad_s: f64,
+}
+
+impl Equations for Smoothed<'_> {
+    fn dimension(&self) -> usize {
+        self.driven.dimension()
+    }
+
+    fn rates(&self, t_s: f64, state: &[f64], rates: &mut [f64]) {
+        let speeds = self.driven.speeds();
+        let mut bounds = [[0.0; 2]; MOST];
+        self.driven.bounds(state, &mut bounds);
+        let mut friction = [Friction::Holds; MOST];
+        for ((friction, bounds), &speed) in friction.iter_mut().zip(bounds).zip(speeds) {
+            *friction = Friction::Force(bounds[0] * (state[speed] / self.creep_rad_s).tanh());
+        }
+        let friction = &friction[..speeds.len()];
+        self.driven.rates_under(t_s, state, friction, rates);
+    }
+
+    fn is_second_order(&self) -> bool {
+        self.driven.is_second_order()
+    }
 }
 
 impl Machine {
@@ -92,7 +122,11 @@ impl Machine {
         steps: u32,
     ) -> Result<Vec<f64>, Box<dyn Error>> {
         let axes = driven.angles();
-        let mut method = scheme.prepare(driven, self.tick_s / f64::from(steps))?;
+        let smoothed = |driven| Smoothed {
+            driven,
+            creep_rad_s: self.creep_rad_s,
+        };
+        let mut method = scheme.prepare(&smoothed(driven), self.tick_s / f64::from(steps))?;
         let offsets_rad: Vec<f64> = self.offset_deg.iter().map(|deg| deg.to_radians()).collect();
         let mut state = vec![0.0; 2 * axes];
         state[..axes].copy_from_slice(&offsets_rad[..axes]);
@@ -107,7 +141,7 @@ impl Machine {
                     torque_nm: 0.0,
                 };
             }
-            advance(method.as_mut(), driven, 0.0, steps, &mut state)?;
+            advance(method.as_mut(), &smoothed(driven), 0.0, steps, &mut state)?;
             if tick % self.ticks_per_sample == 0 {
                 samples.extend_from_slice(&state[..axes]);
             }

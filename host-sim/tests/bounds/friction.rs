@@ -165,28 +165,3 @@ fn compare(
         }
     }
 }
-
-#[test]
-#[ignore]
-fn zz_debug() {
-    let seed = number("SEED", 1031);
-    let text = machines::rubbing(seed);
-    println!("{text}");
-    let taken = Checked::new(load::parse(&text).unwrap())
-        .and_then(check)
-        .unwrap();
-    for n in [1, 2, 3, 4, 8, 16, 32, 64, 125, 250, 500, 1000] {
-        let mut scene = taken.scene.clone();
-        scene.fidelity = taken.fidelity;
-        scene.method.name = MethodName::Rk4;
-        scene.method.steps_per_tick = Some(n);
-        let (a, d) = run(&Checked::new(scene).unwrap());
-        println!(
-            "{n} {d} lag {:?} spread {:?} torque {:?} hid {}",
-            a.of(Output::Lag),
-            a.of(Output::Spread),
-            a.of(Output::Torque),
-            a.hidden(Output::Lag)
-        );
-    }
-}
