@@ -73,24 +73,16 @@ fn solve_stick_slip() -> [Vec<f64>; 2] {
         );
         for (state, verner) in states.iter_mut().zip([false, true]) {
             let ivp = IVP::ode(&sliding, phase.from_s, end_s, *state);
-            macro_rules! last_of {
-                ($method:expr) => {
-                    ivp.method(
-                        $method
-                            .rtol(TOLERANCE)
-                            .atol(1e-3 * TOLERANCE)
-                            .max_steps(STEPS),
-                    )
+            let solved = if verner {
+                let method = ExplicitRungeKutta::rkv988e().rtol(TOLERANCE);
+                ivp.method(method.atol(1e-3 * TOLERANCE).max_steps(STEPS))
                     .solve()
-                    .map(|solved| *solved.y.last().unwrap())
-                };
-            }
-            let last = if verner {
-                last_of!(ExplicitRungeKutta::rkv988e())
             } else {
-                last_of!(ExplicitRungeKutta::dop853())
+                let method = ExplicitRungeKutta::dop853().rtol(TOLERANCE);
+                ivp.method(method.atol(1e-3 * TOLERANCE).max_steps(STEPS))
+                    .solve()
             };
-            *state = last.expect("it is smooth");
+            *state = *solved.expect("it is smooth").y.last().unwrap();
             if !is_last(end_s) {
                 assert!(state[1].abs() < 1e-12, "{} m/s at {end_s} s", state[1]);
                 state[1] = 0.0;

@@ -280,7 +280,7 @@ fn stick_slip() -> Problem {
         answer: oscillator.exact(STICK_SLIP_S, [0.0; 2])[..1].to_vec(),
         equations: Box::new(oscillator),
         end_s: STICK_SLIP_S,
-        uncertainty: 1e-16,
+        uncertainty: 1e-17,
         required_error: 1e-7,
         steps: (64, 10),
     }
