@@ -56,6 +56,8 @@ fn alike(
         // A few lost counts pass as motion.
         Kind::Slip => &[Kind::EncoderGlitch],
         Kind::Reversed => &[Kind::SwappedWiring],
+        // A crank that slips slowly on its shaft walks, as a sensor does that moves on its bracket.
+        Kind::Drift => &[Kind::Slip],
         // A servo drive may raise its alarm because its motor does not follow.
         Kind::DriveAlarm if drive != DriveKind::Stepper => &[Kind::Stuck],
         Kind::HomingRangeExceeded => &[
