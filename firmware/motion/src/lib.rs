@@ -11,7 +11,7 @@
 //! - [`settings`]: limits and timing in Hz and nanoseconds, checked once.
 //!
 //! ```
-//! use cophase_motion::pulse::{StepRates, Planner, PulseTiming, Runs};
+//! use cophase_motion::pulse::{Planner, PulseTiming, Runs, StepRates, StepsPerTurn};
 //! use cophase_motion::settings::{LimitSettings, PulseSettings};
 //! use cophase_motion::shaft::{Demand, Shaft, ShaftLimits, Target};
 //! use cophase_motion::units::Turns;

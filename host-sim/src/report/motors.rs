@@ -1,7 +1,5 @@
 //! Figures by which a motor and its gear are chosen: electrical cycle at the crank, step rate, torque at the motor, inertia ratio.
 
-use std::fmt;
-
 use cophase_core::settings::{DriveKind, Transmission};
 use serde::Serialize;
 
@@ -72,35 +70,33 @@ impl MotorFigures {
     }
 }
 
-impl fmt::Display for MotorFigures {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.gear[0] != self.gear[1] {
-            write!(
-                f,
-                "{} turns to {} of the crank, ",
-                self.gear[0], self.gear[1]
-            )?;
+impl MotorFigures {
+    /// The figures in words. `axis` names what the motor turns: a crank, a shaft or a cam.
+    fn words(&self, axis: &str) -> String {
+        let mut parts = Vec::new();
+        let [motor_turns, axis_turns] = self.gear;
+        if motor_turns != axis_turns {
+            parts.push(format!("{motor_turns} turns to {axis_turns} of the {axis}"));
         }
-        write!(
-            f,
+        parts.push(format!(
             "up to {:.0} {}/s at limits.speed_hz",
             self.step_rate_max_hz,
             self.unit()
-        )?;
+        ));
         if let Some(cycle_deg) = self.electrical_cycle_deg {
-            write!(f, ", an electrical cycle of {cycle_deg:.3}° at the crank")?;
+            parts.push(format!(
+                "an electrical cycle of {cycle_deg:.3}° at the {axis}"
+            ));
         }
         if let Some(torque_nm) = self.torque_required_nm {
-            write!(f, ", {torque_nm:.3} N·m required")?;
+            parts.push(format!("{torque_nm:.3} N·m required"));
         }
         if let Some(ratio) = self.inertia_ratio {
-            write!(f, ", inertia of the load over its own {ratio:.2}")?;
+            parts.push(format!("inertia of the load over its own {ratio:.2}"));
         }
-        Ok(())
+        parts.join(", ")
     }
-}
 
-impl MotorFigures {
     /// Unit of the step rate.
     const fn unit(&self) -> &'static str {
         match self.electrical_cycle_deg {
@@ -114,7 +110,7 @@ impl MotorFigures {
 pub fn lines(checked: &Checked) -> Vec<String> {
     let all: Vec<String> = MotorFigures::of_all(checked)
         .iter()
-        .map(ToString::to_string)
+        .map(|figures| figures.words(checked.axis_noun()))
         .collect();
     let mut kinds: Vec<(&String, Vec<usize>)> = Vec::new();
     for (axis, figures) in all.iter().enumerate() {

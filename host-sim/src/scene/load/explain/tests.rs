@@ -22,7 +22,7 @@ fn assert_says(from: &str, to: &str, key: &str, problem: &str) {
 fn unknown_keys_suggest_the_nearest_key_and_its_table() {
     let machine = "mechanism, crank_radius_mm, lambda, rod_length_mm, screw_lead_mm, crank_ratio, \
                    coupler_ratio, ground_ratio, load_kg, platform, gravity_mps2, mount_radius_mm, \
-                   tilt_inertia_kgm2, rod_n_per_um, rods, rod_zeta";
+                   allow_commanded_tilt, tilt_inertia_kgm2, rod_n_per_um, rods, rod_zeta";
     assert_says(
         "load_kg = 8",
         "load_g = 8",
