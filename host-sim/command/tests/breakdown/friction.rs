@@ -20,8 +20,8 @@ fn smoothed_friction_keeps_an_error_and_contacts_do_not() {
         let [.., (_, before), (_, last)] = smoothed[..] else {
             panic!("{} steps", smoothed.len());
         };
-        // Half the step changes nothing. In a stop of a seventh of a second and at this speed, the mass would shift by more than all of it.
-        assert!((last / before - 1.0).abs() < 1e-3, "{last}, {before}");
+        // An error of the step would fall to a sixteenth. That of the smoothing stays, to within a hundredth.
+        assert!((last / before - 1.0).abs() < 1e-2, "{last}, {before}");
         assert!(last > 1e-2, "{last}");
         // Beyond the limit the mass shakes, and the error is far larger.
         let beyond = smoothed
