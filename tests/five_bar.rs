@@ -69,14 +69,20 @@ fn the_joints_lead_the_hand_along_the_line() {
     assert!(figure(&run, "table_error_mm") < 2e-3);
 }
 
+/// Force at the hand by which the friction of a joint that turns back changes, N.
+const REVERSAL_N: f64 = 2.0 * 0.02 / 0.24;
+
 /// If this fails, the hand does not press as required, or the suspension costs more than its side pull. The rope is vertical in the middle
 /// of the line, and pulls by 19.62 N · 0.1 m / 1 m at its ends.
 #[test]
 fn the_hand_presses_while_it_follows_the_line() {
     let hung = with(&[]);
     assert!(hung.report["faults"].as_array().unwrap().is_empty());
-    // A step of the source's force sensor is 9.58 mN.
-    assert!(figure(&hung, "force_error_n") < 0.02);
+    // A joint that turns back takes its friction along: 2 · 0.02 N·m on a lever of 0.24 m or more. A step of the source's force sensor is
+    // 9.58 mN, and nothing else is left without friction.
+    assert!(figure(&hung, "force_error_n") < REVERSAL_N + 0.02);
+    let smooth = with(&[("friction_nm = 0.02", "friction_nm = 0")]);
+    assert!(figure(&smooth, "force_error_n") < 0.02);
     let place_mm = figure(&hung, "place_error_mm");
     // The law's stiffness along the line is its position gain times the mass that acts at the hand there. The load is 1.962 N · 0.25 m over
     // both joints.
@@ -137,7 +143,7 @@ fn a_force_beyond_the_sensor_is_refused_with_the_fix() {
 fn a_wider_sensor_holds_a_larger_force() {
     let run = with(&[("force_n = 5", "force_n = 20, sensor_n = 50")]);
     // A step of the converter is 24 mN.
-    assert!(figure(&run, "force_error_n") < 0.05);
+    assert!(figure(&run, "force_error_n") < REVERSAL_N + 0.05);
     assert!(figure(&run, "place_error_mm") < 1.0);
     assert_eq!(figure(&run, "sensor_saturated_s"), 0.0);
     let warnings = run.report["warnings"].to_string();
