@@ -228,8 +228,8 @@ impl Response {
             };
             state[k] = right;
         }
-        for k in 0..n {
-            contacts.all[self.at_rest[k]] = state[k];
+        for (&at_rest, &state) in self.at_rest.iter().zip(&state).take(n) {
+            contacts.all[at_rest] = state;
         }
     }
 
@@ -260,10 +260,12 @@ impl Response {
         }
         // Elimination needs no pivots, because the matrix is that of a positive inertia.
         for pivot in 0..m {
-            for row in pivot + 1..m {
-                let factor = rows[row][pivot] / rows[pivot][pivot];
-                for column in pivot..=m {
-                    rows[row][column] -= factor * rows[pivot][column];
+            let (above, below) = rows.split_at_mut(pivot + 1);
+            let top = &above[pivot][pivot..=m];
+            for row in &mut below[..m - pivot - 1] {
+                let factor = row[pivot] / top[0];
+                for (entry, top) in row[pivot..=m].iter_mut().zip(top) {
+                    *entry -= factor * top;
                 }
             }
         }

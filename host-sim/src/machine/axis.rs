@@ -128,7 +128,6 @@ impl SimulatedAxis {
         motor: &AtCrank,
         start_turns: f64,
         friction_nm: f64,
-        flag: Option<Flag>,
     ) -> Self {
         Self {
             drive,
@@ -141,7 +140,7 @@ impl SimulatedAxis {
             ratio,
             home_turns,
             origin_turns: home_turns + start_turns,
-            flag,
+            flag: None,
             pulses: PulseCounter::new(),
             commanded: None,
             overload: Overload::None,
@@ -347,6 +346,13 @@ impl SimulatedAxis {
     /// Steps with which the drive itself makes a turn of the crank.
     pub const fn drive_steps_per_turn(&self) -> f64 {
         self.drive_steps_per_turn
+    }
+
+    /// Sets the flag that the axis has for its index sensor.
+    #[must_use]
+    pub const fn with_flag(mut self, flag: Option<Flag>) -> Self {
+        self.flag = flag;
+        self
     }
 
     /// Sets the steps with which the drive makes a turn of its motor.

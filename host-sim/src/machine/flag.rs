@@ -220,9 +220,10 @@ mod tests {
         let mut level = flag.is_over(places[0]);
         for pair in places.windows(2) {
             let met = flag.meet(pair[0], pair[1]).unwrap_or_default();
+            let rises_twice = level && met.rise.is_some();
+            let falls_twice = !level && met.fall.is_some() && met.rise.is_none();
             assert!(
-                !(met.rise.is_some() && level)
-                    && !(met.fall.is_some() && !level && met.rise.is_none()),
+                !rises_twice && !falls_twice,
                 "{case}: an edge is met twice, {pair:?}"
             );
             level = (level || met.rise.is_some()) && met.fall.is_none();

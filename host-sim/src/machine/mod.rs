@@ -115,7 +115,6 @@ impl Machine {
             let friction_nm = overrides
                 .and_then(|own| own.friction_nm)
                 .unwrap_or(in_common.friction_nm);
-            let flag = Flag::new(checked, i);
             let home_turns = settings.home_turns(own);
             let ratio = own.follower.most_ratio(&settings.cams);
             SimulatedAxis::new(
@@ -126,8 +125,8 @@ impl Machine {
                 &motor,
                 start_turns,
                 friction_nm,
-                flag,
             )
+            .with_flag(Flag::new(checked, i))
             .with_drive_steps(overrides.and_then(|own| own.drive_steps_per_turn))
         };
         let axes = per_axis(settings.axes.len(), make);

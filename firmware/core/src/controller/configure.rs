@@ -280,7 +280,6 @@ fn feed_forward(
     }
     FeedForward::new(
         &settings.machine,
-        settings.mechanism(),
         settings.axes.len(),
         axis.rotor_inertia_kgm2,
         axis.gear,

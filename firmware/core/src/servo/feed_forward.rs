@@ -43,7 +43,6 @@ impl FeedForward {
     #[cold]
     pub fn new(
         machine: &MachineSettings,
-        mechanism: AnyMechanism,
         motors: usize,
         rotor_inertia_kgm2: f64,
         gear: Transmission,
@@ -84,7 +83,7 @@ impl FeedForward {
         }
         let fixed = |nm: f64| libm::round(nm * 65_536.0) as i32;
         Ok(Self {
-            mechanism,
+            mechanism: machine.mechanism(tick_hz),
             speed_shift,
             acceleration_shift,
             centripetal: fixed(centripetal),
@@ -150,7 +149,6 @@ mod tests {
                 let top_acceleration = Turns::from_num(100.0 / hz / hz);
                 let forward = FeedForward::new(
                     &MachineSettings::Platform(machine),
-                    machine.mechanism.mechanism(radius_m, tick_hz),
                     4,
                     1e-3,
                     Transmission::DIRECT,
