@@ -224,7 +224,7 @@ fn induction_motors_with_friction_run_with_auto_and_implicit_methods() {
     }
 }
 
-/// If this fails, a crank shifts or shakes that friction holds. Its motor pulls with less than the friction at the end of each run: the
+/// If this fails, a crank drifts or shakes that friction holds. Its motor pulls with less than the friction at the end of each run: the
 /// platform's weight has no lever at the dead centre where it parks.
 #[test]
 fn a_crank_that_friction_holds_stands() {

@@ -36,7 +36,7 @@ struct Machine {
     damping_nms: f64,
     torque_nm: Vec<f64>,
     friction_nm: Vec<f64>,
-    smoothing_rad_s: f64,
+    friction_speed_rad_s: f64,
     offset_deg: Vec<f64>,
     speed_hz: f64,
     ramp_s: f64,
@@ -48,7 +48,7 @@ struct Machine {
 /// The machine with friction that reverses smoothly over a speed, as the other two sides have it.
 struct Smoothed<'a> {
     driven: &'a Driven,
-    smoothing_rad_s: f64,
+    friction_speed_rad_s: f64,
 }
 
 impl Equations for Smoothed<'_> {
@@ -62,7 +62,8 @@ impl Equations for Smoothed<'_> {
         self.driven.bounds(state, &mut bounds);
         let mut friction = [Friction::Holds; MOST];
         for ((friction, bounds), &speed) in friction.iter_mut().zip(bounds).zip(speeds) {
-            *friction = Friction::Force(bounds[0] * (state[speed] / self.smoothing_rad_s).tanh());
+            *friction =
+                Friction::Force(bounds[0] * (state[speed] / self.friction_speed_rad_s).tanh());
         }
         let friction = &friction[..speeds.len()];
         self.driven.rates_under(t_s, state, friction, rates);
@@ -124,7 +125,7 @@ impl Machine {
         let axes = driven.angles();
         let smoothed = |driven| Smoothed {
             driven,
-            smoothing_rad_s: self.smoothing_rad_s,
+            friction_speed_rad_s: self.friction_speed_rad_s,
         };
         let mut method = scheme.prepare(&smoothed(driven), self.tick_s / f64::from(steps))?;
         let offsets_rad: Vec<f64> = self.offset_deg.iter().map(|deg| deg.to_radians()).collect();

@@ -25,7 +25,7 @@ HERE = Path(__file__).parent
 class Machine(ctypes.Structure):
     _fields_ = [
         *((name, ctypes.c_double) for name in (
-            "cycles_per_turn", "damping_nms", "smoothing_rad_s", "speed_rad_s", "ramp_s", "tick_s")),
+            "cycles_per_turn", "damping_nms", "friction_speed_rad_s", "speed_rad_s", "ramp_s", "tick_s")),
         *((name, ctypes.c_double * MOST) for name in ("torque_nm", "friction_nm", "offset_rad")),
         *((name, ctypes.c_int) for name in ("axes", "ticks", "ticks_per_sample")),
     ]
@@ -100,7 +100,7 @@ class Peer:
         self.stepper = compiled()
         self.numbers = Machine(
             speed_rad_s=2 * np.pi * machine["speed_hz"], axes=axes,
-            **{key: machine[key] for key in ("cycles_per_turn", "damping_nms", "smoothing_rad_s", "ramp_s")},
+            **{key: machine[key] for key in ("cycles_per_turn", "damping_nms", "friction_speed_rad_s", "ramp_s")},
         )
         for i in range(axes):
             self.numbers.torque_nm[i] = machine["torque_nm"][i]

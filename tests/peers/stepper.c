@@ -11,7 +11,7 @@
 #define MOST 6
 
 struct machine {
-    double cycles_per_turn, damping_nms, smoothing_rad_s, speed_rad_s, ramp_s, tick_s;
+    double cycles_per_turn, damping_nms, friction_speed_rad_s, speed_rad_s, ramp_s, tick_s;
     double torque_nm[MOST], friction_nm[MOST], offset_rad[MOST];
     int axes, ticks, ticks_per_sample;
 };
@@ -26,7 +26,7 @@ static void torques(const mjModel *model, mjData *data) {
     for (int i = 0; i < m->axes; i++) {
         const double ahead = m->cycles_per_turn * (field + m->offset_rad[i] - data->qpos[i]);
         data->qfrc_applied[i] = m->torque_nm[i] * sin(ahead) + m->damping_nms * field_rad_s
-                                - m->friction_nm[i] * tanh(data->qvel[i] / m->smoothing_rad_s);
+                                - m->friction_nm[i] * tanh(data->qvel[i] / m->friction_speed_rad_s);
     }
 }
 

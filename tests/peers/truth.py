@@ -77,7 +77,7 @@ class Platform:
         ahead = machine["cycles_per_turn"] * (field_rad + field_rad_s * t_s + self.offset - alpha)
         force = np.empty(n + 3)
         force[:n] = self.torque * np.sin(ahead) + machine["damping_nms"] * (field_rad_s - omega)
-        force[:n] -= self.friction * np.tanh(omega / machine["smoothing_rad_s"])
+        force[:n] -= self.friction * np.tanh(omega / machine["friction_speed_rad_s"])
         force[n] = -machine["load_kg"] * machine["gravity_mps2"]
         sin, cos = np.sin(q[n + 2]), np.cos(q[n + 2])
         slope = 2 * (self.spin - self.tilt) * sin * cos

@@ -105,7 +105,7 @@ fn every_method_keeps_its_order_through_stick_and_slip() {
     }
 }
 
-/// If this fails, a mass shifts or shakes that friction holds.
+/// If this fails, a mass drifts or shakes that friction holds.
 #[test]
 fn a_mass_under_less_than_its_friction_stands() {
     let machine = DenHartog {

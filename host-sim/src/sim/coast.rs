@@ -66,7 +66,7 @@ impl Coast {
             self.turned_s = self.turned_s.max(self.off_ticks as f64 * self.tick_s);
             return;
         }
-        // A crank that friction holds still turns a little in this model. Over a long time that is no motion either.
+        // A crank without friction may turn more slowly than counts as motion. Over a long time that is no motion either.
         let stands_ticks = (STANDS_S / self.tick_s).ceil() as u64;
         let still_ticks = self.off_ticks - self.moved.unwrap_or(0);
         if still_ticks.is_multiple_of(stands_ticks) {

@@ -1,8 +1,7 @@
 //! Reference positions of cranks, which distinguish a crank that moves from one that stands.
 
-/// Largest distance from one position, degrees, within which a crank stands, for [`super::coast::STANDS_S`]. That is 7.2° per second,
-/// twice the speed at which a crank that friction holds still turns in this model. So an oscillating rod does not count as motion,
-/// and a swinging crank does.
+/// Largest distance from one position, degrees, within which a crank stands, for [`super::coast::STANDS_S`]. That is 7.2° per second.
+/// So an oscillating rod does not count as motion, and a swinging crank does.
 const STANDS_DEG: f64 = 0.36;
 
 /// Position of each crank when it last moved, turns.

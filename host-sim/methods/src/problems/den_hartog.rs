@@ -179,7 +179,7 @@ impl DenHartog {
 }
 
 /// The same oscillator with friction that reverses smoothly, −F tanh(q′/u), as simulations often have it. It has no rest: a mass that
-/// friction should hold shifts, and near standstill its speed relaxes at the rate F/u.
+/// friction should hold drifts, and near standstill its speed relaxes at the rate F/u.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothed {
     /// Oscillator.

@@ -1,6 +1,6 @@
 //! Dry friction that is smoothed over a speed, on a mass that sticks and slips.
 //!
-//! Failure: a smooth reversal of friction has an error that no step removes, as the mass shifts where it should stick. The less it is
+//! Failure: a smooth reversal of friction has an error that no step removes, as the mass drifts where it should stick. The less it is
 //! smoothed, the shorter the step has to be: beyond 2.79 relaxation times RK4 shakes. Guard: contacts that stick or
 //! slide ([`cophase_methods::friction`]), which all methods use. Then friction neither has an error of its own nor limits the step.
 
