@@ -104,6 +104,13 @@ impl Machine {
         Ok(driven)
     }
 
+    fn smoothed<'a>(&self, driven: &'a Driven) -> Smoothed<'a> {
+        Smoothed {
+            driven,
+            friction_speed_rad_s: self.friction_speed_rad_s,
+        }
+    }
+
     /// Returns the angle of a field at a time: its speed rises as 3u² − 2u³, and is then constant.
     fn turned_rad(&self, t_s: f64) -> f64 {
         let omega = self.speed_hz * std::f64::consts::TAU;
@@ -123,11 +130,8 @@ impl Machine {
         steps: u32,
     ) -> Result<Vec<f64>, Box<dyn Error>> {
         let axes = driven.angles();
-        let smoothed = |driven| Smoothed {
-            driven,
-            friction_speed_rad_s: self.friction_speed_rad_s,
-        };
-        let mut method = scheme.prepare(&smoothed(driven), self.tick_s / f64::from(steps))?;
+        let step_s = self.tick_s / f64::from(steps);
+        let mut method = scheme.prepare(&self.smoothed(driven), step_s)?;
         let offsets_rad: Vec<f64> = self.offset_deg.iter().map(|deg| deg.to_radians()).collect();
         let mut state = vec![0.0; 2 * axes];
         state[..axes].copy_from_slice(&offsets_rad[..axes]);
@@ -142,7 +146,8 @@ impl Machine {
                     torque_nm: 0.0,
                 };
             }
-            advance(method.as_mut(), &smoothed(driven), 0.0, steps, &mut state)?;
+            let smoothed = self.smoothed(driven);
+            advance(method.as_mut(), &smoothed, 0.0, steps, &mut state)?;
             if tick % self.ticks_per_sample == 0 {
                 samples.extend_from_slice(&state[..axes]);
             }

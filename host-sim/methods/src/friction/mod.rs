@@ -5,7 +5,7 @@
 //!
 //! 1. **Contacts.** A contact whose speed is not 0 slides, forwards or backwards. One at rest sticks if friction can hold it; otherwise
 //!    it begins to slide. Where contacts at rest act on each other, this is a linear complementarity problem with bounds. Its matrix is
-//!    that of a positive inertia, so it has one solution. [`Response::settle`] finds it by principal pivoting on the least index (K. G.
+//!    that of a positive inertia, so it has one solution. It is found by principal pivoting on the least index (K. G.
 //!    Murty, *Note on a Bard-type scheme for solving the complementarity problem*, Opsearch 11, 1974; with bounds: J. J. Júdice, F. M.
 //!    Pires, *A block principal pivoting algorithm for large-scale strictly monotone linear complementarity problems*, Computers &
 //!    Operations Research 21, 1994).
