@@ -1,7 +1,7 @@
 //! One axis of the loop: from the master's turns to its pulses or setpoints.
 
 use crate::axes::AnyFollower;
-use crate::pulse::{Place, Planner, Runs, StepRates};
+use crate::pulse::{Planner, Runs, StepRates};
 use crate::servo::{FeedForward, ServoPart, Setpoint};
 use crate::units::{Phase, Turns};
 
@@ -25,20 +25,14 @@ impl Channel {
             && self.follower == other.follower
     }
 
-    /// Place of the axis within a step.
-    pub(super) fn place(&self) -> Place {
-        *self.planner.place()
-    }
-
-    /// Continues from the place of another axis with an equal follower.
-    pub(super) fn continue_from(&mut self, place: Place) {
-        self.planner.continue_from(place);
-    }
-
-    /// Takes over the follower of another axis, and its position.
-    #[inline(never)] // The two references then cannot overlap, and the copy needs no `memmove`.
-    pub(super) fn follow_as(&mut self, other: &Self) {
-        self.follower = other.follower.clone();
+    /// Continues the motion of another axis with an equal follower, from its place within a step. `follower_moves` is false if the follower
+    /// makes the master's own turns, and so does not change.
+    #[inline(never)] // The two references then cannot overlap, and the copies need no `memmove`.
+    pub(super) fn continue_as(&mut self, other: &Self, follower_moves: bool) {
+        if follower_moves {
+            self.follower = other.follower.clone();
+        }
+        self.planner.continue_from(other.planner.place());
     }
 
     /// Plans a tick in which the axis makes `turns`, and `offset` half-steps of 2⁻⁴⁸ of its phase offset. Returns the number of whole

@@ -165,15 +165,9 @@ impl Controller {
 
     /// Lets an axis continue the motion of the axis whose plan it shared.
     fn continue_from(&mut self, first: usize, axis: usize) {
-        // A follower that makes the master's own turns does not change.
-        if self.followers & 1 << axis != 0
-            && let Ok([first, axis]) = self.channels.get_disjoint_mut([first, axis])
-        {
-            axis.follow_as(first);
-        }
-        let place = self.channels.get(first).map(Channel::place);
-        if let (Some(channel), Some(place)) = (self.channels.get_mut(axis), place) {
-            channel.continue_from(place);
+        let follower_moves = self.followers & 1 << axis != 0;
+        if let Ok([first, axis]) = self.channels.get_disjoint_mut([first, axis]) {
+            axis.continue_as(first, follower_moves);
         }
     }
 

@@ -91,8 +91,8 @@ impl Planner {
     }
 
     /// Continues from the place of an axis whose plans this axis played.
-    pub const fn continue_from(&mut self, place: Place) {
-        self.place = place;
+    pub const fn continue_from(&mut self, place: &Place) {
+        self.place = *place;
     }
 
     /// Replaces `runs` with those of a tick in which the axis covers `turns`. Returns the whole steps of the tick: their
