@@ -134,6 +134,7 @@ impl Settings {
             .fold(0.0, f64::max)
     }
 
+    #[cold]
     fn are_offset(&self) -> bool {
         self.axes
             .windows(2)
@@ -141,6 +142,7 @@ impl Settings {
     }
 
     /// Commanded leads while the trims move in, all at the same part of their way at a time. Without offsets, the last stage is the worst.
+    #[cold]
     fn stages(&self, levels: &PerAxis<f64>) -> impl Iterator<Item = Leads> {
         let trims = &self.trims_turns;
         let are_trimmed = trims.windows(2).any(|pair| pair[0] != pair[1]);
@@ -167,6 +169,7 @@ struct Leads {
 }
 
 impl Leads {
+    #[cold]
     fn new(count: usize, lead: impl Fn(usize) -> f64) -> Self {
         let first = lead(0);
         Self {
@@ -178,15 +181,18 @@ impl Leads {
         }
     }
 
+    #[cold]
     fn of_cranks(&self) -> impl Iterator<Item = f64> {
         self.turns.iter().take(self.count).copied()
     }
 
+    #[cold]
     fn are_equal(&self) -> bool {
         self.of_cranks().all(|lead| lead == 0.0)
     }
 
     /// Cosine and sine of each crank's place on the mount circle. Two cranks tilt the platform in one direction only.
+    #[cold]
     fn places(&self) -> impl Iterator<Item = (f64, f64)> {
         let count = self.count;
         (0..count).map(move |i| {
@@ -197,6 +203,7 @@ impl Leads {
     }
 
     /// Slopes of the plane closest to a value at each crank, per mount radius.
+    #[cold]
     fn slopes(&self, values: &PerAxis<f64>) -> (f64, f64) {
         let part = if self.count == 2 { 1.0 } else { 2.0 } / self.count as f64;
         let each = values.iter().zip(self.places());
@@ -207,6 +214,7 @@ impl Leads {
     }
 
     /// Largest distance of a lead from the plane of all, degrees, and its axis. Three cranks are always in a plane.
+    #[cold]
     fn warp_deg(&self) -> (f64, usize) {
         let mean = self.of_cranks().sum::<f64>() / self.count.max(1) as f64;
         let (x, y) = self.slopes(&self.turns);
@@ -224,6 +232,7 @@ impl Leads {
     }
 
     /// Largest tilt of a platform over a turn, mrad.
+    #[cold]
     fn tilt_mrad(&self, platform: &PlatformSettings, mechanism: AnyMechanism) -> f64 {
         let step = TAU / f64::from(ANGLES);
         let slope = |angle: f64| slope(mechanism, angle);
@@ -248,6 +257,7 @@ impl Leads {
 }
 
 /// Slope of a mechanism at a crank angle, rad, per crank radius.
+#[cold]
 fn slope(mechanism: AnyMechanism, angle: f64) -> f64 {
     let turns = angle / TAU;
     let within = turns - libm::floor(turns);
@@ -257,6 +267,7 @@ fn slope(mechanism: AnyMechanism, angle: f64) -> f64 {
 }
 
 /// Integral of the slope from 0 to an angle, rad, of at most half a turn either way.
+#[cold]
 fn travel(mechanism: AnyMechanism, angle: f64) -> f64 {
     let steps = libm::ceil(angle.abs() / TAU * f64::from(ANGLES)) as u32;
     let step = angle / f64::from(steps.max(1));
