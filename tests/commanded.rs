@@ -1,4 +1,4 @@
-//! What commanded phases do to the platform: refused beyond its limits, and stated where the scene means it.
+//! Effect of commanded phases on the platform: refused beyond its limits, and stated where the scene means it.
 
 use cophase_tests::scene;
 use host_sim::report::summary;

@@ -1,4 +1,4 @@
-//! What commanded phases alone do to a platform.
+//! Effect of commanded phases alone on a platform.
 //!
 //! Cranks under one platform turn in phase. An offset or a trim of its own sets a crank ahead of the others in every turn. The platform then
 //! tilts and warps although every crank is where it is commanded to be, and the monitor, which compares cranks with their commands, sees

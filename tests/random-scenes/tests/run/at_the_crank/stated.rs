@@ -1,4 +1,4 @@
-//! What a scene file says, read without the types of the program.
+//! Keys of a scene file, read without the types of the program.
 
 use toml::{Table, Value};
 
