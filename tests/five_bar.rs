@@ -69,15 +69,18 @@ fn the_joints_lead_the_hand_along_the_line() {
     assert!(figure(&run, "table_error_mm") < 2e-3);
 }
 
+/// Force at the hand by which the friction of a joint that turns back changes, N.
+const REVERSAL_N: f64 = 2.0 * 0.02 / 0.25;
+
 /// If this fails, the hand does not press as required, or the suspension costs more than its side pull. The rope is vertical in the middle
 /// of the line, and pulls by 19.62 N · 0.1 m / 1 m at its ends.
 #[test]
 fn the_hand_presses_while_it_follows_the_line() {
     let hung = with(&[]);
     assert!(hung.report["faults"].as_array().unwrap().is_empty());
-    // Where the hand turns back, the friction of each joint reverses: by twice 0.02 N·m, which is 0.16 N on a link of 0.25 m.
-    assert!(figure(&hung, "force_error_n") < 0.16);
-    // Without friction the force is within some steps of the source's sensor, of 9.58 mN.
+    // A joint that turns back takes its friction along: 2 · 0.02 N·m on a link of 0.25 m. A step of the source's force sensor is
+    // 9.58 mN, and nothing else is left without friction.
+    assert!(figure(&hung, "force_error_n") < REVERSAL_N);
     let smooth = with(&[("friction_nm = 0.02", "friction_nm = 0")]);
     assert!(figure(&smooth, "force_error_n") < 0.02);
     let place_mm = figure(&hung, "place_error_mm");
@@ -112,4 +115,52 @@ fn without_a_surface_the_drives_hold_the_path() {
     assert!(run.report["machine_figures"]["force_error_n"].is_null());
     // 1.96 N · 0.29 m on 30/s · 20 N·m·s/rad are 0.95 mrad, 0.24 mm of the hand.
     assert!(figure(&run, "place_error_mm") < 0.3);
+}
+
+/// If this fails, a force that the law's sensor cannot measure is accepted: the law winds up, and the hand leaves its path.
+#[test]
+fn a_force_beyond_the_sensor_is_refused_with_the_fix() {
+    let text = library::find("five-bar").unwrap().text;
+    for force in ["19.62", "20", "100"] {
+        let text = text.replacen("force_n = 5", &format!("force_n = {force}"), 1);
+        let scene = host_sim::scene::load::parse(&text).unwrap();
+        let error = host_sim::scene::Checked::new(scene)
+            .unwrap_err()
+            .to_string();
+        for words in [
+            "five_bar.contact.force_n",
+            force,
+            "sensor_n = 19.62",
+            "wider range",
+        ] {
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}
+
+/// If this fails, a sensor of a wider range does not let the law hold a larger force.
+#[test]
+fn a_wider_sensor_holds_a_larger_force() {
+    let run = with(&[("force_n = 5", "force_n = 20, sensor_n = 50")]);
+    // A step of the converter is 24 mN.
+    assert!(figure(&run, "force_error_n") < REVERSAL_N + 0.05);
+    assert!(figure(&run, "place_error_mm") < 1.0);
+    assert_eq!(figure(&run, "sensor_saturated_s"), 0.0);
+    let warnings = run.report["warnings"].to_string();
+    assert!(!warnings.contains("left its path"), "{warnings}");
+}
+
+/// If this fails, a run in which the force left the range of its sensor, or the hand its path, looks like one without a problem. A torque
+/// on one joint pushes the hand into the surface and along it.
+#[test]
+fn a_saturated_sensor_and_a_hand_off_its_path_are_warned_of() {
+    let push = "[[fault]]\nat_s = 4.0\nkind = \"load-step\"\naxis = 0\ntorque_nm = 8\nfor_s = 1.0\n[[program]]";
+    let run = with(&[("[[program]]", push)]);
+    let warnings = run.report["warnings"].to_string();
+    assert!(
+        warnings.contains("beyond the range of its sensor"),
+        "{warnings}"
+    );
+    assert!(figure(&run, "sensor_saturated_s") > 0.01);
+    assert!(warnings.contains("The hand left its path"), "{warnings}");
 }
