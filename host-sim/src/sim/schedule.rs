@@ -90,8 +90,8 @@ impl Schedule {
             });
         let late = late.chain(overruns).collect();
         let program_s = program_ticks as f64 / f64::from(scene.control.tick_hz);
-        // Time to switch on, and two and a half turns at homing speed, to home and to park.
-        let around_s = scene.control.settle_s + 2.5 / scene.limits.homing_speed_hz;
+        // Time to switch on, and three and a half turns at homing speed, to home and to park.
+        let around_s = scene.control.settle_s + 3.5 / scene.limits.homing_speed_hz;
         let expected_us = clock(program_s + around_s) + last.unwrap_or(0);
         Self {
             commands,

@@ -195,7 +195,7 @@ impl Basis {
         let control = control::control(source, tick_hz);
         let program = program::program(source, &basis);
         basis.program_s = program::length_s(&program);
-        basis.begins_s = control.settle_s + 1.0 / basis.homing_hz;
+        basis.begins_s = control.settle_s + 2.0 / basis.homing_hz;
         let (cam_table, table) = cam::tables(source, &basis, shaft.as_ref());
         let limits = control::limits(source, &basis);
         let pulse = control::pulse(source, tick_hz);

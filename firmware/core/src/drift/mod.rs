@@ -131,10 +131,11 @@ impl DriftMonitor {
         watch.map_or(FaultKind::Slip, |watch| watch.traits.name_of_one(by))
     }
 
-    /// True if every index has been detected since [`Self::reset`]. The last detection has been evaluated if the monitor is not busy.
+    /// True if every index has been detected since [`Self::reset`], and a turn has confirmed its place. The last detection has been
+    /// evaluated if the monitor is not busy.
     pub fn is_homed(&self) -> bool {
         let mut axes = self.axes.iter();
-        axes.all(|watch| !watch.traits.has_index || watch.index.is_known())
+        axes.all(|watch| !watch.traits.has_index || watch.index.is_confirmed())
     }
 
     /// True if the last tick had work pending, of axes without an encoder.

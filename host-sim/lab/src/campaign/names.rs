@@ -117,6 +117,10 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
     if at.in_homing && (moves_crank || fault.kind == FaultName::IndexExtra) {
         names.push(Kind::HomingRangeExceeded);
     }
+    // Facts 1 and 3: a crank that jumps ahead between its first two pulses gives the pulses of noise and of a flag.
+    if at.in_homing && moves_crank && !at.has_encoder {
+        names.push(Kind::IndexExtra);
+    }
     if at.in_homing && moves_crank && at.is_beyond_limit {
         names.extend([Kind::Tilt, Kind::Warp]);
     }

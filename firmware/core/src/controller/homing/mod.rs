@@ -1,9 +1,11 @@
 //! Homing: finds the phase of every crank, and levels the cranks.
 //!
 //! After power-up, phases are unknown. The platform joins the cranks, so none may be turned alone. All turn together at homing speed until
-//! every index has been detected. This takes one turn, plus the time by which a pulse may be late. The phase error that all cranks have in
-//! common is the zero of the machine, the *home offset*. The differences between the cranks are removed by trims, all at once and within
-//! the limits, and checked for one more turn. A crank that exceeds the homing range is refused.
+//! every index has been detected, and a turn has confirmed its place: two pulses a turn apart, and none between. This takes up to two turns,
+//! plus the time by which a pulse may be late. No crank is moved before that, as a place that is noise would tilt the platform.
+//!
+//! The phase error that all cranks have in common is the zero of the machine, the *home offset*. The differences between the cranks are
+//! removed by trims, all at once and within the limits, and checked for one more turn. A crank that exceeds the homing range is refused.
 //!
 //! To *prove the wiring*, the platform is then tilted about one axis and about the other, so that any two cranks are moved differently
 //! once. A crank that follows its own lines keeps its phase error, as that is relative to its command. Where the lines of two axes are
@@ -27,7 +29,7 @@ enum Step {
     /// Homing is not requested.
     #[default]
     Off,
-    /// Not every index has been detected yet.
+    /// Not every index has been detected and confirmed yet.
     Find,
     /// The cranks are moved.
     Level,

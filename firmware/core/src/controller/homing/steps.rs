@@ -36,7 +36,7 @@ impl Homing {
         } else if !self.is_done() {
             self.waited = self.waited.saturating_add(speed);
         }
-        // Each index is detected or reported as missing within one or two turns, and the number of attempts is limited.
+        // Each index is detected or reported as missing within one or two turns. The numbers of attempts and of extra pulses are limited.
         if fault.is_none() && self.waited > MOST_WAITED {
             self.waited = Turns::ZERO;
             return Some(Fault::new(FaultKind::IndexTimeout));
@@ -84,7 +84,7 @@ impl Homing {
         self.from = *offsets.now();
     }
 
-    /// Levels the cranks, after every index has been detected.
+    /// Levels the cranks, after every index has been detected, and a turn has confirmed its place.
     #[inline(never)]
     fn found(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         self.find_home_offset(monitor, offsets);

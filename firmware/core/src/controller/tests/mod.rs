@@ -81,6 +81,34 @@ fn play(controller: &mut Controller, command: Option<Command>, ticks: u32, detec
     }
 }
 
+/// Starts a machine, and plays ticks until it runs. Each axis has an index pulse in the tick after its command has made a turn more.
+fn home(controller: &mut Controller) {
+    let phases = |controller: &Controller| -> [Phase; MAX_AXES] {
+        core::array::from_fn(|axis| controller.output.telemetry.axis_phase(axis))
+    };
+    let left = phases(controller);
+    let turns = |controller: &Controller| {
+        let now = phases(controller);
+        let made = |axis: usize| now[axis].since(left[axis]).to_num::<f64>().floor();
+        core::array::from_fn::<_, MAX_AXES, _>(made)
+    };
+    let (mut command, mut before) = (Some(Command::Start), turns(controller));
+    for _ in 0..10 * HZ {
+        let made = turns(controller);
+        let mut feedback = followed(controller, command.take());
+        for axis in 0..controller.axis_count() {
+            let passes = made[axis] > before[axis];
+            feedback.index[axis] = passes.then_some(IndexPulse { cycle: 0 });
+        }
+        before = made;
+        controller.tick(&feedback);
+        if controller.output.telemetry.state == State::Run {
+            return;
+        }
+    }
+    panic!("it does not run: {:?}", controller.output.telemetry.fault);
+}
+
 /// If this fails, the next plan is written over pulses that the step hardware is still reading.
 #[test]
 fn pulses_of_a_tick_stay_in_memory_while_the_next_tick_is_planned() {
@@ -164,7 +192,7 @@ fn the_program_continues_from_the_seek_position() {
 #[test]
 fn every_start_from_idle_homes_again() {
     let mut controller = controller(&settings(), 100.0);
-    play(&mut controller, Some(Command::Start), 100, true);
+    home(&mut controller);
     assert_eq!(controller.output.telemetry.state, State::Run);
     let mut lost = Feedback::of(None);
     lost.inputs.enable = false;
@@ -177,7 +205,7 @@ fn every_start_from_idle_homes_again() {
 /// Returns a controller after the enable input was lost in a run, with the drives off.
 fn lost(settings: &Settings) -> Controller {
     let mut controller = controller(settings, 100.0);
-    play(&mut controller, Some(Command::Start), 100, true);
+    home(&mut controller);
     assert_eq!(controller.output.telemetry.state, State::Run);
     let mut lost = followed(&controller, None);
     lost.inputs.enable = false;

@@ -50,7 +50,14 @@ impl AxisWatch {
                 self.in_place(was_overdue, extra, is_sure)
             }
             Detection::Running { by } => self.encoder.is_none().then(|| self.runs_away(by)),
+            // Before the place is confirmed, pulses at several places do not show that the crank runs.
+            Detection::Extra { by } if !self.index.is_confirmed() => Some(self.extra(by, true)),
             Detection::Extra { by } => Some(self.out_of_place(by)),
+            Detection::Dismissed { by } => {
+                self.diagnosis.pass_turn();
+                self.home = angle(self.index.offset);
+                Some(self.extra(by, true))
+            }
             Detection::Moved { by } => {
                 // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse.
                 let may_run = self.diagnosis.had_extra() && self.encoder.is_none();
@@ -60,7 +67,10 @@ impl AxisWatch {
             Detection::Undetected => self.nowhere(&mut has_moved),
             Detection::Overdue { waited } => self.overdue(patience.filter(|_| !waited), is_homing),
         };
-        let is_place = matches!(detection, Detection::First | Detection::InPlace { .. });
+        let is_place = matches!(
+            detection,
+            Detection::First | Detection::InPlace { .. } | Detection::Dismissed { .. }
+        );
         let is_detected = is_place || has_moved.is_some();
         if is_detected && let Some(encoder) = &mut self.encoder {
             encoder.at_flag = encoder.filtered;

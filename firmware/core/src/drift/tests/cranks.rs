@@ -95,7 +95,7 @@ pub(super) fn process_all(monitor: &mut DriftMonitor, at: &PerAxis<TickPhase>) -
 /// Cranks that turn with the master at an even speed, apart from the phase error of each. A clock runs with them.
 pub(super) struct Cranks {
     pub(super) monitor: DriftMonitor,
-    pub(super) tick: u32,
+    pub(super) tick: i32,
     pub(super) speed: f64,
     /// Phases at which the flags are.
     pub(super) flags: PerAxis<f64>,
@@ -118,7 +118,7 @@ impl Cranks {
         &mut self,
         ticks: u32,
         off: impl Fn(usize, f64) -> f64,
-    ) -> Vec<(u32, Finding)> {
+    ) -> Vec<(i32, Finding)> {
         self.turn_with(ticks, off, |_, _, pulse| pulse)
     }
 
@@ -128,7 +128,7 @@ impl Cranks {
         ticks: u32,
         off: impl Fn(usize, f64) -> f64,
         sensor: impl Fn(usize, f64, Option<IndexPulse>) -> Option<IndexPulse>,
-    ) -> Vec<(u32, Finding)> {
+    ) -> Vec<(i32, Finding)> {
         self.turn_motors(ticks, &off, sensor, &off)
     }
 
@@ -137,7 +137,7 @@ impl Cranks {
         &mut self,
         ticks: u32,
         off: impl Fn(usize, f64) -> f64,
-    ) -> Vec<(u32, Finding)> {
+    ) -> Vec<(i32, Finding)> {
         self.turn_motors(ticks, off, |_, _, pulse| pulse, |_, _| 0.0)
     }
 
@@ -148,7 +148,7 @@ impl Cranks {
         off: impl Fn(usize, f64) -> f64,
         sensor: impl Fn(usize, f64, Option<IndexPulse>) -> Option<IndexPulse>,
         motor_off: impl Fn(usize, f64) -> f64,
-    ) -> Vec<(u32, Finding)> {
+    ) -> Vec<(i32, Finding)> {
         let mut found = Vec::new();
         for _ in 0..ticks {
             // The end equals the next tick's start to the last bit. Otherwise a passage could fall between the two.
@@ -198,9 +198,16 @@ impl Cranks {
         found
     }
 
-    /// Turns until every index has been detected, and settles at these positions.
+    /// Turns until a turn has confirmed every index, and settles at these positions. The clock begins a turn before zero, so that it shows
+    /// at most 1.2 turns then, and some ticks for the queue.
     pub(super) fn homed(mut self) -> Self {
-        let ticks = (1.2 / self.speed) as u32 + MAX_AXES as u32; // for the queue
+        let turn = (1.0 / self.speed) as i32;
+        self.tick -= turn;
+        let start = f64::from(self.tick) * self.speed;
+        self.before = [start; MAX_AXES];
+        let left = Phase::from_turns(Turns::wrapping_from_num(start));
+        self.monitor.reset(&[left; MAX_AXES]);
+        let ticks = (1.2 / self.speed) as u32 + turn.unsigned_abs() + MAX_AXES as u32;
         assert_eq!(self.turn(ticks, |_, _| 0.0), []);
         assert!(self.monitor.is_homed());
         self.monitor.settle();
@@ -208,12 +215,17 @@ impl Cranks {
     }
 }
 
+/// True if every index has been detected, though a turn may not have confirmed it.
+pub(super) fn are_detected(monitor: &DriftMonitor) -> bool {
+    monitor.axes.iter().all(|watch| watch.index.is_known())
+}
+
 /// The first finding, where cranks with the phase errors `errors` from the start are homed.
 pub(super) fn found_in_homing(
     monitor: DriftMonitor,
     errors: PerAxis<f64>,
     ticks: u32,
-) -> Option<(u32, FaultKind, Option<usize>)> {
+) -> Option<(i32, FaultKind, Option<usize>)> {
     let mut cranks = Cranks::new(monitor, 0.01);
     cranks.before = errors;
     let found = cranks.turn(ticks, |i, _| errors[i]);

@@ -55,7 +55,7 @@ fn tilt_trips_at_its_limit() {
         assert_eq!(fault.is_some(), trips, "at {part} of the limit");
         if let Some((tick, kind, axis)) = fault {
             assert_eq!((kind, axis), (FaultKind::HomingRangeExceeded, Some(2)));
-            assert!(tick <= 106, "a turn and five ticks, and not {tick}");
+            assert!(tick <= 206, "two turns and five ticks, and not {tick}");
         }
     }
 }

@@ -14,7 +14,7 @@ fn play(
 ) -> Vec<(FaultKind, Option<usize>, bool)> {
     let mut found = Vec::new();
     for _ in 0..ticks {
-        let at = |tick: u32| f64::from(tick) * cranks.speed;
+        let at = |tick: i32| f64::from(tick) * cranks.speed;
         let (start, end) = (at(cranks.tick), at(cranks.tick + 1));
         let phase = TickPhase {
             start: Phase::from_turns(Turns::wrapping_from_num(start)),
@@ -53,7 +53,7 @@ fn a_fast_slip_stops_the_machine_as_its_flag_comes() {
             0.0
         }
     };
-    let ticks = (3.1 / cranks.speed) as u32 - cranks.tick;
+    let ticks = ((3.1 / cranks.speed) as i32 - cranks.tick).unsigned_abs();
     let found = play(&mut cranks, ticks, slip, |_, _, pulse| pulse);
     assert!(
         found.contains(&(FaultKind::Slip, Some(0), false)),

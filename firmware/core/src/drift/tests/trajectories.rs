@@ -104,7 +104,7 @@ fn stop_of(
     flags: PerAxis<f64>,
     start: f64,
     paths: &[(usize, Vec<Piece>)],
-) -> (Option<u32>, Option<f64>, Vec<(u32, Finding)>) {
+) -> (Option<i32>, Option<f64>, Vec<(i32, Finding)>) {
     let mut settings = settings(count, 3.0, 5.0, 15.0);
     for (axis, flag) in settings.axes.iter_mut().zip(flags) {
         axis.cycle_steps = cycle_steps;
@@ -130,7 +130,7 @@ fn stop_of(
     let due = paths.iter().filter_map(|&(axis, _)| {
         let alone = true_alone(count, axis);
         let gate = 4.0 * cranks.monitor.tolerance(axis).to_num::<f64>();
-        let at = |tick: u32| f64::from(first + tick + 1) * SPEED;
+        let at = |tick: u32| (f64::from(first) + f64::from(tick + 1)) * SPEED;
         let error = |tick| error(axis, at(tick));
         // A missing pulse is no evidence against an encoder: the crank has to pass its flag.
         let travel = |tick| match shown {

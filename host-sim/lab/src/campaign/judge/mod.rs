@@ -153,8 +153,7 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
     }
     if observation.fault_events.is_empty() {
         let had_time = end.turns - injected.turns > names::turns_to_report(fault);
-        // In homing, an extra pulse before the flag's first pulse counts as that pulse, unless something contradicts it. A motion that it
-        // causes is checked again.
+        // In homing, a first pulse at the place where the crank was left does not count.
         let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Homing;
         let is_harmless = observation.extra.is_some_and(|extra| extra.is_harmless);
         let must = names::must_be_reported(fault.kind) && !may_be_first && !is_harmless;

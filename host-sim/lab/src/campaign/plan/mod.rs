@@ -258,7 +258,7 @@ fn kinds_of(checked: &Checked) -> Vec<FaultName> {
     faults::KINDS.into_iter().filter(fits).collect()
 }
 
-/// Window of a drawn machine. Homing takes one turn and the time of the corrections, which is not known here. So `run_s` is about the
+/// Window of a drawn machine. Homing takes two turns and the time of the corrections, which is not known here. So `run_s` is about the
 /// beginning of *run*, and the hold is long enough for the difference not to matter.
 fn window(scene: &Scene, geometry: Option<&Geometry>) -> Window {
     let amax_mps2 =
@@ -271,7 +271,7 @@ fn window(scene: &Scene, geometry: Option<&Geometry>) -> Window {
     } else {
         0.0
     };
-    let run_s = scene.control.settle_s + 1.2 / scene.limits.homing_speed_hz + proof_s;
+    let run_s = scene.control.settle_s + 2.2 / scene.limits.homing_speed_hz + proof_s;
     let program_s = |part: f64| {
         let segment = &scene.program[0];
         segment.ramp_s.unwrap_or_default() + part * segment.hold_s.unwrap_or_default()
@@ -290,7 +290,7 @@ fn window_of_given(checked: &Checked) -> Window {
     let controller = checked.controller();
     let ticks = controller.map_or(0, |controller| controller.program().0.duration());
     let program_s = ticks as f64 / f64::from(scene.control.tick_hz);
-    let run_s = scene.control.settle_s + 1.5 / scene.limits.homing_speed_hz;
+    let run_s = scene.control.settle_s + 2.5 / scene.limits.homing_speed_hz;
     Window {
         homing_s: scene.control.settle_s + 0.05,
         run_s,

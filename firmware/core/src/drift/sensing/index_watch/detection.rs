@@ -28,6 +28,11 @@ pub(in crate::drift) enum Detection {
         /// Offset of the first from its place.
         by: Turns,
     },
+    /// No pulse came in the place of the first one, and one came elsewhere: the first was an extra pulse, and this one is taken instead.
+    Dismissed {
+        /// Offset of the extra pulse from the other.
+        by: Turns,
+    },
     /// The crank has moved.
     Moved {
         /// Distance, positive forward.

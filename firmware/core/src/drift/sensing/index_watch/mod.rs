@@ -5,6 +5,10 @@
 //! outlier again a turn later, shows that the crank has moved. So an extra pulse does not count as a phase error, unless the flag's own
 //! pulse is missing. A crank that has moved is detected within a turn and the gate.
 //!
+//! The first pulse of all may be noise, so it is no more than a *guess*. The offset is *confirmed* by two pulses a turn apart, in the same
+//! place, without an outlier between them. Before that, no pulse in the place of a guess shows that the guess was noise, if an outlier came
+//! meanwhile. The outlier is the next guess. Without an outlier the flag has made the pulse, and the crank has moved.
+//!
 //! The *offset* of a pulse is the angle of the flag minus the phase of the axis at that moment. Without an encoder that is the commanded
 //! phase, and the offset is the phase error. With an encoder it is the measured phase, and the offset is the difference of crank and
 //! encoder.
@@ -60,6 +64,8 @@ pub(in crate::drift) struct IndexWatch {
     pub(in crate::drift) offset: Turns,
     /// Number of pulses of which `offset` is the mean, with an encoder; 0 before the first.
     meant: u8,
+    /// True once a turn has confirmed the offset.
+    is_confirmed: bool,
     /// Phase at that pulse; before the first pulse, the phase at which the search began.
     detected_at: Phase,
     outlier: Option<Outlier>,
@@ -78,6 +84,7 @@ impl IndexWatch {
         Self {
             offset: Turns::ZERO,
             meant: 0,
+            is_confirmed: false,
             detected_at: phase,
             outlier: None,
             spacing: None,
@@ -93,6 +100,11 @@ impl IndexWatch {
 
     pub(in crate::drift) const fn is_known(&self) -> bool {
         self.meant > 0
+    }
+
+    /// True if a turn has confirmed where the first pulses were.
+    pub(in crate::drift) const fn is_confirmed(&self) -> bool {
+        self.is_confirmed
     }
 
     /// True if a crank at this phase, with the offset that the last pulse showed, may swing over an end of its flag.
@@ -229,6 +241,7 @@ impl IndexWatch {
             if at.since(self.detected_at) < HALF {
                 return Detection::Nothing; // the same passage
             }
+            self.is_confirmed |= self.outlier.is_none();
             let detection = self.in_place(offset, at);
             let filtered = self.filter(traits, by);
             self.believe(traits, nearest(self.offset.wrapping_add(filtered)), at);
@@ -277,13 +290,19 @@ impl IndexWatch {
         }
     }
 
-    /// Records that the crank has moved to the place that a pulse showed.
+    /// Records that the crank has moved to the place that a pulse showed, or that a guess was noise, and this pulse is the next one.
     fn moved(&mut self, traits: &Traits, to: Outlier) -> Detection {
         let by = nearest(to.offset.wrapping_sub(self.offset));
+        let was_noise = !self.is_confirmed && self.outlier.is_some();
         self.outlier = None;
         self.spacing = None;
         self.meant = 1;
         self.believe(traits, to.offset, to.at);
+        if was_noise {
+            return Detection::Dismissed {
+                by: by.wrapping_neg(),
+            };
+        }
         Detection::Moved { by }
     }
 
