@@ -143,8 +143,9 @@ fn the_outputs_show_only_stops_and_disabled_drives() {
 #[test]
 fn extra_pulses_are_judged_by_the_actual_crank_position() {
     let flags = observe(&scene(KINEMATIC)).rises_us(1);
+    // The first passage finds the crank, the second confirms its place, and the third is the first one in run.
     let after = |late_ms: f64| {
-        let at_s = ((flags[1] + late_ms * 1e3).round()) * 1e-6;
+        let at_s = ((flags[2] + late_ms * 1e3).round()) * 1e-6;
         watched_at(
             at_s,
             KINEMATIC,
