@@ -13,7 +13,9 @@ use cophase_tests::scripted::{command, program, scripted, stands_at_park_phase};
 fn a_hold_keeps_the_speed_and_the_place_in_the_program() {
     let plain = scripted("");
     // During the ramp up, below the band, and in a steady hold.
-    for (at_s, amid_ramp) in [(0.75, true), (2.1, false)] {
+    for (after_s, amid_ramp) in [(0.5, true), (1.85, false)] {
+        // Homing takes two turns, at 4 rev/s.
+        let at_s = 2.0 / 4.0 + after_s;
         let held = scripted(&(command(at_s, "hold") + &command(at_s + 0.7, "resume")));
         assert_eq!(program(&held), program(&plain), "{at_s} s");
         let holding: Vec<&Tick> = held.ticks.iter().filter(|tick| tick.holding).collect();

@@ -111,7 +111,7 @@ amax_g = 40
 ramp_s = 1
 hold_s = 2
 [[fault]]
-at_s = 2
+at_s = 3 # after two turns of homing, and the ramp
 kind = "drive-alarm"
 axis = 0
 "#;

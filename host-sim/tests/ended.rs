@@ -8,7 +8,7 @@ use host_sim::sim::events::EventKind;
 use host_sim::sim::simulate;
 use serde_json::Value;
 
-/// A scene of three axes whose program ends at about 3.3 s.
+/// A scene of three axes. Homing takes two turns, at 1 rev/s; the program ends at about 4.3 s.
 fn scene(axes: &str, more: &str) -> String {
     format!(
         "name = \"ended\"\nfidelity = \"kinematic\"\n\
@@ -41,8 +41,8 @@ fn the_report_always_names_the_cause_of_the_stop() {
     let stops_s = stops.unwrap()["t_s"].as_f64().unwrap();
     let in_stop_s = stops_s + 0.05;
     for more in [
-        "[[input]]\nat_s = 2\nline = \"enable\"\nactive = false\n".to_owned(),
-        "[[fault]]\nat_s = 2\nkind = \"enable-loss\"\n".to_owned(),
+        "[[input]]\nat_s = 3\nline = \"enable\"\nactive = false\n".to_owned(),
+        "[[fault]]\nat_s = 3\nkind = \"enable-loss\"\n".to_owned(),
         format!("[[fault]]\nat_s = {in_stop_s}\nkind = \"enable-loss\"\n"),
         format!("[[fault]]\nat_s = {in_stop_s}\nkind = \"drive-alarm\"\naxis = 1\n"),
     ] {
@@ -65,24 +65,24 @@ fn the_summary_reports_a_common_stop_only_if_axes_stopped() {
     const TOGETHER: &str = "brought to rest together";
     let fault = |at_s: f64, kind: &str| format!("[[fault]]\nat_s = {at_s}\nkind = \"{kind}\"\n");
     let alarm = |at_s: f64| fault(at_s, "drive-alarm") + "axis = 1\n";
-    let stuck = fault(2.0, "stuck") + "axis = 1\n";
+    let stuck = fault(3.0, "stuck") + "axis = 1\n";
 
-    let line = fault_line(&alarm(2.0));
+    let line = fault_line(&alarm(3.0));
     assert!(line.contains(TOGETHER), "{line}");
-    let (report, _) = run(&scene(STEPPERS, &alarm(2.0)));
+    let (report, _) = run(&scene(STEPPERS, &alarm(3.0)));
     let stop_s = report["time_in_state_s"]["stop"].as_f64().unwrap();
     assert!(stop_s > 0.1, "{stop_s}");
     for (more, expected) in [
-        (fault(2.0, "enable-loss"), "without a stop"),
+        (fault(3.0, "enable-loss"), "without a stop"),
         // The second fault occurs while the first one stops the machine.
         (
-            alarm(2.0) + &fault(2.0 + stop_s / 2.0, "enable-loss"),
+            alarm(3.0) + &fault(3.0 + stop_s / 2.0, "enable-loss"),
             "before the stop was over",
         ),
         (stuck.clone(), "axis 1 did not follow"),
         // The crank is released long after the stop. The end of the run is then not the end of the stop.
         (stuck + "for_s = 5\n", "axis 1 did not follow"),
-        (alarm(5.0), "stood already"),
+        (alarm(6.0), "stood already"),
     ] {
         let line = fault_line(&more);
         assert!(
@@ -95,12 +95,12 @@ fn the_summary_reports_a_common_stop_only_if_axes_stopped() {
         );
     }
     // Homing detects the crank that stands apart, and does not begin a second time.
-    let again = "[[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 5\ndo = \"reset\"\n\
-                 [[command]]\nat_s = 6\ndo = \"start\"\n";
-    let lost = fault(2.0, "lost-steps") + "axis = 1\ncycles = 9\n";
+    let again = "[[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 6\ndo = \"reset\"\n\
+                 [[command]]\nat_s = 7\ndo = \"start\"\n";
+    let lost = fault(3.0, "lost-steps") + "axis = 1\ncycles = 9\n";
     let line = fault_line(&(lost + again));
     assert!(
-        line.starts_with("A fault refused the start at 6.00"),
+        line.starts_with("A fault refused the start at 7.00"),
         "{line}"
     );
     assert!(line.ends_with("The drives stayed off."), "{line}");
@@ -109,7 +109,7 @@ fn the_summary_reports_a_common_stop_only_if_axes_stopped() {
 /// If this fails, a fault appears to have its last name from its detection on, or to be two faults.
 #[test]
 fn a_renamed_fault_is_one_fault_with_two_times() {
-    let lost = "[[fault]]\nat_s = 2\nkind = \"lost-steps\"\naxis = 1\ncycles = 9\n";
+    let lost = "[[fault]]\nat_s = 3\nkind = \"lost-steps\"\naxis = 1\ncycles = 9\n";
     let (report, page) = run(&scene(STEPPERS, lost));
     let faults = report["faults"].as_array().unwrap();
     let [first, .., last] = &faults[..] else {
@@ -138,12 +138,12 @@ fn a_renamed_fault_is_one_fault_with_two_times() {
     // A fault that latches is listed once. So is a fault that is only reported.
     assert_eq!(page.matches("  fault: index-timeout").count(), 1, "{page}");
     assert!(!page.contains("  reported: "), "{page}");
-    let extra = "[[fault]]\nat_s = 2\nkind = \"index-extra\"\naxis = 1\n";
+    let extra = "[[fault]]\nat_s = 3\nkind = \"index-extra\"\naxis = 1\n";
     let (_, page) = run(&scene(&format!("{STEPPERS}\nencoder = true"), extra));
     assert_eq!(page.matches("  reported: index-extra").count(), 1, "{page}");
 
     // After a reset the fault is over, and counts as one.
-    let reset = "[[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 5\ndo = \"reset\"\n";
+    let reset = "[[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 6\ndo = \"reset\"\n";
     let (_, page) = run(&scene(STEPPERS, &format!("{lost}{reset}")));
     let ended = "There was 1 fault, and the machine ended in state `idle`.";
     assert!(page.contains(ended), "{page}");

@@ -20,7 +20,9 @@ impl Homing {
         speed: Turns,
     ) -> Option<Fault> {
         let step = self.step;
-        if let Some((axis, by)) = monitor.take_moved()
+        // In the search, cranks that moved alike are compared once the pulses of all of them have been evaluated.
+        if (step != Step::Find || !monitor.is_busy())
+            && let Some((axis, by)) = monitor.take_moved()
             && let Some(fault) = self.moved(axis, by, monitor, offsets)
         {
             return Some(fault);

@@ -44,7 +44,8 @@ impl Homing {
     }
 
     /// Returns a fault at once if a crank is detected elsewhere than in the turn before, by `by`. There is none if the crank moved no
-    /// farther than a rotor swings. After the search there is also none for a crank within its tolerance, or for one that follows the
+    /// farther than a rotor swings. In the search there is none as long as the cranks are within the limits of the platform: the next turn
+    /// has to confirm the new place. After the search there is also none for a crank within its tolerance, or for one that follows the
     /// command of another: the later checks decide on it.
     #[inline(never)]
     pub(super) fn moved(
@@ -57,7 +58,9 @@ impl Homing {
         if by.abs() <= monitor.swing(axis) {
             return None;
         }
-        if self.step != Step::Find && self.in_transit(1 << axis, monitor, offsets)?.is_swapped {
+        if self.step == Step::Find {
+            monitor.left_beyond_limits(offsets.now())?;
+        } else if self.in_transit(1 << axis, monitor, offsets)?.is_swapped {
             return None;
         }
         let kind = monitor.name_of(axis, by);

@@ -50,8 +50,11 @@ impl AxisWatch {
                 self.in_place(was_overdue, extra, is_sure)
             }
             Detection::Running { by } => self.encoder.is_none().then(|| self.runs_away(by)),
-            // Before the place is confirmed, pulses at several places do not show that the crank runs.
-            Detection::Extra { by } if !self.index.is_confirmed() => Some(self.extra(by, true)),
+            // Before the place is confirmed, pulses at several places may be noise. An encoder shows whether the crank runs.
+            Detection::Extra { by } if !self.index.is_confirmed() => {
+                let is_sure = !self.diagnosis.had_extra() || self.encoder.is_some();
+                Some(self.extra(by, is_sure))
+            }
             Detection::Extra { by } => Some(self.out_of_place(by)),
             Detection::Dismissed { by } => {
                 self.diagnosis.pass_turn();
@@ -59,8 +62,10 @@ impl AxisWatch {
                 Some(self.extra(by, true))
             }
             Detection::Moved { by } => {
-                // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse.
-                let may_run = self.diagnosis.had_extra() && self.encoder.is_none();
+                // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse. Before the place is
+                // confirmed, the first pulse may have been noise, and the next turns decide.
+                let is_alone = self.encoder.is_none() && self.index.is_confirmed();
+                let may_run = is_alone && self.diagnosis.had_extra();
                 has_moved = Some(self.elsewhere(by));
                 may_run.then_some((FaultKind::IndexExtra, by, false))
             }
