@@ -118,7 +118,8 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         names.push(Kind::HomingRangeExceeded);
     }
     // Facts 1 and 3: a crank that jumps ahead between its first two pulses gives the pulses of noise and of a flag.
-    if at.in_homing && moves_crank && !at.has_encoder {
+    let may_jump_ahead = matches!(fault.kind, FaultName::Slip | FaultName::Runaway);
+    if at.in_homing && may_jump_ahead && !at.has_encoder {
         names.push(Kind::IndexExtra);
     }
     if at.in_homing && moves_crank && at.is_beyond_limit {
