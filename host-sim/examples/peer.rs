@@ -9,7 +9,7 @@
 
 use std::error::Error;
 
-use cophase_methods::friction::{DryFriction, Friction};
+use cophase_methods::friction::{Contact, DryFriction};
 use cophase_methods::{Equations, Scheme, advance};
 use host_sim::dynamics::{Body, Driven, Field, Freedom, MOST, Motor, Phased, Stepper};
 use host_sim::machine::PullOut;
@@ -60,13 +60,13 @@ impl Equations for Smoothed<'_> {
         let speeds = self.driven.speeds();
         let mut bounds = [[0.0; 2]; MOST];
         self.driven.bounds(state, &mut bounds);
-        let mut friction = [Friction::Holds; MOST];
-        for ((friction, bounds), &speed) in friction.iter_mut().zip(bounds).zip(speeds) {
-            *friction =
-                Friction::Force(bounds[0] * (state[speed] / self.friction_speed_rad_s).tanh());
+        let mut contacts = [Contact::Sticks; MOST];
+        for ((contact, bounds), &speed) in contacts.iter_mut().zip(bounds).zip(speeds) {
+            let part = (state[speed] / self.friction_speed_rad_s).tanh();
+            *contact = Contact::Free(bounds[0] * part);
         }
-        let friction = &friction[..speeds.len()];
-        self.driven.rates_under(t_s, state, friction, rates);
+        let contacts = &contacts[..speeds.len()];
+        self.driven.rates_with(t_s, state, contacts, rates);
     }
 
     fn is_second_order(&self) -> bool {

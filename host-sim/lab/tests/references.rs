@@ -5,7 +5,7 @@
 
 use cophase_lab::chart::methods::problems::{self, Problem, STICK_SLIP_S};
 use cophase_methods::Equations;
-use cophase_methods::friction::{DryFriction, Friction};
+use cophase_methods::friction::{Contact, DryFriction};
 use cophase_methods::problems::DenHartog;
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 
@@ -44,11 +44,11 @@ fn solve<const N: usize>(problem: &Problem) -> [Vec<f64>; 2] {
 }
 
 /// Adapter of an oscillator that slides in one direction, or sticks.
-struct Sliding(DenHartog, Friction);
+struct Sliding(DenHartog, Contact);
 
 impl ODE<f64, [f64; 2]> for Sliding {
     fn diff(&self, t_s: f64, y: &[f64; 2], rates: &mut [f64; 2]) {
-        self.0.rates_under(t_s, y, &[self.1], rates);
+        self.0.rates_with(t_s, y, &[self.1], rates);
     }
 }
 
@@ -69,7 +69,7 @@ fn solve_stick_slip() -> [Vec<f64>; 2] {
         }
         let sliding = Sliding(
             oscillator,
-            Friction::Force(-phase.direction * oscillator.friction),
+            Contact::Free(-phase.direction * oscillator.friction),
         );
         for (state, verner) in states.iter_mut().zip([false, true]) {
             let ivp = IVP::ode(&sliding, phase.from_s, end_s, *state);

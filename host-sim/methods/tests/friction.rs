@@ -1,6 +1,6 @@
 //! Dry friction: every method sticks and slips alike, and keeps its order.
 
-use cophase_methods::friction::{self, Contact, Contacts, DryFriction, Friction};
+use cophase_methods::friction::{self, Contact, Contacts, DryFriction};
 use cophase_methods::problems::DenHartog;
 use cophase_methods::problems::den_hartog::Phase;
 use cophase_methods::{Equations, Scheme, advance};
@@ -166,9 +166,9 @@ impl DryFriction for Coupled {
     }
 
     /// A mass that is held has a force that makes its acceleration 0: that of the other masses' equations.
-    fn rates_under(&self, _: f64, _: &[f64], friction: &[Friction], rates: &mut [f64]) {
-        let free: Vec<usize> = (0..friction.len())
-            .filter(|i| friction[*i] != Friction::Holds)
+    fn rates_with(&self, _: f64, _: &[f64], contacts: &[Contact], rates: &mut [f64]) {
+        let free: Vec<usize> = (0..contacts.len())
+            .filter(|i| contacts[*i] != Contact::Sticks)
             .collect();
         rates.fill(0.0);
         if free.is_empty() {
@@ -176,9 +176,11 @@ impl DryFriction for Coupled {
         }
         let inertia = self.mobility.clone().try_inverse().unwrap();
         let mass = DMatrix::from_fn(free.len(), free.len(), |i, j| inertia[(free[i], free[j])]);
-        let force = DVector::from_fn(free.len(), |i, _| match friction[free[i]] {
-            Friction::Force(force) => self.force[free[i]] + force,
-            Friction::Holds => unreachable!(),
+        let force = DVector::from_fn(free.len(), |i, _| match contacts[free[i]] {
+            Contact::Free(force) => self.force[free[i]] + force,
+            Contact::Forwards => self.force[free[i]] - self.friction[free[i]],
+            Contact::Backwards => self.force[free[i]] + self.friction[free[i]],
+            Contact::Sticks => unreachable!(),
         });
         let solved = mass.lu().solve(&force).unwrap();
         for (i, rate) in free.iter().zip(solved.iter()) {
@@ -220,6 +222,7 @@ proptest! {
                 Contact::Forwards => {
                     prop_assert!(rates[i] >= 0.0 && (acts[i] + most).abs() < 1e-9);
                 }
+                Contact::Free(_) => prop_assert!(false, "no contact is free"),
                 Contact::Backwards => {
                     prop_assert!(rates[i] <= 0.0 && (acts[i] - most).abs() < 1e-9);
                 }

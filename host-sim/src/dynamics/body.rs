@@ -76,6 +76,7 @@ impl Body {
     }
 
     /// Geometry of a crank at an angle.
+    #[inline(always)] // a call costs as much as a third of the rates of a platform
     pub fn crank(&self, alpha_rad: f64) -> Crank {
         let up = self.upwards();
         let radius_m = up * self.mechanism.crank_radius_m();

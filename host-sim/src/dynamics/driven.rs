@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use cophase_methods::Equations;
-use cophase_methods::friction::{self, Contacts, DryFriction, Friction};
+use cophase_methods::friction::{self, Contact, Contacts, DryFriction};
 
 use super::corners::{FREEDOMS, MOST};
 use super::modes::{Bound, Mode};
@@ -61,6 +61,10 @@ pub struct Driven {
     locked: [bool; MOST],
     /// Components of the state that are speeds with dry friction, in the order of the angles.
     sliding: Vec<usize>,
+    /// Dry friction at each of them, N·m.
+    friction_nm: Vec<f64>,
+    /// True if a plant resists forward rotation.
+    resists: bool,
     /// Angle of each field at the start of the tick, and its speed during the tick.
     pub fields: Vec<Field>,
     /// Load torque on each crank in addition to its share of the machine, N·m. Positive against forward rotation.
@@ -79,6 +83,8 @@ impl Driven {
             equal_to: std::array::from_fn(|i| first(i).unwrap_or(i)),
             locked: [false; MOST],
             sliding: Vec::with_capacity(MOST),
+            friction_nm: Vec::with_capacity(MOST),
+            resists: false,
             integrals: motors.iter().enumerate().filter_map(integral).collect(),
             freedom,
             motors,
@@ -176,21 +182,19 @@ impl Driven {
 
     fn list_sliding(&mut self) {
         self.sliding.clear();
+        self.friction_nm.clear();
         let (positions, nowhere) = (self.positions(), vec![0.0; self.positions()]);
         for i in 0..self.angles() {
-            let rubs = self.friction_nm(i) > 0.0 || self.resistance_nm(i, &nowhere).is_some();
-            if rubs && !self.locked[i] {
+            let each = &self.body().friction_nm;
+            let friction_nm = match self.freedom {
+                Freedom::Rigid(_) => each.iter().sum(),
+                _ => each[i],
+            };
+            self.resists = self.resistance_nm(i, &nowhere).is_some();
+            if (friction_nm > 0.0 || self.resists) && !self.locked[i] {
                 self.sliding.push(positions + i);
+                self.friction_nm.push(friction_nm);
             }
-        }
-    }
-
-    /// Dry friction at an angle of the state, N·m.
-    fn friction_nm(&self, i: usize) -> f64 {
-        let each = &self.body().friction_nm;
-        match self.freedom {
-            Freedom::Rigid(_) => each.iter().sum(),
-            _ => each[i],
         }
     }
 
@@ -296,17 +300,22 @@ impl Driven {
     }
 
     /// Returns the rates of a state in which the motors give these torques, N·m. See [`Equations::rates`].
-    pub fn rates_with(&self, torques_nm: &[f64; MOST], t_s: f64, state: &[f64], rates: &mut [f64]) {
+    pub fn rates_under(
+        &self,
+        torques_nm: &[f64; MOST],
+        t_s: f64,
+        state: &[f64],
+        rates: &mut [f64],
+    ) {
         let contacts = Contacts::at(self, t_s, state, rates);
-        let friction = contacts.friction(self, state);
-        self.rates_of(torques_nm, &friction[..contacts.len()], state, rates);
+        self.rates_of(torques_nm, &contacts, state, rates);
     }
 
-    /// Computes the rates of a state under these torques of the motors, and this friction of each sliding rotor.
+    /// Computes the rates of a state under these torques of the motors, with these contacts.
     fn rates_of(
         &self,
         torques_nm: &[f64; MOST],
-        friction: &[Friction],
+        contacts: &[Contact],
         state: &[f64],
         rates: &mut [f64],
     ) {
@@ -315,10 +324,17 @@ impl Driven {
         for (net, load) in net.iter_mut().zip(&self.loads_nm) {
             *net -= load;
         }
-        for (speed, friction) in self.sliding.iter().zip(friction) {
-            match friction {
-                Friction::Holds => held[speed - n] = true,
-                Friction::Force(torque_nm) => net[speed - n] += torque_nm,
+        let each = self.sliding.iter().zip(&self.friction_nm).zip(contacts);
+        for ((speed, friction_nm), contact) in each {
+            let i = speed - n;
+            match contact {
+                Contact::Forwards if self.resists => {
+                    net[i] -= friction_nm + self.resistance_nm(i, state).unwrap_or(0.0);
+                }
+                Contact::Forwards => net[i] -= friction_nm,
+                Contact::Backwards => net[i] += friction_nm,
+                Contact::Sticks => held[i] = true,
+                Contact::Free(torque_nm) => net[i] += torque_nm,
             }
         }
         let (q, rest) = state.split_at(n);
@@ -434,15 +450,14 @@ impl DryFriction for Driven {
 
     fn bounds(&self, state: &[f64], bounds: &mut [[f64; 2]]) {
         let n = self.positions();
-        for (bounds, speed) in bounds.iter_mut().zip(&self.sliding) {
-            let i = speed - n;
-            let friction_nm = self.friction_nm(i);
-            let resistance_nm = self.resistance_nm(i, &state[..n]).unwrap_or(0.0);
+        let each = self.sliding.iter().zip(&self.friction_nm);
+        for (bounds, (speed, &friction_nm)) in bounds.iter_mut().zip(each) {
+            let resistance_nm = self.resistance_nm(speed - n, state).unwrap_or(0.0);
             *bounds = [-friction_nm - resistance_nm, friction_nm];
         }
     }
 
-    fn rates_under(&self, t_s: f64, state: &[f64], friction: &[Friction], rates: &mut [f64]) {
-        self.rates_of(&self.torques_nm(t_s, state), friction, state, rates);
+    fn rates_with(&self, t_s: f64, state: &[f64], contacts: &[Contact], rates: &mut [f64]) {
+        self.rates_of(&self.torques_nm(t_s, state), contacts, state, rates);
     }
 }

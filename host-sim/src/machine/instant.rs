@@ -33,7 +33,7 @@ impl Instant<'_> {
         let torques_nm = self.driven.torques_nm(self.t_s, self.state);
         let mut rates = vec![0.0; self.state.len()];
         self.driven
-            .rates_with(&torques_nm, self.t_s, self.state, &mut rates);
+            .rates_under(&torques_nm, self.t_s, self.state, &mut rates);
         Forces {
             torque_nm: torques_nm.iter().copied().map(f64::abs).fold(0.0, f64::max),
             platform: self.driven.platform(self.state, &rates),

@@ -210,7 +210,7 @@ impl Rotors {
             rates.resize(self.state.len(), 0.0);
             let torques_nm = self.driven.torques_nm(self.tick_s, &self.state);
             self.driven
-                .rates_with(&torques_nm, self.tick_s, &self.state, &mut rates);
+                .rates_under(&torques_nm, self.tick_s, &self.state, &mut rates);
             End { rates, torques_nm }
         })
     }

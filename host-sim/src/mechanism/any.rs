@@ -80,6 +80,7 @@ macro_rules! any {
                 match self { $(Self::$Name(mechanism) => mechanism.crank_radius_m(),)* }
             }
 
+            #[inline]
             fn at(&self, alpha_rad: f64) -> AtAngle {
                 match self { $(Self::$Name(mechanism) => mechanism.at(alpha_rad),)* }
             }

@@ -46,32 +46,26 @@ pub trait DryFriction {
     /// At rest it has any value between the two.
     fn bounds(&self, y: &[f64], bounds: &mut [[f64; 2]]);
 
-    /// Writes the rates of the state with this friction at each contact. It is an affine function of the forces.
-    fn rates_under(&self, t_s: f64, y: &[f64], friction: &[Friction], rates: &mut [f64]);
-}
-
-/// Action of friction on a contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Friction {
-    /// It holds the contact: the rate of its speed is 0.
-    Holds,
-    /// It acts with this force, N or N·m.
-    Force(f64),
+    /// Writes the rates of the state with these contacts.
+    fn rates_with(&self, t_s: f64, y: &[f64], contacts: &[Contact], rates: &mut [f64]);
 }
 
 /// State of a contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Contact {
-    /// It is at rest, and friction holds it.
+    /// It is at rest, and friction holds it: the rate of its speed is 0.
     Sticks,
-    /// It slides, or begins to slide, with positive speed.
+    /// It slides, or begins to slide, with positive speed, against the friction of that direction.
     Forwards,
-    /// It slides, or begins to slide, with negative speed.
+    /// It slides, or begins to slide, with negative speed, against the friction of that direction.
     Backwards,
+    /// It is free, with this force, N or N·m, in place of friction. The rates are an affine function of it, which shows how contacts act
+    /// on each other.
+    Free(f64),
 }
 
 /// States of all contacts of a machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contacts {
     all: [Contact; MAX_CONTACTS],
     count: usize,
@@ -108,26 +102,10 @@ impl Contacts {
         }
         contacts
     }
-
-    /// Returns the friction at each contact in a state.
-    pub fn friction(&self, machine: &dyn DryFriction, y: &[f64]) -> [Friction; MAX_CONTACTS] {
-        let mut bounds = [[0.0; 2]; MAX_CONTACTS];
-        machine.bounds(y, &mut bounds[..self.count]);
-        let mut friction = [Friction::Holds; MAX_CONTACTS];
-        for ((friction, contact), bounds) in friction.iter_mut().zip(&**self).zip(bounds) {
-            *friction = match contact {
-                Contact::Sticks => Friction::Holds,
-                Contact::Forwards => Friction::Force(bounds[0]),
-                Contact::Backwards => Friction::Force(bounds[1]),
-            };
-        }
-        friction
-    }
 }
 
 /// Writes the rates of a machine with dry friction in a state. It is [`Equations::rates`] of such a machine.
 pub fn rates(machine: &dyn DryFriction, t_s: f64, y: &[f64], rates: &mut [f64]) {
     let contacts = Contacts::at(machine, t_s, y, rates);
-    let friction = contacts.friction(machine, y);
-    machine.rates_under(t_s, y, &friction[..contacts.count], rates);
+    machine.rates_with(t_s, y, &contacts, rates);
 }

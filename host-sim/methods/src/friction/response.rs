@@ -1,6 +1,6 @@
 //! Response of the contacts at rest to friction, and the friction at which they stick or begin to slide.
 
-use super::{Contact, Contacts, DryFriction, Friction, MAX_CONTACTS};
+use super::{Contact, Contacts, DryFriction, MAX_CONTACTS};
 
 /// Accelerations of the contacts at rest as a function of the friction at them: a = free + matrix · friction.
 #[derive(Debug)]
@@ -32,14 +32,14 @@ impl Response {
             free: [0.0; MAX_CONTACTS],
             matrix: [[0.0; MAX_CONTACTS]; MAX_CONTACTS],
         };
-        let mut friction = contacts.friction(machine, y);
+        let mut tried = *contacts;
         let mut unit: f64 = 0.0;
         for (i, _) in contacts
             .iter()
             .enumerate()
             .filter(|(_, contact)| **contact == Contact::Sticks)
         {
-            friction[i] = Friction::Force(0.0);
+            tried.all[i] = Contact::Free(0.0);
             response.at_rest[response.count] = i;
             response.bounds[response.count] = all[i];
             response.count += 1;
@@ -47,16 +47,15 @@ impl Response {
         }
         // The rates are affine in the forces, so any size of the unit does. That of friction keeps the digits of both.
         let unit = if unit > 0.0 { unit } else { 1.0 };
-        let friction = &mut friction[..contacts.count];
-        machine.rates_under(t_s, y, friction, rates);
+        machine.rates_with(t_s, y, &tried, rates);
         let n = response.count;
         for k in 0..n {
             response.free[k] = rates[speeds[response.at_rest[k]]];
         }
         for j in 0..n {
-            friction[response.at_rest[j]] = Friction::Force(unit);
-            machine.rates_under(t_s, y, friction, rates);
-            friction[response.at_rest[j]] = Friction::Force(0.0);
+            tried.all[response.at_rest[j]] = Contact::Free(unit);
+            machine.rates_with(t_s, y, &tried, rates);
+            tried.all[response.at_rest[j]] = Contact::Free(0.0);
             for k in 0..n {
                 let with = rates[speeds[response.at_rest[k]]];
                 response.matrix[k][j] = (with - response.free[k]) / unit;
@@ -105,6 +104,7 @@ impl Response {
             match state[k] {
                 Contact::Forwards => force[k] = self.bounds[k][0],
                 Contact::Backwards => force[k] = self.bounds[k][1],
+                Contact::Free(free) => force[k] = free,
                 Contact::Sticks => {
                     sticking[m] = k;
                     m += 1;

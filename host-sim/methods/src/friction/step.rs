@@ -4,9 +4,9 @@ use nalgebra::DMatrix;
 
 use super::response::Response;
 use super::{Contact, Contacts, DryFriction, EVENT_LIMIT, MAX_CONTACTS};
-use crate::StepError;
 use crate::equations::{Equations, Linear};
 use crate::method::Rule;
+use crate::{Needs, StepError};
 
 /// Limit of iterations to locate an event.
 const LOCATE_LIMIT: u32 = 60;
@@ -31,9 +31,7 @@ impl Equations for Frozen<'_> {
     }
 
     fn rates(&self, t_s: f64, y: &[f64], rates: &mut [f64]) {
-        let friction = self.contacts.friction(self.machine, y);
-        let friction = &friction[..self.contacts.count];
-        self.machine.rates_under(t_s, y, friction, rates);
+        self.machine.rates_with(t_s, y, &self.contacts, rates);
     }
 
     fn is_second_order(&self) -> bool {
@@ -74,7 +72,7 @@ pub(crate) struct Memory {
     start: Vec<f64>,
     rates: Vec<f64>,
     zeros: Vec<f64>,
-    /// Step and contacts for which the rule has its coefficients; `None` before the first step.
+    /// Step and contacts for which the rule has its matrix, if it has one; `None` before the first step.
     fitted: Option<(f64, Contacts)>,
 }
 
@@ -100,38 +98,66 @@ pub(crate) struct Step<'a, R> {
 impl<R: Rule> Step<'_, R> {
     /// Writes the state at `t_s` + `h` into `next`, from the state `y` at `t_s`.
     pub fn make(&mut self, t_s: f64, h: f64, y: &[f64], next: &mut [f64]) -> Result<(), StepError> {
-        self.memory.start.copy_from_slice(y);
+        // In most steps of a machine that turns, all contacts slide and go on to slide.
+        let contacts = Contacts::at(self.machine, t_s, y, &mut self.memory.rates);
+        if !contacts.contains(&Contact::Sticks) {
+            self.advance(&contacts, t_s, h, y, next)?;
+            let slides = |(contact, &speed): (&Contact, &usize)| match contact {
+                Contact::Backwards => next[speed] <= 0.0,
+                _ => next[speed] >= 0.0,
+            };
+            if contacts.iter().zip(self.machine.speeds()).all(slides) {
+                return Ok(());
+            }
+        }
+        self.make_in_parts(t_s, h, y, next)
+    }
+
+    /// Makes the same step in parts that end where a contact changes.
+    #[cold]
+    fn make_in_parts(
+        &mut self,
+        t_s: f64,
+        h: f64,
+        y: &[f64],
+        next: &mut [f64],
+    ) -> Result<(), StepError> {
+        let mut start = core::mem::take(&mut self.memory.start);
+        start.copy_from_slice(y);
+        let made = self.make_parts(t_s, h, &mut start, next);
+        self.memory.start = start;
+        made
+    }
+
+    fn make_parts(
+        &mut self,
+        t_s: f64,
+        h: f64,
+        start: &mut [f64],
+        next: &mut [f64],
+    ) -> Result<(), StepError> {
         let mut from = 0.0;
         for _ in 0..EVENT_LIMIT {
-            let contacts = self.contacts(t_s + from);
+            let contacts = Contacts::at(self.machine, t_s + from, start, &mut self.memory.rates);
             let rest = h - from;
-            self.advance(&contacts, t_s + from, rest, next)?;
+            self.advance(&contacts, t_s + from, rest, start, next)?;
             let slack = self.slack(&contacts, t_s + h, next);
             if !slack.iter().any(|slack| *slack < 0.0) {
                 return Ok(());
             }
-            let (length, slack) = self.locate(&contacts, t_s + from, rest, slack, next)?;
+            let (length, slack) = self.locate(&contacts, t_s + from, rest, slack, start, next)?;
             self.stop(&contacts, &slack, next);
             from += length;
             if h - from <= LOCATE_PART * h {
                 return Ok(());
             }
-            self.memory.start.copy_from_slice(next);
+            start.copy_from_slice(next);
         }
-        let contacts = self.contacts(t_s + from);
-        self.advance(&contacts, t_s + from, h - from, next)?;
+        let contacts = Contacts::at(self.machine, t_s + from, start, &mut self.memory.rates);
+        self.advance(&contacts, t_s + from, h - from, start, next)?;
         let slack = self.slack(&contacts, t_s + h, next);
         self.stop(&contacts, &slack, next);
         Ok(())
-    }
-
-    fn contacts(&mut self, t_s: f64) -> Contacts {
-        Contacts::at(
-            self.machine,
-            t_s,
-            &self.memory.start,
-            &mut self.memory.rates,
-        )
     }
 
     /// Makes a step of `h` from the start, while the contacts do not change.
@@ -140,6 +166,7 @@ impl<R: Rule> Step<'_, R> {
         contacts: &Contacts,
         t_s: f64,
         h: f64,
+        start: &[f64],
         next: &mut [f64],
     ) -> Result<(), StepError> {
         let frozen = Frozen {
@@ -148,11 +175,12 @@ impl<R: Rule> Step<'_, R> {
             contacts: *contacts,
             zeros: &self.memory.zeros,
         };
-        if self.memory.fitted != Some((h, *contacts)) {
+        let has_matrix = R::FACTS.needs == Needs::Linear;
+        if has_matrix && self.memory.fitted != Some((h, *contacts)) {
             self.rule.fit(&frozen, t_s, h)?;
             self.memory.fitted = Some((h, *contacts));
         }
-        self.rule.step(&frozen, t_s, h, &self.memory.start, next)?;
+        self.rule.step(&frozen, t_s, h, start, next)?;
         for (contact, &speed) in contacts.iter().zip(self.machine.speeds()) {
             if *contact == Contact::Sticks {
                 next[speed] = 0.0; // an implicit equation is solved up to rounding
@@ -172,6 +200,7 @@ impl<R: Rule> Step<'_, R> {
                 Contact::Forwards => *slack = y[speed],
                 Contact::Backwards => *slack = -y[speed],
                 Contact::Sticks => sticks = true,
+                Contact::Free(_) => {}
             }
         }
         if sticks {
@@ -193,11 +222,10 @@ impl<R: Rule> Step<'_, R> {
         t_s: f64,
         h: f64,
         slack: [f64; MAX_CONTACTS],
+        start: &[f64],
         next: &mut [f64],
     ) -> Result<(f64, [f64; MAX_CONTACTS]), StepError> {
-        let start = core::mem::take(&mut self.memory.start);
-        let mut before = (0.0, self.slack(contacts, t_s, &start));
-        self.memory.start = start;
+        let mut before = (0.0, self.slack(contacts, t_s, start));
         let mut after = (h, slack);
         let most = slack.map(|slack| LOCATE_PART * slack);
         for iteration in 0..LOCATE_LIMIT {
@@ -216,7 +244,7 @@ impl<R: Rule> Step<'_, R> {
                     .fold(1.0, f64::min)
             };
             let length = before.0 + crossing.clamp(MARGIN, 1.0 - MARGIN) * width;
-            self.advance(contacts, t_s, length, next)?;
+            self.advance(contacts, t_s, length, start, next)?;
             let slack = self.slack(contacts, t_s + length, next);
             if slack.iter().any(|slack| *slack < 0.0) {
                 after = (length, slack);
@@ -224,7 +252,7 @@ impl<R: Rule> Step<'_, R> {
                 before = (length, slack);
             }
         }
-        self.advance(contacts, t_s, after.0, next)?;
+        self.advance(contacts, t_s, after.0, start, next)?;
         Ok(after)
     }
 

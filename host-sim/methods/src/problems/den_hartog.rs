@@ -11,7 +11,7 @@ use core::f64::consts::{PI, TAU};
 use nalgebra::DMatrix;
 
 use crate::equations::{Equations, Linear};
-use crate::friction::{self, DryFriction, Friction};
+use crate::friction::{self, Contact, DryFriction};
 
 /// A driven oscillator with dry friction; state (q, v).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,11 +235,13 @@ impl DryFriction for DenHartog {
         bounds[0] = [-self.friction, self.friction];
     }
 
-    fn rates_under(&self, t_s: f64, y: &[f64], friction: &[Friction], rates: &mut [f64]) {
+    fn rates_with(&self, t_s: f64, y: &[f64], contacts: &[Contact], rates: &mut [f64]) {
         rates[0] = y[1];
-        rates[1] = match friction[0] {
-            Friction::Holds => 0.0,
-            Friction::Force(force) => self.push(t_s, y[0]) + force,
+        rates[1] = match contacts[0] {
+            Contact::Sticks => 0.0,
+            Contact::Forwards => self.push(t_s, y[0]) - self.friction,
+            Contact::Backwards => self.push(t_s, y[0]) + self.friction,
+            Contact::Free(force) => self.push(t_s, y[0]) + force,
         };
     }
 }

@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use cophase_methods::friction::{DryFriction, Friction};
+use cophase_methods::friction::{Contact, DryFriction};
 use cophase_methods::{Differences, Equations, Linear};
 use nalgebra::DMatrix;
 
@@ -83,9 +83,9 @@ impl DryFriction for Counted<'_> {
         self.rubbing().bounds(y, bounds);
     }
 
-    fn rates_under(&self, t_s: f64, y: &[f64], friction: &[Friction], rates: &mut [f64]) {
+    fn rates_with(&self, t_s: f64, y: &[f64], contacts: &[Contact], rates: &mut [f64]) {
         self.count(1);
-        self.rubbing().rates_under(t_s, y, friction, rates);
+        self.rubbing().rates_with(t_s, y, contacts, rates);
     }
 }
 
