@@ -145,10 +145,10 @@ fn what_the_controller_stops_as_captured_the_report_calls_captured() {
             at("acceleration_hz_per_s = 1"),
         ][..],
         &[
-            limit("limit_nm = 100"),
+            limit("limit_nm = 105"),
             run_on,
             long,
-            at("acceleration_hz_per_s = 2"),
+            at("acceleration_hz_per_s = 2.4"),
         ],
         &[
             limit("limit_nm = 100"),

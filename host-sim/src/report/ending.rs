@@ -99,7 +99,8 @@ pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std:
     }
     // Commands do not change after the drives are off.
     let ends = (0..checked.scene.axes.count).map(|axis| {
-        let away_deg = away_turns(checked, outcome, axis)? * 360.0;
+        // Adding 0 makes a positive zero of a negative one.
+        let away_deg = super::round(away_turns(checked, outcome, axis)? * 360.0, 1) + 0.0;
         Some(format!("axis {axis} {away_deg:+.1}°"))
     });
     let Some(ends) = ends.collect::<Option<Vec<_>>>() else {

@@ -82,7 +82,8 @@ pub struct Observation {
     /// Longest stay beyond a limit without a break, with the drives on, turns of the master; less the N + 5 ticks that detection may take.
     pub stay_turns: f64,
     /// Longest stay that is allowed, turns: one turn, and the angle that one crank may be off. If a crank falls back by that angle just
-    /// after its flag, it passes the flag again later than a turn, by the same angle.
+    /// after its flag, it passes the flag again later than a turn, by the same angle. If cranks went beyond a limit in homing, it is a turn
+    /// more, which confirms the place of their flags.
     pub may_stay_turns: f64,
     /// Reports since the fault, each once, including the latched fault.
     pub fault_events: Vec<FaultEvent>,
@@ -298,7 +299,12 @@ impl<'a> Watch<'a> {
         self.observation.out = self.observation.out.or(since.then_some(end));
         if moment.drives_enabled {
             self.observation.is_beyond_limit = is_beyond_limit;
-            self.observation.beyond_limit = self.observation.beyond_limit.or(since.then_some(end));
+            if since && self.observation.beyond_limit.is_none() {
+                self.observation.beyond_limit = Some(end);
+                if end.state == State::Homing {
+                    self.observation.may_stay_turns += 1.0;
+                }
+            }
             if since {
                 self.beyond_since.get_or_insert(end.turns);
                 self.observation.stay_turns = self.stay_turns();
