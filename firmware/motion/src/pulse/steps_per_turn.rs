@@ -94,9 +94,11 @@ impl StepsPerTurn {
         if self.turns == 1 {
             return multiply_long(turns as u64, self.steps) as i64;
         }
-        let whole = multiply_long(turns as u64, self.steps / self.turns) as i64;
-        let mut fraction = Ratio::new(self.steps % self.turns, self.turns);
-        whole.wrapping_add(fraction.advance(turns))
+        let Some(whole) = self.steps.checked_div(self.turns) else {
+            return 0; // no constructor makes it 0, which the compiler cannot see
+        };
+        let mut fraction = Ratio::new(self.steps - whole * self.turns, self.turns);
+        (multiply_long(turns as u64, whole) as i64).wrapping_add(fraction.advance(turns))
     }
 }
 
