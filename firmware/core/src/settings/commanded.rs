@@ -14,9 +14,12 @@ use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::units::{MAX_AXES, PerAxis, Turns};
 use core::f64::consts::TAU;
 
-/// Angles of a turn at which the tilt is computed, half a degree apart. The tilt between two of them is higher by less than 4e-5 of the
-/// largest tilt, as it has few harmonics.
-const ANGLES: u32 = 720;
+/// Angles of a turn at which the tilt is computed. The board computes it too, without an FPU, so they are few: heights between them follow
+/// from slope and curvature at both ends, and the largest tilt from a parabola through three of them.
+const ANGLES: u32 = 128;
+
+/// Distance of two of them, 2³² to the turn.
+const STEP: i64 = (1 << 32) / ANGLES as i64;
 
 /// Greatest part of a limit by which rounding may exceed it.
 const ROUNDING: f64 = 1e-4;
@@ -193,20 +196,27 @@ impl Leads {
 
     /// Cosine and sine of each crank's place on the mount circle. Two cranks tilt the platform in one direction only.
     #[cold]
-    fn places(&self) -> impl Iterator<Item = (f64, f64)> {
-        let count = self.count;
-        (0..count).map(move |i| {
-            let theta = TAU * i as f64 / count as f64;
-            let sine = if count == 2 { 0.0 } else { libm::sin(theta) };
+    fn places(&self) -> PerAxis<(f64, f64)> {
+        core::array::from_fn(|i| {
+            let theta = TAU * i as f64 / self.count.max(1) as f64;
+            let sine = if self.count == 2 {
+                0.0
+            } else {
+                libm::sin(theta)
+            };
             (libm::cos(theta), sine)
         })
     }
 
     /// Slopes of the plane closest to a value at each crank, per mount radius.
     #[cold]
-    fn slopes(&self, values: &PerAxis<f64>) -> (f64, f64) {
+    fn slopes(
+        &self,
+        places: &PerAxis<(f64, f64)>,
+        values: impl Iterator<Item = f64>,
+    ) -> (f64, f64) {
         let part = if self.count == 2 { 1.0 } else { 2.0 } / self.count as f64;
-        let each = values.iter().zip(self.places());
+        let each = values.zip(places).take(self.count);
         let (x, y) = each.fold((0.0, 0.0), |(x, y), (value, (cosine, sine))| {
             (x + value * cosine, y + value * sine)
         });
@@ -217,10 +227,11 @@ impl Leads {
     #[cold]
     fn warp_deg(&self) -> (f64, usize) {
         let mean = self.of_cranks().sum::<f64>() / self.count.max(1) as f64;
-        let (x, y) = self.slopes(&self.turns);
+        let places = self.places();
+        let (x, y) = self.slopes(&places, self.of_cranks());
         let flat = self.count <= 3;
         let mut farthest = (0.0, 0);
-        for (i, (lead, (cosine, sine))) in self.of_cranks().zip(self.places()).enumerate() {
+        for (i, (lead, (cosine, sine))) in self.of_cranks().zip(places).enumerate() {
             let plane = if flat { 0.0 } else { x * cosine + y * sine };
             let off = (lead - mean - plane).abs();
             if off > farthest.0 {
@@ -234,51 +245,77 @@ impl Leads {
     /// Largest tilt of a platform over a turn, mrad.
     #[cold]
     fn tilt_mrad(&self, platform: &PlatformSettings, mechanism: AnyMechanism) -> f64 {
-        let step = TAU / f64::from(ANGLES);
-        let slope = |angle: f64| slope(mechanism, angle);
-        let angle = |k: u32, lead: f64| f64::from(k) * step + lead * TAU;
-        // Height of each corner at the master's phase 0, per crank radius.
-        let mut heights: PerAxis<f64> = self.turns.map(|lead| travel(mechanism, lead * TAU));
-        let mut slopes = self.turns.map(|lead| slope(angle(0, lead)));
+        let places = self.places();
+        let mut corners = self.turns.map(|lead| Corner::ahead(mechanism, lead));
         let mut largest = 0.0_f64;
-        for k in 1..=ANGLES {
-            for ((height, before), lead) in
-                heights.iter_mut().zip(&mut slopes).zip(self.of_cranks())
-            {
-                let now = slope(angle(k, lead));
-                *height += 0.5 * (*before + now) * step;
-                *before = now;
+        let [mut first, mut second] = [0.0; 2];
+        // Three squared tilts in a row have each angle of a turn in their middle.
+        for k in 0..ANGLES + 2 {
+            let heights = corners.iter().map(|corner| corner.height);
+            let (x, y) = self.slopes(&places, heights);
+            let third = x * x + y * y;
+            if k >= 2 && second >= first && second >= third {
+                let bend = 2.0 * second - first - third;
+                let rise = if bend > 0.0 {
+                    (first - third) * (first - third) / (8.0 * bend)
+                } else {
+                    0.0
+                };
+                largest = largest.max(second + rise);
             }
-            let (x, y) = self.slopes(&heights);
-            largest = largest.max(x * x + y * y);
+            (first, second) = (second, third);
+            for corner in corners.iter_mut().take(self.count) {
+                corner.turn(mechanism, STEP);
+            }
         }
         1e3 * libm::sqrt(largest) * platform.crank_radius_m / platform.mount_radius_m
     }
 }
 
-/// Slope of a mechanism at a crank angle, rad, per crank radius.
-#[cold]
-fn slope(mechanism: AnyMechanism, angle: f64) -> f64 {
-    let turns = angle / TAU;
-    let within = turns - libm::floor(turns);
-    // An angle just below a whole turn may round to it, which is 0 again.
-    let bits = (within * 4_294_967_296.0) as u64 as u32;
-    f64::from(mechanism.kinematics(bits).slope) / f64::from(1 << 30)
+/// Corner of a platform on its crank.
+struct Corner {
+    /// Angle of the crank, 2³² to the turn.
+    angle: u32,
+    /// Height over that at angle 0, per crank radius.
+    height: f64,
+    /// Slope and curvature of the mechanism at this angle.
+    slope: f64,
+    curvature: f64,
 }
 
-/// Integral of the slope from 0 to an angle, rad, of at most half a turn either way.
-#[cold]
-fn travel(mechanism: AnyMechanism, angle: f64) -> f64 {
-    let steps = libm::ceil(angle.abs() / TAU * f64::from(ANGLES)) as u32;
-    let step = angle / f64::from(steps.max(1));
-    let mut before = slope(mechanism, 0.0);
-    let mut travel = 0.0;
-    for k in 1..=steps {
-        let now = slope(mechanism, f64::from(k) * step);
-        travel += 0.5 * (before + now) * step;
-        before = now;
+impl Corner {
+    /// Corner on a crank that is at most half a turn ahead of the master at phase 0, or behind.
+    #[cold]
+    fn ahead(mechanism: AnyMechanism, turns: f64) -> Self {
+        let mut corner = Self {
+            angle: 0,
+            height: 0.0,
+            slope: 0.0,
+            curvature: 0.0,
+        };
+        corner.turn(mechanism, 0);
+        let mut rest = (turns * 4_294_967_296.0) as i64;
+        while rest != 0 {
+            let by = rest.clamp(-STEP, STEP);
+            corner.turn(mechanism, by);
+            rest -= by;
+        }
+        corner
     }
-    travel
+
+    /// Turns the crank by an angle, 2³² to the turn. The height is the integral of the cubic that has slope and curvature of both ends
+    /// (Hermite).
+    #[cold]
+    fn turn(&mut self, mechanism: AnyMechanism, by: i64) {
+        self.angle = self.angle.wrapping_add(by as u32);
+        let now = mechanism.kinematics(self.angle);
+        let [slope, curvature] =
+            [now.slope, now.curvature].map(|value| f64::from(value) / f64::from(1 << 30));
+        let angle = by as f64 * (TAU / 4_294_967_296.0);
+        self.height +=
+            angle * (0.5 * (self.slope + slope) + angle / 12.0 * (self.curvature - curvature));
+        (self.slope, self.curvature) = (slope, curvature);
+    }
 }
 
 #[cfg(test)]
