@@ -56,6 +56,11 @@ impl AxisWatch {
                 Some(self.extra(by, is_sure))
             }
             Detection::Extra { by } => Some(self.out_of_place(by)),
+            // Noise would have to come twice, each time ahead of the last guess. So the crank gains, as one does that slips.
+            Detection::Dismissed { by } if self.diagnosis.had_extra() => {
+                has_moved = Some(self.elsewhere(by.wrapping_neg()));
+                None
+            }
             Detection::Dismissed { by } => {
                 self.diagnosis.pass_turn();
                 self.home = angle(self.index.offset);
