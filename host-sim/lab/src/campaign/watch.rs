@@ -42,6 +42,18 @@ pub struct Place {
     pub state: State,
 }
 
+impl Place {
+    /// Turns of the master within which an index shows a crank that passes its limit here. In homing, a second turn confirms where its flag
+    /// is.
+    pub fn turns_to_show(&self) -> f64 {
+        if self.state == State::Homing {
+            2.0
+        } else {
+            1.0
+        }
+    }
+}
+
 /// Fault that was reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReportedFault {
@@ -81,9 +93,9 @@ pub struct Observation {
     pub is_beyond_limit: bool,
     /// Longest stay beyond a limit without a break, with the drives on, turns of the master; less the N + 5 ticks that detection may take.
     pub stay_turns: f64,
-    /// Longest stay that is allowed, turns: one turn, and the angle that one crank may be off. If a crank falls back by that angle just
-    /// after its flag, it passes the flag again later than a turn, by the same angle. If cranks went beyond a limit in homing, it is a turn
-    /// more, which confirms the place of their flags.
+    /// Longest stay that is allowed, turns: the angle that one crank may be off and, once cranks went beyond a limit,
+    /// [`Place::turns_to_show`]. If a crank falls back by that angle just after its flag, it passes the flag again later than a turn, by the
+    /// same angle.
     pub may_stay_turns: f64,
     /// Reports since the fault, each once, including the latched fault.
     pub fault_events: Vec<FaultEvent>,
@@ -177,7 +189,7 @@ impl<'a> Watch<'a> {
             flag: axis.and_then(|axis| Flag::new(checked, geometry, axis)),
             cranks_count,
             observation: Observation {
-                may_stay_turns: 1.0 + geometry.map_or(0.0, Geometry::single_limit_turns),
+                may_stay_turns: geometry.map_or(0.0, Geometry::single_limit_turns),
                 ..Observation::default()
             },
             truth: Truth::new(checked),
@@ -301,9 +313,7 @@ impl<'a> Watch<'a> {
             self.observation.is_beyond_limit = is_beyond_limit;
             if since && self.observation.beyond_limit.is_none() {
                 self.observation.beyond_limit = Some(end);
-                if end.state == State::Homing {
-                    self.observation.may_stay_turns += 1.0;
-                }
+                self.observation.may_stay_turns += end.turns_to_show();
             }
             if since {
                 self.beyond_since.get_or_insert(end.turns);

@@ -66,10 +66,10 @@ impl AxisWatch {
                 self.home = angle(self.index.offset);
                 Some(self.extra(by, true))
             }
-            Detection::Moved { by } => {
+            Detection::Moved { by, from_guess } => {
                 // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse. Before the place is
                 // confirmed, the first pulse may have been noise, and the next turns decide.
-                let is_alone = self.encoder.is_none() && self.index.is_confirmed();
+                let is_alone = self.encoder.is_none() && !from_guess;
                 let may_run = is_alone && self.diagnosis.had_extra();
                 has_moved = Some(self.elsewhere(by));
                 may_run.then_some((FaultKind::IndexExtra, by, false))

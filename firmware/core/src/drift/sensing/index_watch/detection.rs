@@ -37,6 +37,8 @@ pub(in crate::drift) enum Detection {
     Moved {
         /// Distance, positive forward.
         by: Turns,
+        /// True if the place before was no more than a guess.
+        from_guess: bool,
     },
     /// No pulse came in place.
     Undetected,

@@ -6,8 +6,8 @@
 //! pulse is missing. A crank that has moved is detected within a turn and the gate.
 //!
 //! The first pulse of all may be noise, so it is no more than a *guess*. The offset is *confirmed* by two pulses a turn apart, in the same
-//! place, without an outlier between them. Before that, no pulse in the place of a guess shows that the guess was noise, if an outlier came
-//! meanwhile. The outlier is the next guess. Without an outlier the flag has made the pulse, and the crank has moved.
+//! place or as near as a rotor swings, without an outlier between them. Before that, no pulse near a guess shows that the guess was noise,
+//! if an outlier came meanwhile. The outlier is the next guess. Without an outlier the flag has made the pulse, and the crank has moved.
 //!
 //! The *offset* of a pulse is the angle of the flag minus the phase of the axis at that moment. Without an encoder that is the commanded
 //! phase, and the offset is the phase error. With an encoder it is the measured phase, and the offset is the difference of crank and
@@ -293,7 +293,12 @@ impl IndexWatch {
     /// Records that the crank has moved to the place that a pulse showed, or that a guess was noise, and this pulse is the next one.
     fn moved(&mut self, traits: &Traits, to: Outlier) -> Detection {
         let by = nearest(to.offset.wrapping_sub(self.offset));
-        let was_noise = !self.is_confirmed && self.outlier.is_some();
+        let other = self.outlier.filter(|outlier| outlier.at != to.at);
+        let from_guess = !self.is_confirmed;
+        // A flag whose crank swings, or slips slowly, is about where it was. Noise seldom is.
+        let is_near = by.abs() <= traits.swing();
+        let was_noise = from_guess && self.outlier.is_some() && !is_near;
+        self.is_confirmed |= is_near && other.is_none();
         self.outlier = None;
         self.spacing = None;
         self.meant = 1;
@@ -303,7 +308,7 @@ impl IndexWatch {
                 by: by.wrapping_neg(),
             };
         }
-        Detection::Moved { by }
+        Detection::Moved { by, from_guess }
     }
 
     /// Part of a deviation `by` that counts. It makes the offset the mean of the first pulses, and later a filtered value.
