@@ -252,3 +252,21 @@ fn a_lost_electrical_cycle_is_found_at_its_angle_of_the_crank() {
         "{size_deg}° of {cycle_deg}°"
     );
 }
+
+/// If this fails, readings of a sound machine are reported as slips and lost steps, as an electrical cycle at the crank is smaller than
+/// what two readings may differ by.
+#[test]
+fn readings_that_differ_by_more_than_a_geared_cycle_are_no_slips() {
+    for axes in [
+        "drive = \"stepper\"\nsteps_per_turn = 400\ngear = [20, 1]",
+        "drive = \"stepper\"\nsteps_per_turn = 3200\ngear = [10, 1]",
+        "drive = \"stepper\"\nsteps_per_turn = 48\ngear = [997, 36]\nencoder = true",
+    ] {
+        let noise = "[noise]\nindex_deg = 0.08\n";
+        let long = text("kinematic", axes).replace("hold_s = 0.4", "hold_s = 10");
+        let run = run(&format!("{long}{noise}"));
+        assert_parked(&run);
+        let faults = run.report["faults"].as_array().unwrap();
+        assert!(faults.is_empty(), "{axes}: {faults:?}");
+    }
+}

@@ -107,9 +107,14 @@ fn gate(tolerance: Turns, cycle: Turns) -> Turns {
         return widest;
     }
     let (half, tolerance) = (cycle.to_bits() / 2, tolerance.to_bits());
-    // If steps are so coarse that this is below the largest difference of two readings, the gate is half a cycle.
-    let sure = half - tolerance;
-    let most = if sure < 2 * tolerance { half } else { sure };
+    // If steps are so coarse that this is below the largest difference of two readings, the gate is half a cycle. Behind a gear, a cycle
+    // may be too short to be told from that difference at all.
+    let (sure, differ) = (half - tolerance, 2 * tolerance);
+    let most = if sure < differ {
+        half.max(differ)
+    } else {
+        sure
+    };
     widest.min(Turns::from_bits(most))
 }
 

@@ -79,7 +79,7 @@ pub(in crate::drift) struct IndexWatch {
 
 impl IndexWatch {
     /// Watch that has no pulse yet. The first is expected within a turn from `phase`, and is overdue later than that. A pulse within a
-    /// tolerance of `phase` does not count, and its next one may be late by another tolerance.
+    /// tolerance of `phase` does not count, and its next one may be late by another tolerance, which is within the gate.
     pub(in crate::drift) fn new(traits: &Traits, phase: Phase) -> Self {
         Self {
             offset: Turns::ZERO,
@@ -90,11 +90,7 @@ impl IndexWatch {
             spacing: None,
             due: Due::Expected,
             missed: 0,
-            alert: ONE.wrapping_add(
-                traits
-                    .overdue(true)
-                    .max(Turns::from_bits(traits.tolerance.to_bits() * 2)),
-            ),
+            alert: ONE.wrapping_add(traits.overdue(true)),
         }
     }
 
