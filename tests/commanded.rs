@@ -40,7 +40,7 @@ fn offsets_that_tilt_the_platform_beyond_its_limit_are_refused() {
         said.contains("axes.offset_deg") || said.contains("axis[0].offset_deg"),
         "{said}"
     );
-    assert!(said.contains("tilt the platform by up to 51.0"), "{said}");
+    assert!(said.contains("tilt the platform by up to 51.1"), "{said}");
     assert!(
         said.contains("machine.allow_commanded_tilt = true"),
         "{said}"
@@ -55,11 +55,11 @@ fn a_commanded_tilt_is_stated_as_such() {
     let outcome = simulate(&checked, &mut (), |_, _| {}).expect("it runs");
     let summary = summary(&checked, &outcome, None, 1.0);
     assert!(
-        summary.contains("at their commanded phases, which tilt the platform by up to 51.0"),
+        summary.contains("as far apart as commanded, which tilts the platform by up to 51.1"),
         "{summary}"
     );
     assert!(
-        summary.contains("the commanded phases alone tilt it by up to 51.0"),
+        summary.contains("the commanded phases alone tilt it by up to 51.1"),
         "{summary}"
     );
     assert!(

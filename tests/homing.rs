@@ -521,3 +521,22 @@ fn soft_servos_are_levelled_twice() {
     let fault = outcome.fault.expect("it is refused");
     assert_eq!(fault.kind, FaultKind::SwappedWiring);
 }
+
+/// If this fails, a flag that is shorter than a step makes a pulse without a duration, and a sound machine is stopped for a missing one.
+#[test]
+fn flags_shorter_than_a_step_are_detected() {
+    for (steps, width_deg, index_deg) in [(400, 0.5, 8.3), (200, 1.0, 97.7), (3200, 0.05, 8.3)] {
+        let drive =
+            format!("drive = \"stepper\"\nsteps_per_turn = {steps}\nindex_width_deg = {width_deg}");
+        let machine = text(3, &drive, &[0.0; 3], "")
+            .replace("index_deg = 40", &format!("index_deg = {index_deg}"))
+            .replace("tilt_limit_mrad = 4.5", "tilt_limit_mrad = 20");
+        let (_, outcome) = run(&machine);
+        let case = format!("{steps} steps, {width_deg}°");
+        assert_eq!(
+            (outcome.state, outcome.fault),
+            (State::Parked, None),
+            "{case}"
+        );
+    }
+}

@@ -1,6 +1,6 @@
 //! Commanded phases and the limits of a platform: a random scene is refused, or its platform stays within its limits in every tick.
 //!
-//! The judge knows the commanded phases of a run, and no code of the loop or of the simulator. It has its own positions of the mechanisms,
+//! The judge knows the cranks of a run without faults, which stand at their whole steps, and no code of the loop or of the simulator. It has its own positions of the mechanisms,
 //! its own plane through the corners, and its own warp.
 
 use std::f64::consts::{PI, TAU};
@@ -13,6 +13,9 @@ use host_sim::sim::{Moment, Observer, simulate};
 const SCENES: u64 = 300;
 /// Part of a limit by which settings may exceed it, for the angles between those that are computed, and for whole steps of a trim.
 const ROUNDING: f64 = 1e-3;
+
+/// Steps per turn of most cranks. One in eight has another number.
+const STEPS: u32 = 20_000;
 
 /// Rate of the trims, degrees per second, and their largest part that a crank has ahead of the others. They take turns, so six cranks make
 /// 0.06° in each tick of their slots, and as many whole steps.
@@ -162,7 +165,7 @@ fn plane(values: &[f64]) -> [f64; 3] {
 
 impl Observer for Judge {
     fn tick(&mut self, moment: &Moment<'_>) {
-        let cranks = moment.command_turns;
+        let cranks = moment.actual_turns;
         let heights: Vec<f64> = cranks
             .iter()
             .map(|turns| self.mechanism.travel(TAU * turns))
@@ -189,8 +192,10 @@ struct Case {
     radii: f64,
     tilt_mrad: f64,
     warp_deg: f64,
-    /// True if trims undo the offsets. A run may tilt less than such a scene can, because trims move in whether the cranks turn or not.
-    is_undone: bool,
+    /// Largest step of a crank, degrees.
+    step_deg: f64,
+    /// True if trims may undo offsets, wholly or in part. A run may tilt less than such a scene can, because trims move in whether the cranks turn or not.
+    may_undo: bool,
 }
 
 /// Returns the random scene of a seed. Its offsets and trims tilt the platform by up to some times its limit.
@@ -211,7 +216,7 @@ fn case(seed: u64) -> Result<Case, std::fmt::Error> {
          [drift]\ntilt_limit_mrad = {tilt_mrad}\nwarp_limit_deg = {warp_deg}\nreading_error_deg = 0.01\n\
          [correction]\ngain = {}\nprove_wiring = {}\n\
          [limits]\nspeed_hz = 8\nacceleration_hz_per_s = 40\njerk_hz_per_s2 = 400\nhoming_speed_hz = 4\n\
-         [axes]\ncount = {count}\ndrive = \"stepper\"\nsteps_per_turn = 20000\ntrim_limit_deg = 36\ntrim_rate_deg_per_s = {}\n\
+         [axes]\ncount = {count}\ndrive = \"stepper\"\nsteps_per_turn = {STEPS}\ntrim_limit_deg = 36\ntrim_rate_deg_per_s = {}\n\
          [[program]]\namax_g = {}\nramp_s = 0.3\nhold_s = 2.2\n",
         mechanism.keys(radius_mm),
         draw.between(0.0, 359.0),
@@ -229,6 +234,9 @@ fn case(seed: u64) -> Result<Case, std::fmt::Error> {
     let (are_offset, are_trimmed) = (!draw.one_in(3), !draw.one_in(3));
     // Trims that undo offsets, in some scenes.
     let undo = draw.one_in(4);
+    // A step is no more than a fifth of what tilts to the limit, or the monitor cannot find that a crank is within it.
+    let coarsest = (5.0 * 360.0 / (tilt_mrad / radii).to_degrees()).clamp(200.0, 20_000.0);
+    let mut fewest = STEPS;
     for number in 0..count {
         let own = draw.between(-lead_deg, lead_deg);
         let offset_deg = common_deg + if are_offset { own } else { 0.0 };
@@ -238,10 +246,16 @@ fn case(seed: u64) -> Result<Case, std::fmt::Error> {
             (true, false) => draw.between(-lead_deg, lead_deg),
         }
         .clamp(-30.0, 30.0);
+        let reversed = draw.one_in(3);
+        let steps = if draw.one_in(8) {
+            draw.log_between(coarsest, 50_000.0) as u32
+        } else {
+            STEPS
+        };
+        fewest = fewest.min(steps);
         writeln!(
             text,
-            "[[axis]]\nnumber = {number}\nreversed = {}\noffset_deg = {offset_deg}\ntrim_deg = {trim_deg}",
-            draw.one_in(3)
+            "[[axis]]\nnumber = {number}\nreversed = {reversed}\nsteps_per_turn = {steps}\noffset_deg = {offset_deg}\ntrim_deg = {trim_deg}",
         )?;
     }
     Ok(Case {
@@ -250,7 +264,8 @@ fn case(seed: u64) -> Result<Case, std::fmt::Error> {
         radii,
         tilt_mrad,
         warp_deg,
-        is_undone: are_offset && are_trimmed && undo,
+        step_deg: 360.0 / f64::from(fewest),
+        may_undo: are_offset && are_trimmed,
     })
 }
 
@@ -313,15 +328,17 @@ fn commanded_phases_keep_a_platform_within_its_limits_or_are_refused() {
                     }
                 };
                 refused += 1;
-                if case.is_undone {
+                if case.may_undo {
                     continue;
                 }
                 let judge = judged(&case, &checked, seed);
-                // Two cranks by a slot, in opposite directions, at the steepest part of the mechanism.
-                let slot_mrad = case.radii * 2.0 * SLOT_DEG.to_radians() * steepest(case.mechanism);
+                // Two cranks by a slot and a step, in opposite directions, at the steepest part of the mechanism.
+                let apart_deg = SLOT_DEG + case.step_deg;
+                let slot_mrad =
+                    case.radii * 2.0 * apart_deg.to_radians() * steepest(case.mechanism);
                 assert!(
                     judge.tilt_mrad + slot_mrad > case.tilt_mrad * (1.0 - ROUNDING)
-                        || judge.warp_deg + 2.0 * SLOT_DEG > case.warp_deg * (1.0 - ROUNDING),
+                        || judge.warp_deg + 2.0 * apart_deg > case.warp_deg * (1.0 - ROUNDING),
                     "{seed}: {said}, but {judge:?}"
                 );
             }

@@ -344,13 +344,13 @@ impl SimulatedAxis {
     }
 
     /// Steps with which the drive itself makes a turn of the crank.
-    pub const fn drive_steps_per_turn(&self) -> f64 {
+    pub fn drive_steps_per_turn(&self) -> f64 {
         self.drive_steps_per_turn
     }
 
     /// Sets the flag that the axis has for its index sensor.
     #[must_use]
-    pub const fn with_flag(mut self, flag: Option<Flag>) -> Self {
+    pub fn with_flag(mut self, flag: Option<Flag>) -> Self {
         self.flag = flag;
         self
     }

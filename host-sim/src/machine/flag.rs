@@ -35,10 +35,10 @@ pub(super) struct Met {
 pub struct Flag {
     start: Edge,
     end: Edge,
-    /// Pulses without a flag that begin in this tick.
-    begins: Option<Extra>,
-    /// Position of the next pulse without a flag, turns, and the number of pulses left.
-    again: Option<(f64, u32)>,
+    /// Pulses without a flag that begin in this tick. If there are several, each further one begins a tick later.
+    begins: Vec<Extra>,
+    /// Positions of the next pulses without a flag, turns, and the number of pulses left of each kind.
+    again: Vec<(f64, u32)>,
     /// Interval in which the crank meets no edge. It avoids rounding to whole turns in most ticks, which is slow.
     clear: (f64, f64),
 }
@@ -56,12 +56,17 @@ impl Flag {
         let noise = &checked.scene.noise;
         let stream = |sensor| Stream::new(noise.seed, sensor, number, noise.index_deg / 360.0);
         let start_turns = axis.index_turns?;
-        let end_turns = start_turns + axis.index_width_turns;
+        let mut width_turns = axis.index_width_turns;
+        if width_turns > 0.0 && !checked.fidelity.moves_by_torque() {
+            // A crank that moves by whole steps has no time between two edges in the same step.
+            width_turns = width_turns.max(axis.steps_per_crank_turn().turns_of(1.0));
+        }
+        let end_turns = start_turns + width_turns;
         Some(Self {
             start: Edge::new(start_turns, stream(Sensor::FlagStart)),
             end: Edge::new(end_turns, stream(Sensor::FlagEnd)),
-            begins: None,
-            again: None,
+            begins: Vec::new(),
+            again: Vec::new(),
             clear: NOWHERE,
         })
     }
@@ -79,7 +84,7 @@ impl Flag {
 
     /// Adds pulses that no flag causes, from the next played tick on.
     pub fn add(&mut self, extra: Extra) {
-        self.begins = Some(extra);
+        self.begins.push(extra);
         self.clear = NOWHERE;
     }
 
@@ -97,7 +102,7 @@ impl Flag {
     fn find_edges(&mut self, before: f64, after: f64) -> Option<Met> {
         let mut met = self.pass(before, after);
         met.extra = self.extra(before, after);
-        self.clear = if self.again.is_some() {
+        self.clear = if !(self.again.is_empty() && self.begins.is_empty()) {
             NOWHERE
         } else {
             self.clear_around(after)
@@ -134,14 +139,20 @@ impl Flag {
     }
 
     fn extra(&mut self, before: f64, after: f64) -> Option<f64> {
-        if let Some(extra) = self.begins.take() {
-            let place = before + extra.part * (after - before);
-            self.again = (extra.count > 1).then_some((place + 1.0, extra.count - 1));
+        if let Some(extra) = self.begins.pop() {
+            if extra.count > 1 {
+                let place = before + extra.part * (after - before);
+                self.again.push((place + 1.0, extra.count - 1));
+            }
             return Some(extra.part);
         }
-        let (place, left) = self.again.filter(|(place, _)| *place <= after)?;
-        self.again = (left > 1).then_some((place + 1.0, left - 1));
-        Some((place - before) / (after - before))
+        let due = self.again.iter().position(|(place, _)| *place <= after)?;
+        let (place, left) = self.again.swap_remove(due);
+        if left > 1 {
+            self.again.push((place + 1.0, left - 1));
+        }
+        // It is before this tick if another one came in its own.
+        Some(((place - before) / (after - before)).max(0.0))
     }
 }
 
@@ -208,8 +219,8 @@ mod tests {
         Flag {
             start: Edge::new(start_turns, None),
             end: Edge::new(start_turns + width_turns, None),
-            begins: None,
-            again: None,
+            begins: Vec::new(),
+            again: Vec::new(),
             clear: NOWHERE,
         }
     }
@@ -229,6 +240,25 @@ mod tests {
             level = (level || met.rise.is_some()) && met.fall.is_none();
         }
         level
+    }
+
+    /// If this fails, a fault that adds pulses to an index ends those of another one there.
+    #[test]
+    fn pulses_of_two_faults_on_one_index_all_come() {
+        let mut flag = flag(0.5, 0.0);
+        let mut extras = Vec::new();
+        for tick in 0..50 {
+            if tick == 3 || tick == 8 {
+                flag.add(Extra {
+                    part: 0.5,
+                    count: 3,
+                });
+            }
+            let turns = |tick: i32| f64::from(tick) * 0.1;
+            let met = flag.meet(turns(tick), turns(tick + 1)).unwrap_or_default();
+            extras.extend(met.extra.map(|_| tick));
+        }
+        assert_eq!(extras, [3, 8, 13, 18, 23, 28]);
     }
 
     /// If this fails, an edge on a whole step is met in neither of two ticks, or in both. A working sensor is then reported as faulty.
@@ -327,8 +357,8 @@ mod tests {
             let mut flag = Flag {
                 start: Edge::new(0.3, noise(Sensor::FlagStart)),
                 end: Edge::new(0.3 + 6.0 / 360.0, noise(Sensor::FlagEnd)),
-                begins: None,
-                again: None,
+                begins: Vec::new(),
+                again: Vec::new(),
                 clear: NOWHERE,
             };
             let mut is_over = flag.is_over(0.28);

@@ -131,19 +131,19 @@ fn write_page(
     } else if statistics.worst_spread_deg < 1e-6 && commanded_mrad > 0.0 {
         writeln!(
             page,
-            "The cranks stayed exactly at their commanded phases, which tilt the platform by up to {commanded_mrad:.3} mrad."
+            "The cranks were exactly as far apart as commanded, which tilts the platform by up to {commanded_mrad:.3} mrad."
         )?;
     } else if statistics.worst_spread_deg < 1e-6 {
-        let with = if checked.has_platform() {
-            "in phase with each other"
+        let stayed = if checked.has_platform() {
+            "stayed exactly in phase with each other"
         } else {
-            "at their commanded phases" // those of cams and of shafts with a ratio differ
+            "were exactly as far apart as commanded" // cams, and shafts with a ratio, are apart
         };
         let by_model = match checked.fidelity {
             Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",
             _ => "",
         };
-        writeln!(page, "The {axis}s stayed exactly {with}{by_model}.")?;
+        writeln!(page, "The {axis}s {stayed}{by_model}.")?;
     } else {
         let tilted = if checked.has_platform() {
             format!(

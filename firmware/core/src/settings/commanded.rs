@@ -2,13 +2,14 @@
 //!
 //! Cranks under one platform turn in phase. An offset or a trim of its own sets a crank ahead of the others in every turn. The platform then
 //! tilts and warps although every crank is where it is commanded to be, and the monitor, which compares cranks with their commands, sees
-//! nothing. So such settings are refused, unless they say that they mean it ([`PlatformSettings::allow_commanded_tilt`]).
+//! nothing. So such settings are refused, unless they say that they mean it ([`PlatformSettings::allow_commanded_tilt`]). Cranks whose turns
+//! have other steps, or that lead by a part of a step, are also apart by what their commands are rounded to whole steps.
 //!
 //! *Tilt* is the slope of the plane closest to the N corners, at the worst phase of the turn. Corner i stands at θ = 2π i/N on a circle of
 //! radius ρ, and is R Z(α + δᵢ) high: δᵢ is the lead of its crank, and Z the integral of the mechanism's slope over the crank angle. With
 //! heights zᵢ the slope is |2/N Σ zᵢ (cos θ, sin θ)| / ρ. *Warp* is the largest distance of a lead from the plane closest to all leads.
 
-use super::{PlatformSettings, Problem, Settings, SettingsError};
+use super::{AxisSettings, PlatformSettings, Problem, Settings, SettingsError};
 use crate::axes::slot_turns;
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::units::{MAX_AXES, PerAxis, Turns};
@@ -41,7 +42,9 @@ impl Settings {
         let Some(platform) = self.machine.platform() else {
             return 0.0;
         };
-        self.max_tilt_mrad(platform, &PerAxis::default())
+        let by_steps =
+            SLOTS * self.rounding_turns() * self.machine.tilt_mrad_per_turn(self.tick_hz);
+        self.max_tilt_mrad(platform, &PerAxis::default()) + by_steps
     }
 
     /// Checks that commanded phases alone keep a platform within its limits, and that its cranks make the master's own turns.
@@ -58,10 +61,13 @@ impl Settings {
         let Some((problem, axis)) = self.commanded_problem(platform, &PerAxis::default()) else {
             return Ok(());
         };
+        let are_trimmed = self.trims_turns.iter().any(|turns| *turns != 0.0);
         let key = if self.are_offset() {
             "axes.offset_deg"
-        } else {
+        } else if are_trimmed {
             "axes.trim_deg"
+        } else {
+            "axes.steps_per_turn"
         };
         Err(SettingsError::new(key, problem).on_entry(axis))
     }
@@ -98,11 +104,12 @@ impl Settings {
             .unwrap_or_default();
         // While cranks move apart, each waits for its slot.
         let moves = |turns: &f64| *turns != 0.0;
-        let ahead = if self.trims_turns.iter().any(moves) || levels.iter().any(moves) {
-            SLOTS * slot_turns(self)
+        let slot = if self.trims_turns.iter().any(moves) || levels.iter().any(moves) {
+            slot_turns(self)
         } else {
             0.0
         };
+        let ahead = SLOTS * (slot + self.rounding_turns());
         let warp_deg = if self.axes.len() > 3 {
             warp_deg + 360.0 * ahead
         } else {
@@ -135,6 +142,25 @@ impl Settings {
             .filter(|leads| !leads.are_equal()) // The usual case needs no integrals.
             .map(|leads| leads.tilt_mrad(platform, mechanism))
             .fold(0.0, f64::max)
+    }
+
+    /// Half the distance by which whole steps set cranks apart, turns: commands of the same phase make their steps at different times, if a
+    /// turn has other steps on one axis, or if a crank leads by a part of a step.
+    #[cold]
+    fn rounding_turns(&self) -> f64 {
+        let steps = |axis: &AxisSettings| axis.steps_per_crank_turn();
+        let are_alike = self.axes.windows(2).all(|pair| {
+            let steps_ahead =
+                (pair[1].offset_turns - pair[0].offset_turns) * steps(&pair[0]).to_f64();
+            steps(&pair[0]) == steps(&pair[1])
+                && (steps_ahead - libm::round(steps_ahead)).abs() < ROUNDING
+        });
+        let largest = self.axes.iter().map(|axis| steps(axis).turns_of(1.0));
+        if are_alike {
+            0.0
+        } else {
+            0.5 * largest.fold(0.0, f64::max)
+        }
     }
 
     #[cold]
@@ -367,7 +393,7 @@ mod tests {
     #[test]
     fn cranks_that_are_commanded_off_a_plane_are_refused() {
         let said = refused(&with_offsets(&[4.0, -4.0, 4.0, -4.0])).expect("a warp");
-        assert!(said.contains("4.00° off the plane"), "{said}");
+        assert!(said.contains("4.08° off the plane"), "{said}");
         assert_eq!(refused(&with_offsets(&[2.9, -2.9, 2.9, -2.9])), None);
     }
 
@@ -389,8 +415,19 @@ mod tests {
             proving.controller().err().map(|error| error.to_string())
         };
         assert_eq!(proving(0.0), None);
-        let said = proving(3.0).expect("it tilts by 2.9 mrad and more");
+        let said = proving(2.9).expect("it tilts by 2.8 mrad and more");
         assert!(said.starts_with("correction.prove_wiring: "), "{said}");
+    }
+
+    /// If this fails, a platform is accepted that tilts in each turn as one crank makes coarser steps than the others.
+    #[test]
+    fn cranks_with_coarser_steps_are_refused() {
+        let mut coarse = settings(3);
+        coarse.axes[1].steps_per_turn = 40;
+        let said = refused(&coarse).expect("a step of 9 degrees");
+        assert!(said.starts_with("axes.steps_per_turn"), "{said}");
+        coarse.axes[1].steps_per_turn = 20_000;
+        assert_eq!(refused(&coarse), None);
     }
 
     /// If this fails, machines in phase are refused, or trims that level a platform.

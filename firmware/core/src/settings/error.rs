@@ -138,7 +138,7 @@ pub enum Problem {
     NotInPhase,
     #[error(
         "the commanded phases alone tilt the platform by up to {tilt_mrad:.2} mrad in each turn, and drift.tilt_limit_mrad = {} allows less; give \
-         all cranks the same phase, or set machine.allow_commanded_tilt = true if the platform is to tilt", Number(*limit_mrad)
+         all cranks the same phase and steps per turn, or set machine.allow_commanded_tilt = true if the platform is to tilt", Number(*limit_mrad)
     )]
     CommandedTilt { tilt_mrad: f64, limit_mrad: f64 },
     #[error(
