@@ -30,6 +30,26 @@ fn steppers(level: &str, cycles: u32) -> String {
     )
 }
 
+/// If this fails, an arm that friction holds looks like one that works, as its path ends where it begins.
+#[test]
+fn an_arm_that_stands_is_warned_of() {
+    let text = library::find("five-bar").unwrap().text;
+    let changes = [
+        ("friction_nm = 0.02", "friction_nm = 50"),
+        ("hold_s = 40", "hold_s = 19"),
+    ];
+    let held = changes.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    });
+    let held = run(&held);
+    assert!(
+        warnings(&held).contains("made less than half of its commanded motion"),
+        "{}",
+        warnings(&held)
+    );
+}
+
 /// If this fails, a crank that is a whole turn behind looks like one in place. Its index shows the same again, so only the simulator knows.
 #[test]
 fn a_whole_lost_turn_is_counted_and_warned_of() {

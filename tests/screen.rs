@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use cophase_tests::{Run, built_in, record, scene};
-use host_sim::scene::library;
+use host_sim::scene::{Checked, library, load};
 use host_sim::trace::{Every, Window};
 
 /// Masses, springs and blocks of the scene.
@@ -164,6 +164,24 @@ fn what_the_controller_stops_as_captured_the_report_calls_captured() {
         let natural_hz = (STIFFNESS_N_PER_M / MASS_KG).sqrt() / TAU;
         let captured = captured_hz.expect("the capture is reported") / natural_hz;
         assert!((0.8..1.42).contains(&captured), "{captured}");
+    }
+}
+
+/// If this fails, shafts run at other speeds than those for which resonances, bands and amplitude are computed.
+#[test]
+fn shafts_that_do_not_turn_with_the_master_are_refused() {
+    let text = library::find("screen").unwrap().text;
+    for ratio in [
+        ("[axes]\n", "[axes]\nratio = [2, 1]\n"),
+        ("number = 1\n", "number = 1\nratio = [2, 1]\n"),
+    ] {
+        assert!(text.contains(ratio.0), "{}", ratio.0);
+        let parsed = load::parse(&text.replacen(ratio.0, ratio.1, 1)).expect("its form is right");
+        let said = Checked::new(parsed)
+            .expect_err("its band is the master's")
+            .to_string();
+        assert!(said.contains("axes.ratio: axis "), "{said}");
+        assert!(said.contains("gear = [motor turns, crank turns]"), "{said}");
     }
 }
 

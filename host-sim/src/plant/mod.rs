@@ -70,7 +70,7 @@ impl Made {
     ///
     /// # Errors
     /// The radius, which the key of `radius` determines, is outside 0.1 to 500 mm. Or the scene has a key that applies to
-    /// platforms only, or a drive that takes torque setpoints.
+    /// platforms only, a shaft that does not turn once with the master, or a drive that takes torque setpoints.
     pub fn square_law(
         scene: &Scene,
         table: &str,
@@ -82,6 +82,21 @@ impl Made {
                 "drift.tilt_limit_mrad",
                 format!(
                     "is of a platform, and [{table}] has none; drift.warp_limit_deg limits how far shafts may be apart, so leave it out"
+                ),
+            ));
+        }
+        let ratio = |i: usize| scene.overrides(i).and_then(|own| own.ratio);
+        let turns_on = |&i: &usize| {
+            let (shaft, master) = ratio(i).unwrap_or(scene.axes.ratio);
+            shaft != master
+        };
+        if let Some(i) = (0..scene.axes.count).find(turns_on) {
+            return Err(SceneError::at(
+                "axes.ratio",
+                format!(
+                    "axis {i} does not turn once with the master, and amplitude, bands and figures of {} are those of the master's speed; for a belt \
+                     or gearbox give gear = [motor turns, crank turns], and leave this out",
+                    plant.name()
                 ),
             ));
         }

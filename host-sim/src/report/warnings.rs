@@ -93,7 +93,9 @@ fn lost_unnoticed(checked: &Checked, outcome: &Outcome) -> Vec<String> {
             statistics.off_command_turns[axis],
             statistics.cycles_off(axis),
         );
-        let by = if off_turns == 0.0 {
+        let by = if off_turns == 0.0 && cycles == 0 {
+            "made less than half of its commanded motion".to_owned()
+        } else if off_turns == 0.0 {
             format!("slipped by {}", in_cycles(cycles.unsigned_abs()))
         } else {
             let off = if off_turns.abs() < 1.0 {

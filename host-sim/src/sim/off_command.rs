@@ -2,7 +2,9 @@
 //!
 //! *Error* of a shaft: its lead over its target, less the steady following error of its drive at that speed. A shaft is off its
 //! command if it ends by more than the scene's `drift.common_limit_deg` away, and its error has changed by more than that since
-//! homing ended. So an error that homing corrects, or one from power-up, does not count.
+//! homing ended. So an error that homing corrects, or one from power-up, does not count. A shaft *stood* if it made less than half of the
+//! motion that a program commanded, from one end to the other, where that is more than twice the limit. A command that comes back to where
+//! it began ends at such a shaft.
 
 use cophase_core::supervisor::State;
 
@@ -24,6 +26,24 @@ pub struct OffCommand {
     /// Errors at the end of earlier starts, of shafts that were off their commands; 0 for the others.
     earlier: Axes<f64>,
     state: State,
+    /// Least and greatest position in the program, turns: commanded, and of the shaft.
+    ranges: Axes<[Range; 2]>,
+}
+
+/// Least and greatest of some values.
+#[derive(Clone, Copy, Debug)]
+struct Range(f64, f64);
+
+impl Range {
+    const NONE: Self = Self(f64::INFINITY, f64::NEG_INFINITY);
+
+    fn add(&mut self, value: f64) {
+        *self = Self(self.0.min(value), self.1.max(value));
+    }
+
+    fn width(self) -> f64 {
+        (self.1 - self.0).max(0.0)
+    }
 }
 
 impl OffCommand {
@@ -52,6 +72,7 @@ impl OffCommand {
             homed: None,
             earlier: none(),
             state: State::Idle,
+            ranges: per_axis(axes.count, |_| [Range::NONE; 2]),
         }
     }
 
@@ -70,7 +91,20 @@ impl OffCommand {
         for (i, lead) in moment.errors().enumerate() {
             let speed_hz = master_hz * moment.machine.axes[i].ratio();
             self.errors[i] = lead + self.lag_s[i] * speed_hz;
+            if state == State::Run {
+                let [commanded, actual] = &mut self.ranges[i];
+                commanded.add(moment.command_turns[i]);
+                actual.add(moment.actual_turns[i]);
+            }
         }
+    }
+
+    /// True of each shaft that stood while a program commanded it to move.
+    pub fn stood(&self) -> Axes<bool> {
+        per_axis(self.ranges.len(), |i| {
+            let [commanded, actual] = self.ranges[i].map(Range::width);
+            commanded > 2.0 * self.limit_turns && actual < 0.5 * commanded
+        })
     }
 
     /// Error of each shaft at the end, turns: positive ahead. It is 0 for a shaft that is not off its command.

@@ -25,14 +25,15 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Axes that slipped, or ended off their commands, in a run in which the controller reported nothing. It then assumes them in
+    /// Axes that slipped, stood, or ended off their commands, in a run in which the controller reported nothing. It then assumes them in
     /// place, and they are not.
     pub fn lost_unnoticed(&self) -> impl Iterator<Item = usize> {
         let statistics = &self.statistics;
         let is_noticed = self.fault.is_some() || statistics.reported > 0;
         (0..statistics.slipped_cycles.len()).filter(move |&i| {
-            let is_lost = statistics.cycles_off(i) != 0 || statistics.off_command_turns[i] != 0.0;
-            is_lost && !is_noticed
+            let slipped = statistics.cycles_off(i) != 0;
+            let is_off = statistics.off_command_turns[i] != 0.0;
+            (slipped || is_off || statistics.stood[i]) && !is_noticed
         })
     }
 

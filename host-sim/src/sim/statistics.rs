@@ -76,6 +76,8 @@ pub struct Statistics {
     pub injected_cycles: Vec<i64>,
     /// Error of each shaft that ended off its command, turns: positive ahead; 0 for the others.
     pub off_command_turns: Vec<f64>,
+    /// True of each shaft that made less than half of the motion that the program commanded.
+    pub stood: Vec<bool>,
     /// Largest fraction of its pull-out torque that was required of each axis, and the speed at that time, rev/s; none if
     /// torque is not compared.
     pub torque_used: Vec<Option<(f64, f64)>>,
@@ -154,6 +156,7 @@ impl Statistics {
             slipped_cycles: vec![0; axes],
             injected_cycles: vec![0; axes],
             off_command_turns: vec![0.0; axes],
+            stood: vec![false; axes],
             torque_used: Vec::new(),
             worst_torque_nm: Vec::new(),
             worst_accel_mps2: 0.0,
@@ -454,6 +457,7 @@ impl Statistics {
             .map(SimulatedAxis::injected_cycles)
             .collect();
         self.off_command_turns = self.off_command.off_turns().to_vec();
+        self.stood = self.off_command.stood().to_vec();
         self.steps = axes
             .clone()
             .map(|i| last.map_or(0, |last| last.steps(i)))
