@@ -9,7 +9,7 @@
 use std::f64::consts::TAU;
 
 use host_sim::design::STANDARD_GRAVITY_MPS2;
-use host_sim::design::platform::{Design, DesignError, Requirement, Warning, design};
+use host_sim::design::platform::{Design, DesignError, MotorChoice, Requirement, Warning, design};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::turn_search::{TurnPeak, largest_over_turn};
 use host_sim::mechanism::{Mechanism, Platform};
@@ -434,7 +434,13 @@ fn warnings_appear_only_where_they_apply() {
         Warning::StepperSpeed { .. } => 'n',
         Warning::StepperPower { .. } => 'P',
     };
-    let kinds = |found: Design| found.warnings().iter().map(kind).collect::<String>();
+    let kinds = |found: Design| {
+        found
+            .warnings(&MotorChoice::default())
+            .iter()
+            .map(kind)
+            .collect::<String>()
+    };
     assert_eq!(
         examples(10.0).map(kinds),
         ["gsnP", "gsnP", "g3resP", "g3es"]
@@ -452,7 +458,7 @@ fn warnings_appear_only_where_they_apply() {
     // λ/√(1 − λ²), the ratio of a rod's greatest sideways force to its upward force, exceeds a half at
     // 1/√5 = 0.447.
     assert_eq!([0.44, 0.45].map(sized).map(kinds), ["3es", "3res"]);
-    let short = sized(0.6).warnings()[1].to_string();
+    let short = sized(0.6).warnings(&MotorChoice::default())[1].to_string();
     let figures = ["1.667 crank radii", "36.9 deg", "75.0 %"];
     for figure in figures {
         assert!(short.contains(figure), "{short}");
@@ -461,7 +467,10 @@ fn warnings_appear_only_where_they_apply() {
         lambda: 0.26,
         ..example(3, 9.81)
     };
-    let said = design(&between).expect("in range").warnings()[0].to_string();
+    let said = design(&between)
+        .expect("in range")
+        .warnings(&MotorChoice::default())[0]
+        .to_string();
     assert!(
         said.contains("stays at 180 deg") && said.contains("0.2638"),
         "{said}"

@@ -124,7 +124,7 @@ struct Figures {
 
 impl Figures {
     fn new(design: &Design, motor: &MotorChoice) -> Self {
-        let warnings = design.warnings();
+        let warnings = design.warnings(motor);
         Self {
             gravity_mps2: design.requirement.gravity_mps2,
             crank_radius_mm: 1e3 * design.mechanism.crank_radius_m(),

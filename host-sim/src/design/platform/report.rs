@@ -11,7 +11,7 @@ use crate::mechanism::slider_crank::Extrema;
 /// Width of the text, columns.
 const WIDTH: usize = 90;
 
-/// One full step of the common 200-step motor: the phase error of a crank that is off by one step.
+/// One full step of the common 200-step motor. Behind its gear, it is the phase error of a crank that is off by one step.
 const FULL_STEP_DEG: f64 = 1.8;
 
 /// The source's least acceleration, in gravities: the lower end of what a program may request.
@@ -29,11 +29,11 @@ pub fn write_page(design: &Design, motor: &MotorChoice, out: &mut impl Write) ->
     writeln!(out)?;
     write_comparison(design, out)?;
     writeln!(out)?;
-    write_control(design, out)?;
+    write_control(design, motor, out)?;
     writeln!(out)?;
     write_motor(design, motor, out)?;
     writeln!(out)?;
-    for warning in design.warnings() {
+    for warning in design.warnings(motor) {
         write_wrapped(&warning.to_string(), "!  ", out)?;
     }
     Ok(())
@@ -166,7 +166,7 @@ fn write_comparison(design: &Design, out: &mut impl Write) -> io::Result<()> {
 }
 
 /// Writes step J: the task of the controller of this mechanism.
-fn write_control(design: &Design, out: &mut impl Write) -> io::Result<()> {
+fn write_control(design: &Design, motor: &MotorChoice, out: &mut impl Write) -> io::Result<()> {
     let rpm = |amax_g: f64| {
         let amax_mps2 = amax_g * design.requirement.gravity_mps2;
         let speed_rad_s = design.mechanism.speed_for_amax_rad_s(amax_mps2);
@@ -178,9 +178,10 @@ fn write_control(design: &Design, out: &mut impl Write) -> io::Result<()> {
     } else {
         String::new()
     };
+    let full_step_deg = FULL_STEP_DEG / motor.gear.ratio();
     let mismatch = design
         .mechanism
-        .worst_height_mismatch(FULL_STEP_DEG.to_radians());
+        .worst_height_mismatch(full_step_deg.to_radians());
     writeln!(
         out,
         "J  control: a drive for each motor, all on one motion controller following amax(t)"
@@ -193,7 +194,8 @@ fn write_control(design: &Design, out: &mut impl Write) -> io::Result<()> {
     )?;
     writeln!(
         out,
-        "   {FULL_STEP_DEG} deg (one full step) between two cranks: one side up to {} mm higher",
+        "   {} deg (one full step) between two cranks: one side up to {} mm higher",
+        plain(full_step_deg),
         four(1e3 * mismatch.value)
     )
 }

@@ -44,14 +44,14 @@ impl Design {
     }
 
     /// Returns true if the design exceeds the speed or power of steppers.
-    fn needs_servos(&self) -> bool {
+    fn needs_servos(&self, motor: &MotorChoice) -> bool {
         let is_about_steppers = |warning: &Warning| {
             matches!(
                 warning,
                 Warning::StepperSpeed { .. } | Warning::StepperPower { .. }
             )
         };
-        self.warnings().iter().any(is_about_steppers)
+        self.warnings(motor).iter().any(is_about_steppers)
     }
 
     fn heading(&self, motor: &MotorChoice) -> String {
@@ -78,12 +78,12 @@ impl Design {
             command += &format!(" --rotor-inertia-kgm2 {kgm2}");
         }
         command += " --scene\n";
-        let warnings = self.warnings();
+        let warnings = self.warnings(motor);
         let warnings: String = warnings
             .iter()
             .map(|warning| comment(&format!("! {warning}")))
             .collect();
-        let fidelity = if self.needs_servos() {
+        let fidelity = if self.needs_servos(motor) {
             "fidelity = \"phased\" # each crank its own rotor, moved by torque\n"
         } else {
             "fidelity = \"quasi-static\" # required against pull-out torque; other levels need rotor_inertia_kgm2 and damping_nms\n"
@@ -159,7 +159,7 @@ impl Design {
                 motor.gear.motor_turns, motor.gear.crank_turns
             );
         }
-        if self.needs_servos() {
+        if self.needs_servos(motor) {
             // At the motor, torque is divided by the gear's ratio, and speed is multiplied.
             let velocity_gain_nms =
                 self.motor_torque_nm() / (RIPPLE * self.speed_rad_s() * ratio * ratio);

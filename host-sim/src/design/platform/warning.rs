@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::motor::MotorChoice;
 use super::steps::Design;
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::design::digits::{degrees, four, percent};
@@ -72,13 +73,13 @@ pub enum Warning {
 
 impl Design {
     /// Returns the warnings about the method and its printed form for this design.
-    pub fn warnings(&self) -> Vec<Warning> {
-        of(self)
+    pub fn warnings(&self, motor: &MotorChoice) -> Vec<Warning> {
+        of(self, motor)
     }
 }
 
 /// The warnings that apply to a design, in the order of its steps.
-fn of(design: &Design) -> Vec<Warning> {
+fn of(design: &Design, motor: &MotorChoice) -> Vec<Warning> {
     let omega = design.speed_rad_s();
     let gravity = design.requirement.gravity_mps2;
     let mut all = Vec::new();
@@ -111,8 +112,8 @@ fn of(design: &Design) -> Vec<Warning> {
         below_nm: exact_nm,
         above_nm: design.torque_exact_above.value,
     });
-    if design.speed_rpm() > STEPPER_RPM {
-        let rpm = design.speed_rpm();
+    let rpm = design.speed_rpm() * motor.gear.ratio();
+    if rpm > STEPPER_RPM {
         all.push(Warning::StepperSpeed { rpm });
     }
     let motor_w = design.per_motor(design.peak_power_w());
@@ -190,7 +191,7 @@ impl fmt::Display for Warning {
             ),
             Self::StepperSpeed { rpm } => write!(
                 f,
-                "The cranks turn at {} rpm; above {STEPPER_RPM} rpm no stepper has torque left, so \
+                "The motors turn at {} rpm; above {STEPPER_RPM} rpm no stepper has torque left, so \
                  choose servo motors or a lower frequency.",
                 four(rpm)
             ),

@@ -77,6 +77,13 @@ pub(in crate::scene) fn placed(entries: &[Segment], error: &SettingsError) -> Op
     })
 }
 
+/// Rounds to hundredths, or to three digits if that is finer.
+fn hundredths(value: f64, round: impl Fn(f64) -> f64) -> f64 {
+    let digits = (2.0 - value.max(1e-12).log10().floor()).max(2.0);
+    let scale = 10_f64.powf(digits);
+    round(value * scale) / scale
+}
+
 /// Converts a problem with a level from the core's m/s² into the file's g.
 fn in_g(key: String, problem: Problem) -> SceneError {
     let g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
@@ -93,11 +100,11 @@ fn in_g(key: String, problem: Problem) -> SceneError {
         } => SceneError::at(
             key,
             format!(
-                "{:.2} g ({requested_mps2:.2} m/s²) needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; \
+                "{} g ({requested_mps2:.2} m/s²) needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; \
                  give at most {} g, or raise limits.speed_hz",
-                g(requested_mps2),
+                hundredths(g(requested_mps2), f64::round),
                 // Rounded down, so that the suggested value is accepted.
-                (g(most_mps2) * 100.0).floor() / 100.0
+                hundredths(g(most_mps2), f64::floor)
             ),
         ),
         other => SceneError::of(key, other),
