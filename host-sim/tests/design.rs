@@ -8,6 +8,7 @@
 
 use std::f64::consts::TAU;
 
+use cophase_core::settings::Transmission;
 use host_sim::design::STANDARD_GRAVITY_MPS2;
 use host_sim::design::platform::{Design, DesignError, MotorChoice, Requirement, Warning, design};
 use host_sim::mechanism::slider_crank::SliderCrank;
@@ -446,6 +447,17 @@ fn warnings_appear_only_where_they_apply() {
         ["gsnP", "gsnP", "g3resP", "g3es"]
     );
     assert_eq!(examples(9.81).map(kinds), ["snP", "snP", "3resP", "3es"]);
+    // The motor's own speed counts: 6000 rpm of the crank, behind 1 to 4.
+    let slower = MotorChoice {
+        gear: Transmission {
+            motor_turns: 1,
+            crank_turns: 4,
+        },
+        ..MotorChoice::default()
+    };
+    let [first, ..] = examples(9.81);
+    let said = first.warnings(&slower);
+    assert_eq!(said.iter().map(kind).collect::<String>(), "sP");
     // λ (1/√(1 − λ²) − 1)/(1 + λ) exceeds 0.5 % between 0.22 (0.45 %) and 0.23 (0.52 %).
     let sized = |lambda| {
         design(&Requirement {

@@ -131,7 +131,7 @@ fn write_page(
     } else if statistics.worst_spread_deg < 1e-6 && commanded_mrad > 0.0 {
         writeln!(
             page,
-            "The cranks were exactly as far apart as commanded, which tilts the platform by up to {commanded_mrad:.3} mrad."
+            "The cranks were exactly as far apart as commanded, which tilts the platform by up to {commanded_mrad:.3} mrad. Its centre accelerates by less than amax then."
         )?;
     } else if statistics.worst_spread_deg < 1e-6 {
         let stayed = if checked.has_platform() {
