@@ -108,7 +108,7 @@ fn gate(tolerance: Turns, cycle: Turns) -> Turns {
     }
     let (half, tolerance) = (cycle.to_bits() / 2, tolerance.to_bits());
     // If steps are so coarse that this is below the largest difference of two readings, the gate is half a cycle. Behind a gear, a cycle
-    // may be too short to be told from that difference at all.
+    // may be too short to be distinguished from that difference at all.
     let (sure, differ) = (half - tolerance, 2 * tolerance);
     let most = if sure < differ {
         half.max(differ)
