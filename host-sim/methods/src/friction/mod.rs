@@ -104,7 +104,7 @@ impl Contacts {
     }
 }
 
-/// Writes the rates of a machine with dry friction in a state. It is [`Equations::rates`] of such a machine.
+/// Writes the rates of a machine with dry friction in a state. It is [`Equations::rates`](crate::Equations::rates) of such a machine.
 pub fn rates(machine: &dyn DryFriction, t_s: f64, y: &[f64], rates: &mut [f64]) {
     let contacts = Contacts::at(machine, t_s, y, rates);
     machine.rates_with(t_s, y, &contacts, rates);

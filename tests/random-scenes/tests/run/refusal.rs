@@ -53,8 +53,9 @@ pub fn check(err: &str, scene: &Path) -> Result<(), String> {
         let problem = rest
             .split_once(&format!("{key}: "))
             .map_or("", |(_, problem)| problem);
-        let name = key.rsplit('.').next().unwrap_or_default();
-        let name = name.split([' ', '[']).next().unwrap_or_default();
+        let path = key.split(' ').next().unwrap_or_default();
+        let name = path.rsplit('.').next().unwrap_or_default();
+        let name = name.split('[').next().unwrap_or_default();
         if name.is_empty() || !documented.contains(name) {
             return wrong("has a key that is not documented");
         }

@@ -21,10 +21,12 @@ pub fn check(stated: &Stated, trace: &Trace) -> Result<(), String> {
         let at_most = |what: &str, key: &str, turns: &[f64], order: i32, limit: f64| {
             SPANS.into_iter().try_for_each(|span| {
                 let time_s = span as f64 * stated.tick_s;
-                // Differences of numbers between 0 and a step, and of an offset that moves by whole steps at a bounded rate.
+                // Differences of numbers between 0 and a step, and of an offset that moves by whole steps at a bounded rate. The axes take
+                // turns, a tick each, so in its own an axis moves for all of them.
                 let steps = f64::from(1 << (order - 1)) * (step + 1e-9);
-                let offset =
-                    f64::from(1 << (order - 1)) * (stated.homing_offset_hz * time_s + step);
+                let turn_s = stated.count as f64 * stated.tick_s;
+                let moves = stated.homing_offset_hz * (time_s + turn_s) + step;
+                let offset = f64::from(1 << (order - 1)) * moves;
                 let allowed = limit * time_s.powi(order) * (1.0 + ROUNDING) + steps + offset;
                 match largest(turns, span, order) {
                     Some(most) if most > allowed => Err(format!(
