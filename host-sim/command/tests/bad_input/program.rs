@@ -22,7 +22,7 @@ fn unreachable_levels_are_refused() {
                 "ramp_s = 0\nhold_s = 0.2\nshape",
             ),
             "program[1].amax_g",
-            "190.00 g (1863.26 m/s²) needs 42.606 rev/s, over limits.speed_hz = 20",
+            "190 g (1863.26 m/s²) needs 42.606 rev/s, over limits.speed_hz = 20",
             "give at most 41.86 g, or raise limits.speed_hz",
         ),
         level(
