@@ -233,7 +233,7 @@ fn a_bad_scene_leaves_an_earlier_file_alone() {
             "amax_g = 5",
             "amax_g = 190",
             [
-                "program[1].amax_g (2nd [[program]] entry): 190.00 g",
+                "program[1].amax_g (2nd [[program]] entry): 190 g",
                 "give at most 41.86 g",
             ],
         ),
