@@ -161,7 +161,8 @@ fn the_chart_has_all_panels() {
             "capture",
             "self-synchronisation",
             "stall",
-            "singular"
+            "singular",
+            "friction",
         ]
     );
     let parts: Vec<_> = one.pictures.iter().map(|picture| picture.part).collect();
