@@ -5,9 +5,10 @@ use std::path::Path;
 use super::files::no_number;
 
 /// Words with which a message states the fix, or the correct value.
-const FIXES: [&str; 18] = [
+const FIXES: [&str; 19] = [
     "give",
     "leave",
+    "list ",
     "let ",
     "raise",
     "lower",

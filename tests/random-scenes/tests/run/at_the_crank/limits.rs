@@ -16,16 +16,19 @@ const ROUNDING: f64 = 1e-6;
 pub fn check(stated: &Stated, trace: &Trace) -> Result<(), String> {
     let homing = trace.states.iter().take_while(|state| *state == "homing");
     let homing = homing.count();
+    let coarsest = stated.steps.iter().map(|steps| 1.0 / steps);
+    let coarsest = coarsest.fold(0.0, f64::max);
     for (axis, turns) in trace.cranks(stated.count)?.into_iter().enumerate() {
         let step = 1.0 / stated.steps[axis];
         let at_most = |what: &str, key: &str, turns: &[f64], order: i32, limit: f64| {
             SPANS.into_iter().try_for_each(|span| {
                 let time_s = span as f64 * stated.tick_s;
                 // Differences of numbers between 0 and a step, and of an offset that moves by whole steps at a bounded rate. The axes take
-                // turns, a tick each, so in its own an axis moves for all of them.
+                // turns, and in its own an axis moves for all of them. A turn is a tick, or as long as the axis with the coarsest steps needs
+                // for one, with four fifths of its rate.
                 let steps = f64::from(1 << (order - 1)) * (step + 1e-9);
-                let turn_s = stated.count as f64 * stated.tick_s;
-                let moves = stated.homing_offset_hz * (time_s + turn_s) + step;
+                let for_all = stated.homing_offset_hz * stated.count as f64 * stated.tick_s;
+                let moves = stated.homing_offset_hz * time_s + for_all.max(1.25 * coarsest) + step;
                 let offset = f64::from(1 << (order - 1)) * moves;
                 let allowed = limit * time_s.powi(order) * (1.0 + ROUNDING) + steps + offset;
                 match largest(turns, span, order) {
