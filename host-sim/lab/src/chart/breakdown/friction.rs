@@ -154,7 +154,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
         levels: levels.into(),
         says: format!(
             "Friction smoothed over {} mm/s is off by {:.1e} of its own stretch of the spring however short the step, over {} mm/s by \
-             {:.1e}; beyond {:.2} ms RK4 shakes there. Contacts that stick or slide have no such error: RK4 comes to {:.0e}, SDIRK4 to \
+             {:.1e}; beyond {:.2} ms RK4 shakes there, and contacts that stick or slide have no such error: RK4 comes to {:.0e}, SDIRK4 to \
              {:.0e}.",
             wide * 1e3,
             least(Scheme::Rk4, Treatment::Smoothed(wide)),
