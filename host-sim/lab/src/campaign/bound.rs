@@ -1,15 +1,15 @@
 //! Largest tilt of a platform after a fault: the limit, plus what the kind of fault can add until all cranks stand. Where torque moves the
 //! cranks, the bound ends when the drives are off, because nothing holds the cranks together then.
 //!
-//! Up to the limit L nothing need be reported. A crank beyond the limit is detected within a turn, or two in homing, and N + 5 ticks. Then the machine stops,
-//! within its stop limits. Meanwhile the crank moves on by an angle e, which depends on the kind of fault. One crank that is off by e,
+//! Up to the limit L nothing need be reported. A crank beyond the limit is detected within a turn, or two in homing, and N + 5 ticks. Then
+//! the machine stops, within its stop limits. Meanwhile the crank moves on by an angle e, which depends on the kind of fault. One crank that is off by e,
 //! against all others in phase, tilts the platform by at most g(e), computed with true geometry at the worst crank angle
 //! ([`Geometry::worst_tilt_mrad`]). Half a turn is the largest possible error of a crank. The bound is L + g(e):
 //!
 //! | kind | e |
 //! | --- | --- |
 //! | lost steps | the cycles, at once |
-//! | slip | rate × (turn, or two + N + 5 ticks + stop), or rate × duration of the slip |
+//! | slip | rate × (turns to show it + N + 5 ticks + stop), or rate × duration of the slip |
 //! | stuck, runaway, reversed | ½ |
 //! | underrun | the travel of two ticks |
 //! | swapped wiring | the travel by which homing moves a crank to prove the wiring: at most the error that one crank may have |
