@@ -18,6 +18,7 @@ use embassy_time::Instant;
 use crate::board::alarm::Until;
 use crate::board::index::Index;
 use crate::board::lines::AlarmInputs;
+use crate::board::sampler::Label;
 use crate::board::steps::{Steps, Submission};
 use crate::board::watchdog::Fed;
 use crate::board::{handover, has_passed, lines, sampler};
@@ -93,6 +94,7 @@ impl Board {
 impl Io for Board {
     #[inline(never)] // as `Controller::tick`
     fn read(&mut self, feedback: &mut Feedback) {
+        sampler::end();
         // The output that was submitted last is played from now on.
         lines::sync(self.sync);
         feedback.index = [None; MAX_AXES];
@@ -145,15 +147,19 @@ impl Io for Board {
         self.watchdog.feed(self.state, self.ticks);
         lines::led(self.state, output.drives_enabled);
         self.reporter.observe(self.ticks, output);
-        sampler::begin(self.ticks);
         if self.link.is_sample_due(self.ticks) {
             let drives = if output.drives_enabled {
                 flags::DRIVES
             } else {
                 0
             };
-            let inputs = self.inputs | drives;
-            sampler::request(&output.telemetry, inputs, self.index_count);
+            let label = Label {
+                tick: self.ticks,
+                flags: self.inputs | drives,
+                index_count: self.index_count,
+            };
+            // SAFETY: the telemetry is part of the controller, which is in a static. The loop changes it after the next reading only.
+            unsafe { sampler::request(&output.telemetry, label) };
         }
         self.ticks = self.ticks.wrapping_add(1);
         SubmissionResult::InTime

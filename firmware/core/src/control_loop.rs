@@ -17,7 +17,8 @@ use crate::signals::{Feedback, Output};
 
 /// Interface to the world outside the loop: sensors and safety lines in; pulses, setpoints and safety lines out.
 pub trait Io {
-    /// Replaces `feedback`, which still holds that of the last call, by the feedback since then.
+    /// Replaces `feedback`, which still holds that of the last call, by the feedback since then. From here on the last output is no longer
+    /// valid.
     fn read(&mut self, feedback: &mut Feedback);
 
     /// Returns a new program for a machine that is idle or parked, once.
@@ -62,20 +63,25 @@ pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl
     let tick = Duration::from_micros(1_000_000 / u64::from(controller.tick_hz()));
     let mut deadline = first;
     let mut feedback = Feedback::of(None);
+    let mut held_over = 0;
     loop {
         io.until(deadline).await;
         let late = Instant::now().saturating_duration_since(deadline);
+        // The last output may be in use up to here, so the controller stays unchanged until then.
+        io.read(&mut feedback);
+        if held_over > 0 {
+            controller.held_over(held_over);
+        }
         if late.as_ticks() * 2 > tick.as_ticks() {
             deadline += report_late(controller, late, tick);
         }
-        io.read(&mut feedback);
         if let Some(program) = io.new_program() {
             let is_loaded = controller.load_program(program);
             io.program_loaded(is_loaded);
         }
         deadline += tick;
         let output = controller.tick(&feedback);
-        let mut held_over = 0;
+        held_over = 0;
         loop {
             match io.write(output, deadline) {
                 SubmissionResult::InTime => break,
@@ -86,9 +92,6 @@ pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl
                     held_over += 1;
                 }
             }
-        }
-        if held_over > 0 {
-            controller.held_over(held_over);
         }
     }
 }

@@ -1,41 +1,55 @@
 //! Sampler: copies the loop's telemetry for the host link, after the tick and not within it.
 //!
-//! A sample takes some 800 cycles to make. So the tick only requests an interrupt of a lower priority, which runs as
-//! soon as the tick is over.
+//! A sample takes some 800 cycles to make. So the tick only lends its telemetry and requests an interrupt of a lower priority, which runs as
+//! soon as the tick is over. That interrupt copies the telemetry with interrupts disabled, so a tick may begin later by the time of a copy.
+//!
+//! The link takes the samples when it has time. While the queue is full, no copy is made. Samples are made again once half of the queue is
+//! free, so that what a slow link misses are long gaps between long runs: a run takes fewer bytes than as many single samples.
 
 use core::cell::UnsafeCell;
-use core::mem::MaybeUninit;
-use core::ptr;
-use core::sync::atomic::{AtomicPtr, AtomicU8, AtomicU32, Ordering};
 
 use cophase_core::signals::Telemetry;
+use cophase_exchange::Loan;
 use cophase_link::sample::Sample;
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use heapless::spsc::Producer;
 
-struct Slot(UnsafeCell<Option<Producer<'static, Sample>>>);
+/// What a sample contains besides the telemetry.
+#[derive(Clone, Copy)]
+pub struct Label {
+    /// Number of the tick.
+    pub tick: u32,
+    /// Flags of the inputs and drives.
+    pub flags: u8,
+    /// Number of index pulses so far.
+    pub index_count: u8,
+}
+
+/// Samples for the link.
+struct Samples {
+    queue: Producer<'static, Sample>,
+    /// The queue was full, and half of it is not free yet.
+    is_held: bool,
+}
+
+struct Slot(UnsafeCell<Option<Samples>>);
 
 // SAFETY: it is written once, before the interrupt is enabled; from then on only that interrupt accesses it.
 unsafe impl Sync for Slot {}
 
 static SAMPLES: Slot = Slot(UnsafeCell::new(None));
 
-/// Number of the last tick.
-static NOW: AtomicU32 = AtomicU32::new(0);
-
-/// Telemetry of the loop.
-static TELEMETRY: AtomicPtr<Telemetry> = AtomicPtr::new(ptr::null_mut());
-
-/// Flags of the requested sample.
-static FLAGS: AtomicU8 = AtomicU8::new(0);
-
-/// Number of index pulses at the requested sample.
-static INDEX_COUNT: AtomicU8 = AtomicU8::new(0);
+/// Telemetry of the last tick.
+static TELEMETRY: Loan<Telemetry, Label> = Loan::none();
 
 /// Takes the queue of samples, and enables the interrupt. To be called once.
 #[cold]
-pub fn set_up(samples: Producer<'static, Sample>) {
+pub fn set_up(queue: Producer<'static, Sample>) {
+    let samples = Samples {
+        queue,
+        is_held: false,
+    };
     // SAFETY: the interrupt is not enabled yet.
     unsafe { *SAMPLES.0.get() = Some(samples) };
     interrupt::SWI_IRQ_0.set_priority(Priority::P3);
@@ -43,45 +57,58 @@ pub fn set_up(samples: Producer<'static, Sample>) {
     unsafe { interrupt::SWI_IRQ_0.enable() };
 }
 
-/// Notes the number of a tick. Every tick calls it, so that a copy that it interrupts is dropped.
-pub fn begin(tick: u32) {
-    NOW.store(tick, Ordering::Release);
+/// Ends the loan of the last tick's telemetry. Every tick calls it before it changes the telemetry.
+#[inline(always)]
+pub fn end() {
+    critical_section::with(|cs| TELEMETRY.end(cs));
 }
 
-/// Requests a sample of the present tick, with the flags of its inputs and drives, and the number of index pulses so far. The telemetry
-/// must be in a static.
-pub fn request(telemetry: &Telemetry, flags: u8, index_count: u8) {
-    INDEX_COUNT.store(index_count, Ordering::Relaxed);
-    TELEMETRY.store(ptr::from_ref(telemetry).cast_mut(), Ordering::Relaxed);
-    FLAGS.store(flags, Ordering::Relaxed);
+/// Requests a sample of the present tick.
+///
+/// # Safety
+/// The telemetry must stay at its place, and must not change, until [`end`].
+pub unsafe fn request(telemetry: &Telemetry, label: Label) {
+    // SAFETY: as the caller promises.
+    critical_section::with(|cs| unsafe { TELEMETRY.lend(cs, telemetry, label) });
     interrupt::SWI_IRQ_0.pend();
 }
 
-/// The requested sample; none if another tick has begun.
-fn sample() -> Option<Sample> {
-    let tick = NOW.load(Ordering::Acquire);
-    let telemetry = TELEMETRY.load(Ordering::Relaxed);
-    let flags = FLAGS.load(Ordering::Relaxed);
-    let index_count = INDEX_COUNT.load(Ordering::Relaxed);
-    if telemetry.is_null() {
-        return None;
+impl Samples {
+    /// Makes the requested sample, if the link has room for it and no other tick has begun.
+    fn make(&mut self) {
+        let limit = if self.is_held {
+            self.queue.capacity() / 2
+        } else {
+            self.queue.capacity()
+        };
+        self.is_held = self.queue.len() >= limit;
+        if self.is_held {
+            return;
+        }
+        let lent = critical_section::with(|cs| {
+            TELEMETRY.take(cs, |telemetry, label| (telemetry.clone(), label))
+        });
+        if let Some((
+            telemetry,
+            Label {
+                tick,
+                flags,
+                index_count,
+            },
+        )) = lent
+        {
+            // There is room: the link only takes samples.
+            let _ = self
+                .queue
+                .enqueue(Sample::new(tick, &telemetry, flags, index_count));
+        }
     }
-    // SAFETY: it is in a static. A tick may interrupt the copy and change it, but then the copy is not used.
-    let copy = unsafe { ptr::read_volatile(telemetry.cast::<MaybeUninit<Telemetry>>()) };
-    if NOW.load(Ordering::Acquire) != tick {
-        return None;
-    }
-    // SAFETY: no tick has begun since it was written, so it is whole.
-    let telemetry = unsafe { copy.assume_init_ref() };
-    Some(Sample::new(tick, telemetry, flags, index_count))
 }
 
 #[interrupt]
 fn SWI_IRQ_0() {
     // SAFETY: only this handler accesses it, and it does not preempt itself.
-    let samples = unsafe { &mut *SAMPLES.0.get() };
-    if let (Some(samples), Some(sample)) = (samples, sample()) {
-        // If there is no room, the tick of the next sample shows the gap.
-        let _ = samples.enqueue(sample);
+    if let Some(samples) = unsafe { &mut *SAMPLES.0.get() } {
+        samples.make();
     }
 }

@@ -12,10 +12,11 @@ use core::cell::RefCell;
 
 use cophase_link::server::Hub;
 use embassy_executor::Spawner;
+use embassy_futures::yield_now;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::peripherals::{PIN_8, PIN_9, UART1, USB};
 use embassy_rp::{Peri, interrupt};
-use embassy_time::{Duration, Ticker};
+use embassy_time::{Duration, Ticker, Timer};
 use static_cell::StaticCell;
 
 pub use device::{FirmwareDevice, LoopEnd, Running, queues, running};
@@ -55,21 +56,36 @@ pub fn spawn(spawner: Spawner, device: FirmwareDevice, lines: Lines) {
     for interrupt in [interrupt::USBCTRL_IRQ, interrupt::UART1_IRQ] {
         interrupt.set_priority(Priority::P3);
     }
-    spawner.spawn(defmt::unwrap!(serve(hub)));
+    spawner.spawn(defmt::unwrap!(keep_times(hub)));
+    spawner.spawn(defmt::unwrap!(move_all(hub)));
     usb::spawn(spawner, hub, lines.usb);
     if has_uart {
         uart::spawn(spawner, hub, lines.uart, lines.tx, lines.rx);
     }
 }
 
-/// Task that moves samples and events to the sessions.
+/// Task that does what is due, whatever waits.
 #[embassy_executor::task]
-async fn serve(hub: SharedHub) -> ! {
+async fn keep_times(hub: SharedHub) -> ! {
     let mut rounds = Ticker::every(ROUND);
     loop {
         rounds.next().await;
         let mut hub = hub.borrow_mut();
-        hub.poll();
+        hub.check_times();
         hub.device().restart_if_due();
+    }
+}
+
+/// Task that moves samples and events to the sessions. After each one the other tasks run, so that a stop waits for one sample and not for
+/// a stream.
+#[embassy_executor::task]
+async fn move_all(hub: SharedHub) -> ! {
+    loop {
+        let has_moved = hub.borrow_mut().move_one();
+        if has_moved {
+            yield_now().await;
+        } else {
+            Timer::after(ROUND).await;
+        }
     }
 }

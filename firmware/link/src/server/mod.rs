@@ -1,8 +1,8 @@
 //! The controller's side of the link, without any input or output of its own.
 //!
 //! A [`Hub`] serves a fixed number of *sessions*, one for each line (USB, UART, a TCP connection). Bytes that arrive go
-//! into [`Hub::receive`], and bytes to send come out of [`Hub::transmit`]. [`Hub::poll`] moves samples and events from
-//! the loop to the sessions. The [`Device`] is the controller as the hub needs it: firmware and simulator each have one.
+//! into [`Hub::receive`], and bytes to send come out of [`Hub::transmit`]. [`Hub::move_one`] moves samples and events from
+//! the loop to the sessions, and [`Hub::check_times`] does what is due. The [`Device`] is the controller as the hub needs it: firmware and simulator each have one.
 //!
 //! One session has *control* at a time. Requests that change anything need it; a stop needs nothing. Motion needs two
 //! steps: a request that arms, and within [`ARMED_S`] a start, home or jog. The loop itself checks every command again,
@@ -38,6 +38,9 @@ use upload::Upload;
 
 /// Events that the log keeps.
 const EVENTS: usize = 64;
+
+/// Samples and events that are moved before a request is answered, at most. They are few, because a stop may wait behind the request.
+const MOVED_BEFORE_ANSWER: usize = 8;
 
 /// Samples a second for statuses while no stream needs more.
 const STATUS_HZ: u32 = 100;
@@ -135,14 +138,26 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         }
     }
 
-    /// Moves samples and events from the loop to the sessions. To be called every few milliseconds.
+    /// Moves samples and events from the loop to the sessions until none waits, then [checks the times](Self::check_times). For a host on
+    /// which the loop does not run meanwhile.
     pub fn poll(&mut self) {
         while self.poll_one() {}
     }
 
-    /// Moves at most one sample or event from the loop to the sessions; returns false once none waits. A host in the same
-    /// process fetches what is to be sent after each call, so that no session has more than its room.
+    /// Moves at most one sample or event, as [`Self::move_one`]; returns false once none waits, after it has [checked the
+    /// times](Self::check_times). A host in the same process fetches what is to be sent after each call, so that no session has more than its
+    /// room.
     pub fn poll_one(&mut self) -> bool {
+        let has_moved = self.move_one();
+        if !has_moved {
+            self.check_times();
+        }
+        has_moved
+    }
+
+    /// Moves at most one sample or event from the loop to the sessions; returns false if none waits. Samples may come as fast as they are
+    /// moved, so the caller lets other work take its turn after each call.
+    pub fn move_one(&mut self) -> bool {
         if let Some((tick, event)) = self.device.next_event() {
             self.log(tick, event);
             return true;
@@ -151,6 +166,12 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             self.take(&sample);
             return true;
         }
+        false
+    }
+
+    /// Does what is due by now: limits in time end, a lost host stops the machine, and statuses are sent. To be called every few milliseconds,
+    /// whatever waits.
+    pub fn check_times(&mut self) {
         let now_ms = self.device.now_ms();
         self.access.expire(now_ms, &self.latest);
         self.react_to_host_loss(now_ms);
@@ -161,7 +182,6 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
                 self.sessions[session].send_stream(&Message::Status(status));
             }
         }
-        false
     }
 
     fn take(&mut self, sample: &Sample) {

@@ -4,7 +4,7 @@ use cophase_core::supervisor::Command;
 use cophase_core::units::Turns;
 
 use super::device::{Device, SettingsRefusal};
-use super::{EVENTS, Hub};
+use super::{EVENTS, Hub, MOVED_BEFORE_ANSWER};
 use crate::message::{
     ControlRequest, Counters, EVENTS_IN_REPLY, EventRecord, File, MAX_CHUNK_BYTES,
     MAX_OVERRIDE_PERMILLE, Message, Refusal, ReplyBody, Request, Status, StopKind, VERSION,
@@ -21,7 +21,11 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     /// Answers the request of a frame.
     pub(super) fn answer(&mut self, session: usize, number: u16, payload: &[u8]) {
         // A request is checked against the latest state of the machine.
-        self.poll();
+        for _ in 0..MOVED_BEFORE_ANSWER {
+            if !self.poll_one() {
+                break;
+            }
+        }
         let body = match postcard::take_from_bytes::<Request<'_>>(payload) {
             Ok((request, [])) => self.act(session, &request),
             _ => Err(Refusal::Unreadable),

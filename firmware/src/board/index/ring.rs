@@ -1,14 +1,13 @@
-//! Ring buffer in RAM that a DMA channel fills from the FIFO of the machine, and that the loop reads.
+//! Ring in RAM that a DMA channel fills from the FIFO of the machine, and that the loop reads.
 
-use core::sync::atomic::{AtomicU32, Ordering};
-
+use cophase_exchange::{AtomicU32, Reader};
 use embassy_rp::pac;
 use embassy_rp::pac::dma::regs::CtrlTrig;
 use embassy_rp::pac::dma::vals::{DataSize, TreqSel};
 
 use crate::board::INDEX_MACHINE;
 
-/// Number of changes that the ring holds. Six cranks at 200 rev/s make two changes each in 5 ms.
+/// Number of changes of which the ring holds all but one. Six cranks at 200 rev/s make two changes each in 5 ms.
 const CHANGES: usize = 64;
 
 /// Binary logarithm of the ring's length in bytes, at which the channel wraps.
@@ -31,12 +30,7 @@ static MEMORY: Memory = Memory([const { AtomicU32::new(0) }; CHANGES]);
 
 /// The ring, and the position up to which it has been read.
 #[derive(Clone, Copy)]
-pub struct Ring {
-    /// The channel's count of remaining words at the next word to be read.
-    unread_from: u32,
-    /// The same at the end of the words that are to be read.
-    unread_to: u32,
-}
+pub struct Ring(Reader<CHANGES>);
 
 impl Ring {
     /// Starts the channel on the FIFO of the machine.
@@ -57,45 +51,42 @@ impl Ring {
         ctrl.set_chain_to(CHANNEL as u8); // A channel that is chained to itself is chained to none.
         ctrl.set_en(true);
         channel.ctrl_trig().write_value(ctrl);
-        Self {
-            unread_from: WORDS,
-            unread_to: WORDS,
-        }
+        Self(Reader::new())
     }
 
-    /// Returns true if words are to be read, up to the last that arrived so far. If more arrived than the ring holds, all of them are
-    /// skipped: some are overwritten, and the order of the rest is unknown.
+    /// Returns true if words are to be read.
     #[inline(always)]
     pub fn has_unread(&mut self) -> bool {
-        let channel = pac::DMA.ch(CHANNEL);
-        let left = channel.trans_count().read();
-        let waiting = self.unread_from.wrapping_sub(left);
-        self.unread_to = left;
-        if waiting as usize > CHANGES {
-            self.unread_from = left;
-            return false;
+        let written = written();
+        if self.0.has_unread(written) {
+            return true;
         }
-        if left == 0 && waiting == 0 {
+        if written == WORDS {
             // After four billion changes, all of them read, the channel has stopped. Later ones wait in the FIFO.
-            channel.al1_trans_count_trig().write_value(WORDS);
-            self.unread_from = WORDS;
-            self.unread_to = WORDS;
+            pac::DMA
+                .ch(CHANNEL)
+                .al1_trans_count_trig()
+                .write_value(WORDS);
+            self.0 = Reader::new();
         }
-        waiting != 0
+        false
     }
 
     /// Next unread word.
     #[inline(always)]
-    pub fn peek(&self) -> Option<u32> {
-        if self.unread_from == self.unread_to {
-            return None;
-        }
-        let place = WORDS.wrapping_sub(self.unread_from) as usize % CHANGES;
-        MEMORY.0.get(place).map(|word| word.load(Ordering::Relaxed))
+    pub fn peek(&mut self) -> Option<u32> {
+        self.0.peek(&MEMORY.0, written)
     }
 
     /// Advances to the next word.
+    #[inline(always)]
     pub const fn advance(&mut self) {
-        self.unread_from = self.unread_from.wrapping_sub(1);
+        self.0.advance();
     }
+}
+
+/// Number of words that the channel has written. It lowers its count when it begins a transfer, which ends before the core can read the
+/// word.
+fn written() -> u32 {
+    WORDS.wrapping_sub(pac::DMA.ch(CHANNEL).trans_count().read())
 }
