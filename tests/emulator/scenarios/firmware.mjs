@@ -6,12 +6,13 @@
 // stored.
 
 import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
 import path from 'node:path';
 import * as goals from '../bench/goals.mjs';
 import { scene, settingsOf, withAxes } from '../bench/host.mjs';
 import { flashWith, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
-import { FIRMWARE, HERE, INSPECT } from '../bench/paths.mjs';
+import { FIRMWARE, FIRMWARE_V0_NAMES, HERE, INSPECT } from '../bench/paths.mjs';
 
 const ROOTS = ['cophase_core::controller::Controller<_>::tick', 'cophase_firmware::control::Board<_>', 'DMA_IRQ_1'];
 
@@ -40,6 +41,8 @@ export function run(outcome, { write = false, compare = true } = {}) {
   const places = inspect(['places', FIRMWARE, ...from([...ROOTS, ...BESIDE])]);
   outcome.check(places.status === 0, `nothing of the tick path is in the flash:\n${places.stdout}${places.stderr}`);
 
+  otherNames(outcome);
+
   const { stack, axes } = deepestStack(outcome);
   const golden = path.join(HERE, 'image-size.toml');
   const against = compare ? ['--golden', golden, '--stack-bytes', String(stack), '--stack-axes', String(axes), ...(write ? ['--bless'] : [])] : [];
@@ -52,6 +55,24 @@ export function run(outcome, { write = false, compare = true } = {}) {
   const [, flash] = size.stdout.match(/^flash +(\d+) bytes/m) ?? [];
   outcome.goal('static RAM and the deepest stack, bytes', Number(ram) + stack, goals.RAM_BYTES);
   outcome.goal('flash, bytes', Number(flash), goals.FLASH_BYTES);
+}
+
+/** A tick may take longer by this factor with other names, as the compiler places other functions in line. */
+const MOST_LONGER = 1.05;
+
+/** What runs from RAM is chosen by the names of functions. With the compiler's other form of names a tick takes as long. */
+function otherNames(outcome) {
+  if (!fs.existsSync(FIRMWARE_V0_NAMES)) return;
+  const settings = settingsOf(scene('everything', withAxes(2)));
+  const [worst, other] = [FIRMWARE, FIRMWARE_V0_NAMES].map((file) => {
+    const machine = new Machine({ axes: 2, tickHz: 2000, settings, options: { elf: fs.readFileSync(file) } });
+    machine.boot();
+    const began = machine.start();
+    machine.run(0.2);
+    return Math.max(...machine.ticks(began).map(({ own }) => own));
+  });
+  outcome.say(`worst tick ${worst} cycles, and ${other} with the compiler's other form of names`);
+  outcome.check(other <= MOST_LONGER * worst, `with v0 names the loop runs from RAM: the worst tick takes ${other} cycles, not ${worst}`);
 }
 
 /** The deepest stack of all numbers of axes, bytes, and the number of axes at which it occurs. */
