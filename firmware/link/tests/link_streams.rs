@@ -2,10 +2,12 @@
 
 mod support;
 
-use cophase_link::message::{Message, ReplyBody, Request};
+use cophase_core::settings::{HostLossReaction, HostLossSettings};
+use cophase_core::supervisor::{Command, State};
+use cophase_link::message::{ControlRequest, Message, ReplyBody, Request, StopKind};
 use cophase_link::sample::{ALL_CHANNELS, Channel, Sample, unpack};
 use proptest::prelude::*;
-use support::device::{AXES, TICK_HZ};
+use support::device::{AXES, Effect, TICK_HZ};
 use support::line::{Host, TestHub, hub};
 
 /// Samples with every value different.
@@ -150,4 +152,48 @@ proptest! {
             prop_assert_eq!(sample, expected);
         }
     }
+}
+
+/// Samples that wait: more than a link moves that has little time.
+const WAITING: usize = 10_000;
+
+/// If this fails, a stop waits for a stream, which may be endless.
+#[test]
+fn a_stop_waits_for_a_few_samples_and_not_for_a_stream() {
+    let mut hub = hub();
+    let mut host = Host::new(0);
+    hub.device().samples.extend(samples(WAITING as u32, 5));
+    let before = hub.device().samples.len();
+    host.request(&mut hub, &Request::Stop(StopKind::Now))
+        .unwrap();
+    let stop = Effect::Command(Command::StopNow);
+    assert!(hub.device().effects.contains(&stop));
+    let moved = before - hub.device().samples.len();
+    assert!(moved <= 8, "{moved} samples are moved before the stop");
+}
+
+/// If this fails, the machine of a lost host turns on while samples come faster than the link moves them.
+#[test]
+fn a_lost_host_stops_the_machine_while_samples_wait() {
+    let mut hub = hub();
+    let mut host = Host::new(0);
+    hub.device().host_loss = HostLossSettings {
+        timeout_s: 0.5,
+        reaction: HostLossReaction::Stop,
+    };
+    hub.poll();
+    for request in [
+        Request::Control(ControlRequest::Take),
+        Request::Arm,
+        Request::Start,
+    ] {
+        host.request(&mut hub, &request).unwrap();
+    }
+    hub.device().enters(State::Run);
+    hub.poll();
+    hub.device().samples.extend(samples(WAITING as u32, 5));
+    hub.device().now_ms += 500;
+    hub.check_times();
+    let stop = Effect::Command(Command::Stop);
+    assert_eq!(hub.device().effects.last(), Some(&stop));
 }
