@@ -33,6 +33,10 @@ pub trait Io {
     /// The safety lines are set at once.
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult;
 
+    /// Reacts to a change of the settings in use, which nothing may change: a flipped bit. To be called after the output of the tick was
+    /// submitted.
+    fn settings_changed(&mut self) {}
+
     /// Waits for a deadline. A board may replace this with a timer of the loop's own.
     fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
         Timer::at(deadline)
@@ -89,6 +93,9 @@ pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl
         }
         if held_over > 0 {
             controller.held_over(held_over);
+        }
+        if !controller.check_settings() {
+            io.settings_changed();
         }
     }
 }

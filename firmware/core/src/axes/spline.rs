@@ -14,6 +14,8 @@
 //! Numbers of the tick are integers: positions have 48 fraction bits. A bend is a 30-bit mantissa with a scale for the whole curve,
 //! so a position is within 2⁻²⁹ of the largest bend from the exact spline (tested).
 
+use core::hash::{Hash, Hasher};
+
 use super::bounds::Bounds;
 use crate::functions::{multiply, multiply_high, multiply_long, multiply_q30, normalised};
 use crate::units::{FRACTION_BITS, ONE_TURN, Turns};
@@ -98,6 +100,29 @@ impl Spline {
         if let Some(last) = self.bends.last_mut() {
             *last = first;
         }
+    }
+
+    /// Hashes a slice of the curve, a few words. Returns false for the slice after the last.
+    #[inline(never)]
+    pub(crate) fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) -> bool {
+        let Self {
+            positions,
+            bends,
+            scale,
+        } = self;
+        if slice == 0 {
+            (positions.len(), bends.len(), scale).hash(hasher);
+            return true;
+        }
+        let point = slice - 1;
+        match (positions.get(point), bends.get(point)) {
+            // Beyond their capacity there are none, even if their number is wrong.
+            (Some(position), Some(bend)) if point <= MAX_CAM_POINTS => {
+                (position, bend).hash(hasher);
+            }
+            _ => return false,
+        }
+        true
     }
 
     fn segments(&self) -> usize {

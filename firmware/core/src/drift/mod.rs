@@ -35,6 +35,8 @@ pub use sensing::history::History;
 pub use sensing::index_filter::IndexFilter;
 pub use sensing::tick_phase::{IndexPulse, TickPhase};
 
+use core::hash::{Hash, Hasher};
+
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 use axis_watch::AxisWatch;
@@ -228,6 +230,58 @@ impl DriftMonitor {
         }
         self.phase_error = self.errors(Measured::Now);
         self.reset_peak();
+    }
+
+    /// Hashes what no tick changes of all axes.
+    #[inline]
+    pub(crate) fn hash_common(&self, hasher: &mut impl Hasher) {
+        let Self {
+            before_is_known: _,
+            is_busy: _,
+            changed: _,
+            by_index,
+            by_encoder,
+            at_once,
+            is_homing: _,
+            detected: _,
+            unchecked: _,
+            common_jump: _,
+            queue: _,
+            margin: _,
+            rounds: _,
+            averaged: _,
+            clock,
+            findings: _,
+            phase_error: _,
+            peak: _,
+            modes: _,
+            limits: _,
+            mount: _,
+            moved: _,
+            axes,
+        } = self;
+        (by_index, by_encoder, at_once, clock, axes.len()).hash(hasher);
+    }
+
+    /// Limits on the modes.
+    pub(crate) const fn limits(&self) -> &DriftLimits {
+        &self.limits
+    }
+
+    /// Hashes one of four slices of what no tick changes of an axis.
+    #[inline]
+    pub(crate) fn hash_axis(
+        &self,
+        axis: usize,
+        slice: usize,
+        home_offset: Turns,
+        hasher: &mut impl Hasher,
+    ) {
+        if slice == 3 {
+            self.mount.hash_axis(axis, hasher);
+        } else if let Some(watch) = self.axes.get(axis) {
+            watch.hash_slice(slice, home_offset, hasher);
+        }
     }
 
     /// Largest error of a reading of an axis, turns.

@@ -84,7 +84,7 @@ impl CrankRockerSettings {
 }
 
 /// Coefficients of one crank-rocker at one tick rate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub struct CrankRocker {
     law: SquareLaw,
     geometry: Geometry,
@@ -123,7 +123,7 @@ impl Mechanism for CrankRocker {
 }
 
 /// Lengths, 28 fraction bits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 struct Geometry {
     crank: i64,
     coupler: i64,

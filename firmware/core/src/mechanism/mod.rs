@@ -35,7 +35,7 @@ macro_rules! mechanisms {
         }
 
         /// Any of the mechanisms, for one crank radius and tick rate.
-        #[derive(Clone, Copy, Debug)]
+        #[derive(Clone, Copy, Debug, Hash)]
         pub enum AnyMechanism {
             $($(#[$doc])* $Name($Name),)*
         }

@@ -24,7 +24,7 @@ impl ScotchYokeSettings {
 }
 
 /// Coefficients of one Scotch yoke at one tick rate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub struct ScotchYoke {
     law: SquareLaw,
 }

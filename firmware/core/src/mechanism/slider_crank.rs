@@ -36,7 +36,7 @@ impl SliderCrankSettings {
 }
 
 /// Coefficients of one slider-crank at one tick rate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub struct SliderCrank {
     law: SquareLaw,
     /// λ and λ², 30 fraction bits.

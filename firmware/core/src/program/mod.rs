@@ -9,6 +9,8 @@ mod builder;
 mod cursor;
 mod segment;
 
+use core::hash::{Hash, Hasher};
+
 pub use amplitude::{AmplitudeOverride, MAX_OVERRIDE_PERMILLE};
 pub use builder::{EntrySettings, ProgramBuilder, SegmentSettings};
 pub use cursor::{Cursor, Reading};
@@ -18,7 +20,7 @@ pub use segment::{Segment, Shape};
 pub const CAPACITY: usize = 128;
 
 /// An entry of a program.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub(crate) enum Entry {
     /// Ramp to a level and hold it.
     Segment(Segment),
@@ -58,6 +60,26 @@ impl Program {
             let _ = self.entries.push(entry);
             let _ = self.ends.push(end);
         }
+    }
+
+    /// Hashes a slice of the program, a few words. Returns false for the slice after the last.
+    #[inline(never)]
+    pub(crate) fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) -> bool {
+        let Self { entries, ends } = self;
+        let index = slice >> 1;
+        // Beyond their capacity there are none, even if their number is wrong.
+        if index >= CAPACITY {
+            return false;
+        }
+        if slice == 0 {
+            (entries.len(), ends.len()).hash(hasher);
+        }
+        match (entries.get(index), ends.get(index)) {
+            (Some(entry), _) if slice & 1 == 0 => entry.hash(hasher),
+            (_, Some(end)) => end.hash(hasher),
+            _ => return false,
+        }
+        true
     }
 
     /// Duration of the whole program, in ticks.

@@ -4,7 +4,7 @@ use crate::functions::{multiply, multiply_high, multiply_long};
 use crate::units::Amax;
 
 /// Shape of a segment's ramp.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shape {
     /// Linear in time.
@@ -16,7 +16,7 @@ pub enum Shape {
 }
 
 /// Level with its ramp and its hold time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Segment {
     /// Level at the end of the ramp.
     pub level: Amax,

@@ -14,7 +14,7 @@ use crate::settings::{MachineSettings, Problem, SettingsError, Transmission};
 use crate::units::{FRACTION_BITS, ONE_TURN, Phase, Torque, Turns};
 
 /// Coefficients of one machine at one tick rate, for one motor of `N`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub struct FeedForward {
     mechanism: AnyMechanism,
     /// Right shift of speeds, so that they fit 30 bits at the limit.

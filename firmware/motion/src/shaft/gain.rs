@@ -13,7 +13,7 @@ use super::brake::Inverse;
 use crate::functions::{multiply_high, multiply_long, quotient};
 
 /// The function g and its inverse, for one jerk limit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Hash)]
 pub(super) struct Gain {
     jerk: u64,
     /// Greatest acceleration that the gain and its inverse take.
@@ -25,7 +25,7 @@ pub(super) struct Gain {
 }
 
 /// Multiple of the jerk at or below an acceleration.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub(super) struct Step {
     /// n, below 2²³: settings bound the length of a ramp.
     pub number: u32,

@@ -1,5 +1,7 @@
 //! Limits of the master shaft as coefficients of the tick.
 
+use core::hash::{Hash, Hasher};
+
 use super::Band;
 use super::gain::{Gain, Step};
 use crate::settings::{LimitSettings, MAX_BANDS, turns_at_most};
@@ -67,6 +69,23 @@ impl RampLimits {
         }
     }
 
+    /// Hashes one half of the limits.
+    #[inline]
+    fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self {
+            acceleration,
+            jerk,
+            gain,
+            limit,
+            gain_from_limit,
+        } = self;
+        if second {
+            gain.hash(hasher);
+        } else {
+            (acceleration, jerk, limit, gain_from_limit).hash(hasher);
+        }
+    }
+
     /// Limits for a motion whose phase is rounded afterwards, by less than a unit. The rounding changes the acceleration
     /// by less than two units and the jerk by less than four.
     #[cold]
@@ -122,6 +141,31 @@ impl ShaftLimits {
                 hz,
             ),
         }
+    }
+
+    /// Hashes a slice of the limits, a few words. Returns false for the slice after the last.
+    #[inline(never)]
+    pub fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) -> bool {
+        let Self {
+            speed,
+            homing_speed,
+            bands,
+            usual,
+            fault,
+            parking,
+        } = self;
+        match slice {
+            0 | 1 => usual.hash_half(slice == 1, hasher),
+            2 | 3 => fault.hash_half(slice == 3, hasher),
+            4 | 5 => parking.hash_half(slice == 5, hasher),
+            6 => (speed, homing_speed, bands.len()).hash(hasher),
+            _ => match bands.get(slice - 7) {
+                // Beyond their capacity there are none, even if their number is wrong.
+                Some(band) if slice < 7 + MAX_BANDS => band.hash(hasher),
+                _ => return false,
+            },
+        }
+        true
     }
 
     /// Returns true if a speed, turns a tick, lies in a forbidden band or just above it. The margin above is the speed that the shaft gains

@@ -1,5 +1,7 @@
 //! Constants of the phase offset of one axis, and conversion between steps and turns.
 
+use core::hash::{Hash, Hasher};
+
 use crate::functions::{Divisor, multiply_long};
 use crate::pulse::StepsPerTurn;
 use crate::settings::{AxisSettings, Settings, turns_at_most};
@@ -78,6 +80,33 @@ impl Lane {
             per_slot: Divisor::new(slot_steps),
             half_steps_per_tick: STEP / ticks,
             turns_per_tick: steps_per_turn.step_turns().0 / ticks,
+        }
+    }
+
+    /// Hashes one half of the constants.
+    #[inline]
+    pub(super) fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self {
+            turns_per_step,
+            steps_per_turn,
+            limit,
+            limit_steps,
+            slot_steps,
+            per_slot,
+            half_steps_per_tick,
+            turns_per_tick,
+        } = self;
+        if second {
+            (per_slot, half_steps_per_tick, turns_per_tick).hash(hasher);
+        } else {
+            (
+                turns_per_step,
+                steps_per_turn,
+                limit,
+                limit_steps,
+                slot_steps,
+            )
+                .hash(hasher);
         }
     }
 

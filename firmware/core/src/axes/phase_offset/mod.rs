@@ -11,6 +11,8 @@
 mod lane;
 mod part;
 
+use core::hash::{Hash, Hasher};
+
 use crate::settings::Settings;
 use crate::units::{MAX_AXES, ONE_TURN, PerAxis, Turns};
 pub use lane::slot_turns;
@@ -74,6 +76,29 @@ impl PhaseOffsets {
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
         self.gain = libm::round(settings.correction.gain * 65_536.0) as i64;
+    }
+
+    /// Hashes what no tick changes of all axes.
+    #[inline]
+    pub(crate) fn hash_common(&self, hasher: &mut impl Hasher) {
+        let Self {
+            lanes,
+            slot_ticks,
+            slot: _,
+            user: _,
+            controller: _,
+            now: _,
+            gain,
+        } = self;
+        (lanes.len(), slot_ticks, gain).hash(hasher);
+    }
+
+    /// Hashes one half of the constants of an axis.
+    #[inline]
+    pub(crate) fn hash_half(&self, axis: usize, second: bool, hasher: &mut impl Hasher) {
+        if let Some(lane) = self.lanes.get(axis) {
+            lane.hash_half(second, hasher);
+        }
     }
 
     /// Ticks of a slot, in which one axis moves by whole steps: in each tick but the last by an equal part of them, rounded down.

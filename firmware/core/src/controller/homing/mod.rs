@@ -18,6 +18,8 @@ mod checks;
 mod steps;
 mod verify;
 
+use core::hash::{Hash, Hasher};
+
 use crate::axes::PhaseOffsets;
 use crate::drift::{AxisSet, DriftMonitor, Measured};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
@@ -110,6 +112,33 @@ impl Homing {
         self.count = count;
         self.lag = lag;
         self.tolerance = tolerance;
+    }
+
+    /// Hashes what no tick changes of one axis, and with the first axis what is common to all.
+    #[inline]
+    pub(super) fn hash_axis(&self, axis: usize, hasher: &mut impl Hasher) {
+        let Self {
+            step: _,
+            patterns,
+            has_home_offset,
+            count,
+            lag,
+            tolerance,
+            has_levelled_again: _,
+            proven: _,
+            base: _,
+            waited: _,
+            before: _,
+            from: _,
+            checks: _,
+            off: _,
+            home_offset: _,
+        } = self;
+        let [one, other] = patterns;
+        (one.get(axis), other.get(axis), tolerance.get(axis)).hash(hasher);
+        if axis == 0 {
+            (has_home_offset, count, lag).hash(hasher);
+        }
     }
 
     /// Begins with the search for the indices.

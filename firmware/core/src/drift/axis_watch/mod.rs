@@ -10,6 +10,8 @@ use steady_drift::SteadyDrift;
 pub(super) use traits::Traits;
 pub use traits::place_gate;
 
+use core::hash::{Hash, Hasher};
+
 use super::detection::angles::{angle, of_angle};
 use super::diagnosis::events::Diagnosis;
 use super::sensing::encoder_watch::{EncoderWatch, Read};
@@ -71,6 +73,26 @@ impl AxisWatch {
             home: 0,
             diagnosis: Diagnosis::new(),
             steady_drift: SteadyDrift::default(),
+        }
+    }
+
+    /// Hashes one of three slices of what no tick changes.
+    #[inline]
+    pub(super) fn hash_slice(&self, slice: usize, home_offset: Turns, hasher: &mut impl Hasher) {
+        let Self {
+            traits,
+            index: _,
+            encoder,
+            last: _,
+            home: _,
+            diagnosis: _,
+            steady_drift: _,
+        } = self;
+        if slice == 0 {
+            let encoder = encoder.as_ref().map(|encoder| encoder.constants());
+            encoder.hash(hasher);
+        } else {
+            traits.hash_half(slice == 1, home_offset, hasher);
         }
     }
 

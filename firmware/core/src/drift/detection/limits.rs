@@ -7,7 +7,7 @@ use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
 /// Limits of the platform, turns of crank angle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub(in crate::drift) struct Limits {
     tilt: Turns,
     warp: Turns,
@@ -36,7 +36,7 @@ impl Limits {
 /// A crank beyond a limit must be detected whatever the error of its reading is. So where one has moved, the limits are lower by a
 /// reading error. That covers the error of one crank in each mode. If all readings err at once, a tilt errs by up to √2 of it, and by
 /// more if sensors are missing ([`Mount::with`]).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub struct DriftLimits {
     /// Limits on the cranks themselves.
     pub(in crate::drift) of_cranks: Limits,
