@@ -102,27 +102,28 @@ impl Spline {
         }
     }
 
-    /// Hashes a slice of the curve, a few words. Returns false for the slice after the last.
-    #[inline(never)]
-    pub(crate) fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) -> bool {
+    /// Hashes the numbers of points and bends, and their scale.
+    #[inline(always)]
+    pub(crate) fn hash_lengths(&self, hasher: &mut impl Hasher) {
         let Self {
             positions,
             bends,
             scale,
         } = self;
-        if slice == 0 {
-            (positions.len(), bends.len(), scale).hash(hasher);
-            return true;
-        }
-        let point = slice - 1;
-        match (positions.get(point), bends.get(point)) {
+        (positions.len(), bends.len(), scale).hash(hasher);
+    }
+
+    /// Hashes a point and its bend. Returns false for the point after the last.
+    #[inline(always)]
+    pub(crate) fn hash_point(&self, point: usize, hasher: &mut impl Hasher) -> bool {
+        match (self.positions.get(point), self.bends.get(point)) {
             // Beyond their capacity there are none, even if their number is wrong.
             (Some(position), Some(bend)) if point <= MAX_CAM_POINTS => {
                 (position, bend).hash(hasher);
+                true
             }
-            _ => return false,
+            _ => false,
         }
-        true
     }
 
     fn segments(&self) -> usize {

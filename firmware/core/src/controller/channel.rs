@@ -20,7 +20,7 @@ pub(super) struct Channel {
 
 impl Channel {
     /// Hashes one of four slices of what no tick changes.
-    #[inline]
+    #[inline(always)]
     pub(super) fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) {
         let Self {
             planner,
@@ -30,11 +30,13 @@ impl Channel {
         } = self;
         match slice {
             0 | 1 => planner.hash_half(slice == 1, hasher),
-            2 => {
+            2 => follower.hash_constants(hasher),
+            _ => {
                 reversed.hash(hasher);
-                follower.hash_constants(hasher);
+                if let Some(forward) = feed_forward {
+                    forward.hash_constants(hasher);
+                }
             }
-            _ => feed_forward.hash(hasher),
         }
     }
 

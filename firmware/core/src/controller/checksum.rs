@@ -1,8 +1,8 @@
 //! Checksum of the settings in use: a flipped bit of one shows within a round of ticks.
 //!
 //! The settings in use are the constants of a controller: what [`Controller::configure`] computed, and no tick changes. They are placed
-//! among fields that every tick changes. So the loop checks them itself. Each tick hashes one *slice*, a few words of one *part*. At the
-//! end of a part, the sum must be that of its first pass. A *round* passes all parts.
+//! among fields that every tick changes. So the loop checks them itself: each tick hashes one *slice*, of at most seven words. A *part* has
+//! slices of one kind, one for each axis or entry. A *round* passes all parts, and its sums must be those of the first round.
 //!
 //! Each type names its constants once. A type with state as well takes all of its fields apart for that, so that a new field does not
 //! compile until it is named as one or the other.
@@ -11,13 +11,7 @@ use core::hash::{Hash, Hasher};
 
 use super::Controller;
 use crate::axes::MAX_CAMS;
-use crate::units::MAX_AXES;
-
-/// Parts in the order in which they are checked: whole machine, shaft, channels, drift monitor, phase offsets, homing, cam tables,
-/// program.
-const PARTS: usize = FIRST_CAM + MAX_CAMS + 1;
-const FIRST_CAM: usize = 5;
-const PROGRAM: usize = PARTS - 1;
+use crate::mechanism::Mechanism;
 
 /// Sum of words: each is added by an exclusive or to the rotated sum, which is then multiplied by an odd number.
 ///
@@ -72,14 +66,107 @@ impl Hasher for Checksum {
     }
 }
 
+/// Hashes slice `number` of a part. Returns none for the slice after the last.
+type Part = fn(&Controller, usize, Checksum) -> Option<Checksum>;
+
+/// Parts in the order in which they are checked: those of the program, and those of the settings.
+static PARTS: [Part; 36] = [
+    |c, i, sum| slice(sum, |sum| c.program.hash_half(i, false, sum)),
+    |c, i, sum| slice(sum, |sum| c.program.hash_half(i, true, sum)),
+    |c, i, sum| single(i, sum, |sum| c.program.lengths().hash(sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(0, sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(1, sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(2, sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(3, sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(4, sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(5, sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(6, sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(7, sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(8, sum)),
+    |c, i, sum| single(i, sum, |sum| c.hash_machine(9, sum)),
+    |c, i, sum| single(i, sum, |sum| c.shaft.limits().hash_speeds(sum)),
+    |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 0, sum)),
+    |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 1, sum)),
+    |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 2, sum)),
+    |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 3, sum)),
+    |c, i, sum| entry(c.shaft.limits().bands(), i, sum, |band, sum| band.hash(sum)),
+    |c, i, sum| slice(sum, |sum| c.drift.mount().hash_axis(i, sum)),
+    |c, i, sum| {
+        entry(&c.channels, i, sum, |channel, sum| {
+            channel.hash_slice(0, sum)
+        })
+    },
+    |c, i, sum| {
+        entry(&c.channels, i, sum, |channel, sum| {
+            channel.hash_slice(1, sum)
+        })
+    },
+    |c, i, sum| {
+        entry(&c.channels, i, sum, |channel, sum| {
+            channel.hash_slice(2, sum)
+        })
+    },
+    |c, i, sum| {
+        entry(&c.channels, i, sum, |channel, sum| {
+            channel.hash_slice(3, sum)
+        })
+    },
+    |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 0, sum)),
+    |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 1, sum)),
+    |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 2, sum)),
+    |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 3, sum)),
+    |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 0, sum)),
+    |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 1, sum)),
+    |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 2, sum)),
+    |c, i, sum| slice(sum, |sum| c.homing.hash_axis(i, sum)),
+    |c, i, sum| single(i, sum, |sum| c.cams[0].hash_lengths(sum)),
+    |c, i, sum| single(i, sum, |sum| c.cams[1].hash_lengths(sum)),
+    |c, i, sum| slice(sum, |sum| c.cams[0].hash_point(i, sum)),
+    |c, i, sum| slice(sum, |sum| c.cams[1].hash_point(i, sum)),
+];
+const _: () = assert!(MAX_CAMS == 2, "a cam table has two parts");
+
+/// Number of parts of the program.
+const OF_PROGRAM: usize = 3;
+
+/// Sum with a slice, if there is one.
+#[inline(always)]
+fn slice(mut sum: Checksum, hash: impl FnOnce(&mut Checksum) -> bool) -> Option<Checksum> {
+    hash(&mut sum).then_some(sum)
+}
+
+/// Sum with the only slice of a part.
+#[inline(always)]
+fn single(number: usize, mut sum: Checksum, hash: impl FnOnce(&mut Checksum)) -> Option<Checksum> {
+    if number != 0 {
+        return None;
+    }
+    hash(&mut sum);
+    Some(sum)
+}
+
+/// Sum with a slice of an entry. Beyond the capacity there are none, even if the number of entries is wrong.
+#[inline(always)]
+fn entry<T, const N: usize>(
+    entries: &heapless::Vec<T, N>,
+    number: usize,
+    mut sum: Checksum,
+    hash: impl FnOnce(&T, &mut Checksum),
+) -> Option<Checksum> {
+    let entry = entries.get(number).filter(|_| number < N)?;
+    hash(entry, &mut sum);
+    Some(sum)
+}
+
 /// Place in the round, and the sums.
 #[derive(Clone, Debug)]
 pub(super) struct SettingsCheck {
     part: usize,
     slice: usize,
     sum: Checksum,
-    /// Sum of each part in its first pass; none before.
-    references: [Option<Checksum>; PARTS],
+    /// Sums of program and settings in the first round; none before.
+    program: Option<Checksum>,
+    settings: Option<Checksum>,
 }
 
 impl SettingsCheck {
@@ -89,105 +176,74 @@ impl SettingsCheck {
             part: 0,
             slice: 0,
             sum: Checksum::START,
-            references: [None; PARTS],
+            program: None,
+            settings: None,
         }
     }
 
     /// Takes over that the program was replaced.
     pub(super) const fn program_changed(&mut self) {
-        self.references[PROGRAM] = None;
-        if self.part == PROGRAM {
+        self.program = None;
+        if self.part < OF_PROGRAM {
+            self.part = 0;
             self.slice = 0;
             self.sum = Checksum::START;
         }
     }
+
+    /// Begins the next part. At the end of the program and of the settings, returns false if the sum is not that of the first round.
+    #[inline(never)] // seldom
+    fn end_part(&mut self) -> bool {
+        self.slice = 0;
+        self.part += 1;
+        let first = if self.part == OF_PROGRAM {
+            &mut self.program
+        } else if self.part >= PARTS.len() {
+            self.part = 0;
+            &mut self.settings
+        } else {
+            return true;
+        };
+        let sum = core::mem::replace(&mut self.sum, Checksum::START);
+        *first.get_or_insert(sum) == sum
+    }
 }
 
 impl Controller {
-    /// Checks the next slice of the settings in use. Returns false at the end of a part that is not as it was when the controller was
-    /// configured, or when the program was loaded.
-    ///
-    /// To be called once a tick.
-    #[inline(never)]
+    /// Checks the next slice of the settings in use. Returns false once they are not as they were when the controller was configured, or,
+    /// for the program, when it was loaded. To be called once a tick.
+    #[inline]
     pub fn check_settings(&mut self) -> bool {
-        let mut sum = self.check.sum;
-        if self.hash_slice(self.check.part, self.check.slice, &mut sum) {
-            self.check.sum = sum;
-            self.check.slice += 1;
-            return true;
-        }
-        self.end_part(sum)
-    }
-
-    /// Compares the sum of a part, and begins the next one.
-    #[inline(never)]
-    fn end_part(&mut self, sum: Checksum) -> bool {
-        let check = &mut self.check;
-        let reference = check.references.get_mut(check.part);
-        check.slice = 0;
-        check.sum = Checksum::START;
-        check.part += 1;
-        match reference {
-            Some(reference) => *reference.get_or_insert(sum) == sum,
-            None => {
-                check.part = 0;
-                true
-            }
-        }
+        let SettingsCheck {
+            part, slice, sum, ..
+        } = self.check;
+        let sum = PARTS.get(part).and_then(|part| part(self, slice, sum));
+        let Some(sum) = sum else {
+            return self.check.end_part();
+        };
+        self.check.slice += 1;
+        self.check.sum = sum;
+        true
     }
 
     /// Makes the sums of the present settings those that each round must give.
     #[cold]
     pub(super) fn begin_check(&mut self) {
         self.check = SettingsCheck::new();
-        while self.check.part < PARTS {
+        while self.check.settings.is_none() {
             self.check_settings();
         }
     }
 
-    /// Hashes a slice of a part. Returns false for the slice after the last.
     #[inline(always)]
-    fn hash_slice(&self, part: usize, slice: usize, sum: &mut Checksum) -> bool {
-        match part {
-            0 => self.hash_machine(slice, sum),
-            1 => self.shaft.limits().hash_slice(slice, sum),
-            2..FIRST_CAM => self.hash_axis(part, slice, sum),
-            PROGRAM => self.program.hash_slice(slice, sum),
-            _ => {
-                let cam = self.cams.get(part.wrapping_sub(FIRST_CAM));
-                cam.is_some_and(|cam| cam.hash_slice(slice, sum))
-            }
-        }
-    }
-
-    /// Hashes a slice of a part that has four for each axis.
-    #[inline(never)]
-    fn hash_axis(&self, part: usize, slice: usize, sum: &mut Checksum) -> bool {
-        let (axis, slice) = (slice >> 2, slice & 3);
-        // Beyond their capacity there are none, even if their number is wrong.
-        if axis >= MAX_AXES {
-            return false;
-        }
-        match (part, slice) {
-            (2, _) => {
-                if let Some(channel) = self.channels.get(axis) {
-                    channel.hash_slice(slice, sum);
-                }
-            }
-            (3, _) => {
-                let home_offset = self.homing.home_offset();
-                self.drift.hash_axis(axis, slice, home_offset, sum);
-            }
-            (_, 0 | 1) => self.offsets.hash_half(axis, slice == 1, sum),
-            (_, 2) => self.homing.hash_axis(axis, sum),
-            _ => {}
-        }
-        true
+    fn hash_sensor(&self, axis: usize, slice: usize, sum: &mut Checksum) -> bool {
+        let home_offset = self.homing.home_offset();
+        self.drift.hash_axis(axis, slice, home_offset, sum)
     }
 
     /// Hashes a slice of what is common to all axes.
-    #[inline(never)]
-    fn hash_machine(&self, slice: usize, sum: &mut Checksum) -> bool {
+    #[inline(always)]
+    fn hash_machine(&self, slice: usize, sum: &mut Checksum) {
         let Self {
             is_busy: _,
             busy_ticks: _,
@@ -219,7 +275,7 @@ impl Controller {
             drift,
             offsets,
             correction: _,
-            homing: _,
+            homing,
             hold: _,
             cams: _,
             coupling,
@@ -227,23 +283,21 @@ impl Controller {
             check: _,
         } = self;
         match slice {
-            0 => {
-                (has_servos, followers, tick_hz, park_crank, channels.len()).hash(sum);
+            0 => (has_servos, followers, tick_hz, park_crank, channels.len()).hash(sum),
+            1 | 2 => mechanism.hash_half(slice == 2, sum),
+            3 => {
+                supervisor.constants().hash(sum);
                 (amplitude.step(), step_rate.tick_cycles()).hash(sum);
             }
-            1 => mechanism.hash(sum),
-            2 => {
-                supervisor.constants().hash(sum);
-                offsets.hash_common(sum);
+            4 => offsets.hash_common(sum),
+            5 => drift.hash_common(sum),
+            6 | 7 => drift.limits().hash_half(slice == 7, sum),
+            8 => homing.hash_common(sum),
+            _ => {
+                if let Some(coupling) = coupling {
+                    coupling.constants().hash(sum);
+                }
             }
-            3 => drift.hash_common(sum),
-            4 => drift.limits().hash(sum),
-            5 => {
-                let coupling = coupling.as_ref().map(|coupling| coupling.constants());
-                coupling.hash(sum);
-            }
-            _ => return false,
         }
-        true
     }
 }

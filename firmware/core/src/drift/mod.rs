@@ -233,7 +233,7 @@ impl DriftMonitor {
     }
 
     /// Hashes what no tick changes of all axes.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn hash_common(&self, hasher: &mut impl Hasher) {
         let Self {
             before_is_known: _,
@@ -256,11 +256,17 @@ impl DriftMonitor {
             peak: _,
             modes: _,
             limits: _,
-            mount: _,
+            mount,
             moved: _,
             axes,
         } = self;
-        (by_index, by_encoder, at_once, clock, axes.len()).hash(hasher);
+        (by_index, by_encoder, at_once).hash(hasher);
+        (mount.detected(), clock, axes.len()).hash(hasher);
+    }
+
+    /// Weights of the axes in the modes.
+    pub(crate) const fn mount(&self) -> &Mount {
+        &self.mount
     }
 
     /// Limits on the modes.
@@ -268,19 +274,22 @@ impl DriftMonitor {
         &self.limits
     }
 
-    /// Hashes one of four slices of what no tick changes of an axis.
-    #[inline]
+    /// Hashes one of four slices of what no tick changes of an axis. Returns false for the axis after the last.
+    #[inline(always)]
     pub(crate) fn hash_axis(
         &self,
         axis: usize,
         slice: usize,
         home_offset: Turns,
         hasher: &mut impl Hasher,
-    ) {
-        if slice == 3 {
-            self.mount.hash_axis(axis, hasher);
-        } else if let Some(watch) = self.axes.get(axis) {
-            watch.hash_slice(slice, home_offset, hasher);
+    ) -> bool {
+        // Beyond their capacity there are none, even if their number is wrong.
+        match self.axes.get(axis) {
+            Some(watch) if axis < MAX_AXES => {
+                watch.hash_slice(slice, home_offset, hasher);
+                true
+            }
+            _ => false,
         }
     }
 

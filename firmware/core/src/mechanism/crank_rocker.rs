@@ -15,6 +15,8 @@
 //! The divisor **r**⊥·**k** is the coupler's length times the cosine of the pressure angle. It is 0 in a branch point, where the
 //! linkage jams.
 
+use core::hash::{Hash, Hasher};
+
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::{isqrt, sine_cosine};
 use crate::settings::{Problem, SettingsError};
@@ -84,7 +86,7 @@ impl CrankRockerSettings {
 }
 
 /// Coefficients of one crank-rocker at one tick rate.
-#[derive(Clone, Copy, Debug, Hash)]
+#[derive(Clone, Copy, Debug)]
 pub struct CrankRocker {
     law: SquareLaw,
     geometry: Geometry,
@@ -112,6 +114,22 @@ impl Mechanism for CrankRocker {
         self.law.amax(speed)
     }
 
+    #[inline(always)]
+    fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self { law, geometry } = self;
+        let Geometry {
+            crank,
+            coupler,
+            ground,
+            stretched,
+        } = geometry;
+        if second {
+            (crank, coupler, ground).hash(hasher);
+        } else {
+            (law, stretched).hash(hasher);
+        }
+    }
+
     fn kinematics(&self, angle: u32) -> Kinematics {
         let motion = self.geometry.at(angle);
         let q30 = |value: i64| (value << 2) as i32;
@@ -123,7 +141,7 @@ impl Mechanism for CrankRocker {
 }
 
 /// Lengths, 28 fraction bits.
-#[derive(Clone, Copy, Debug, Hash)]
+#[derive(Clone, Copy, Debug)]
 struct Geometry {
     crank: i64,
     coupler: i64,

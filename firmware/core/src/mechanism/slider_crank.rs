@@ -9,6 +9,8 @@
 //!
 //! These are the exact kinematics, not the patent's two terms.
 
+use core::hash::{Hash, Hasher};
+
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::{ONE_Q30, inverse_root_of_one_minus, multiply_q30, sine_cosine};
 use crate::settings::SettingsError;
@@ -36,7 +38,7 @@ impl SliderCrankSettings {
 }
 
 /// Coefficients of one slider-crank at one tick rate.
-#[derive(Clone, Copy, Debug, Hash)]
+#[derive(Clone, Copy, Debug)]
 pub struct SliderCrank {
     law: SquareLaw,
     /// λ and λ², 30 fraction bits.
@@ -65,6 +67,20 @@ impl Mechanism for SliderCrank {
 
     fn amax(&self, speed: Turns) -> Amax {
         self.law.amax(speed)
+    }
+
+    #[inline(always)]
+    fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self {
+            law,
+            lambda,
+            lambda_squared,
+        } = self;
+        if second {
+            (lambda, lambda_squared).hash(hasher);
+        } else {
+            law.hash(hasher);
+        }
     }
 
     fn kinematics(&self, angle: u32) -> Kinematics {

@@ -20,7 +20,7 @@ pub use segment::{Segment, Shape};
 pub const CAPACITY: usize = 128;
 
 /// An entry of a program.
-#[derive(Clone, Copy, Debug, PartialEq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Entry {
     /// Ramp to a level and hold it.
     Segment(Segment),
@@ -62,24 +62,33 @@ impl Program {
         }
     }
 
-    /// Hashes a slice of the program, a few words. Returns false for the slice after the last.
-    #[inline(never)]
-    pub(crate) fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) -> bool {
+    /// Hashes one half of an entry, and its end. Returns false for the entry after the last.
+    #[inline(always)]
+    pub(crate) fn hash_half(&self, index: usize, second: bool, hasher: &mut impl Hasher) -> bool {
         let Self { entries, ends } = self;
-        let index = slice >> 1;
         // Beyond their capacity there are none, even if their number is wrong.
         if index >= CAPACITY {
             return false;
         }
-        if slice == 0 {
-            (entries.len(), ends.len()).hash(hasher);
+        let Some(entry) = entries.get(index) else {
+            return false;
+        };
+        match entry {
+            Entry::Segment(segment) => segment.hash_half(second, hasher),
+            Entry::Repeat { first, times } if second => (first, times).hash(hasher),
+            Entry::Repeat { .. } => {}
         }
-        match (entries.get(index), ends.get(index)) {
-            (Some(entry), _) if slice & 1 == 0 => entry.hash(hasher),
-            (_, Some(end)) => end.hash(hasher),
-            _ => return false,
+        if !second {
+            core::mem::discriminant(entry).hash(hasher);
+        } else if let Some(end) = ends.get(index) {
+            end.hash(hasher);
         }
         true
+    }
+
+    /// Numbers of entries and of their ends, which are equal.
+    pub(crate) fn lengths(&self) -> (usize, usize) {
+        (self.entries.len(), self.ends.len())
     }
 
     /// Duration of the whole program, in ticks.

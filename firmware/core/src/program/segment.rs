@@ -1,5 +1,7 @@
 //! One segment: the ramp to a level, and the time at it.
 
+use core::hash::{Hash, Hasher};
+
 use crate::functions::{multiply, multiply_high, multiply_long};
 use crate::units::Amax;
 
@@ -16,7 +18,7 @@ pub enum Shape {
 }
 
 /// Level with its ramp and its hold time.
-#[derive(Clone, Copy, Debug, PartialEq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// Level at the end of the ramp.
     pub level: Amax,
@@ -43,6 +45,23 @@ impl Segment {
             hold_ticks,
             shape,
             per_ramp_tick,
+        }
+    }
+
+    /// Hashes one half.
+    #[inline(always)]
+    pub(super) fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self {
+            level,
+            ramp_ticks,
+            hold_ticks,
+            shape,
+            per_ramp_tick,
+        } = self;
+        if second {
+            (shape, per_ramp_tick).hash(hasher);
+        } else {
+            (level, ramp_ticks, hold_ticks).hash(hasher);
         }
     }
 

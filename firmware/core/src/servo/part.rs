@@ -25,7 +25,7 @@ mod absent {
     use core::marker::PhantomData;
     use core::ops::{Deref, DerefMut};
 
-    #[derive(Clone, Copy, Debug, Hash)]
+    #[derive(Clone, Copy, Debug)]
     pub struct ServoPart<T>(Infallible, PhantomData<T>);
 
     impl<T> Deref for ServoPart<T> {

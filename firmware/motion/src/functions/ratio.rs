@@ -63,7 +63,7 @@ impl Ratio {
     }
 
     /// What never changes: all but the remainder.
-    #[inline]
+    #[inline(always)]
     pub fn constants(&self) -> impl Hash + use<> {
         let Self {
             numerator,

@@ -69,9 +69,9 @@ impl RampLimits {
         }
     }
 
-    /// Hashes one half of the limits.
-    #[inline]
-    fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+    /// Hashes one of four slices.
+    #[inline(always)]
+    fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) {
         let Self {
             acceleration,
             jerk,
@@ -79,10 +79,10 @@ impl RampLimits {
             limit,
             gain_from_limit,
         } = self;
-        if second {
-            gain.hash(hasher);
-        } else {
-            (acceleration, jerk, limit, gain_from_limit).hash(hasher);
+        match slice {
+            0 => (acceleration, jerk, gain_from_limit).hash(hasher),
+            1 => limit.hash(hasher),
+            _ => gain.hash_half(slice == 3, hasher),
         }
     }
 
@@ -143,29 +143,36 @@ impl ShaftLimits {
         }
     }
 
-    /// Hashes a slice of the limits, a few words. Returns false for the slice after the last.
-    #[inline(never)]
-    pub fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) -> bool {
+    /// Hashes the limits of speed, and the number of bands.
+    #[inline(always)]
+    pub fn hash_speeds(&self, hasher: &mut impl Hasher) {
         let Self {
             speed,
             homing_speed,
             bands,
-            usual,
-            fault,
-            parking,
+            usual: _,
+            fault: _,
+            parking: _,
         } = self;
-        match slice {
-            0 | 1 => usual.hash_half(slice == 1, hasher),
-            2 | 3 => fault.hash_half(slice == 3, hasher),
-            4 | 5 => parking.hash_half(slice == 5, hasher),
-            6 => (speed, homing_speed, bands.len()).hash(hasher),
-            _ => match bands.get(slice - 7) {
-                // Beyond their capacity there are none, even if their number is wrong.
-                Some(band) if slice < 7 + MAX_BANDS => band.hash(hasher),
-                _ => return false,
-            },
-        }
+        (speed, homing_speed, bands.len()).hash(hasher);
+    }
+
+    /// Hashes one of four slices of some ramp limits. Returns false for the ones after the last.
+    #[inline(always)]
+    pub fn hash_ramp(&self, number: usize, slice: usize, hasher: &mut impl Hasher) -> bool {
+        let ramp = match number {
+            0 => &self.usual,
+            1 => &self.fault,
+            2 => &self.parking,
+            _ => return false,
+        };
+        ramp.hash_slice(slice, hasher);
         true
+    }
+
+    /// Forbidden bands.
+    pub const fn bands(&self) -> &heapless::Vec<Band, MAX_BANDS> {
+        &self.bands
     }
 
     /// Returns true if a speed, turns a tick, lies in a forbidden band or just above it. The margin above is the speed that the shaft gains

@@ -83,9 +83,9 @@ impl Lane {
         }
     }
 
-    /// Hashes one half of the constants.
-    #[inline]
-    pub(super) fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+    /// Hashes one of three slices.
+    #[inline(always)]
+    pub(super) fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) {
         let Self {
             turns_per_step,
             steps_per_turn,
@@ -96,17 +96,10 @@ impl Lane {
             half_steps_per_tick,
             turns_per_tick,
         } = self;
-        if second {
-            (per_slot, half_steps_per_tick, turns_per_tick).hash(hasher);
-        } else {
-            (
-                turns_per_step,
-                steps_per_turn,
-                limit,
-                limit_steps,
-                slot_steps,
-            )
-                .hash(hasher);
+        match slice {
+            0 => (turns_per_step, steps_per_turn, limit).hash(hasher),
+            1 => (limit_steps, half_steps_per_tick, turns_per_tick).hash(hasher),
+            _ => (slot_steps, per_slot).hash(hasher),
         }
     }
 

@@ -79,7 +79,7 @@ impl PhaseOffsets {
     }
 
     /// Hashes what no tick changes of all axes.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn hash_common(&self, hasher: &mut impl Hasher) {
         let Self {
             lanes,
@@ -93,11 +93,16 @@ impl PhaseOffsets {
         (lanes.len(), slot_ticks, gain).hash(hasher);
     }
 
-    /// Hashes one half of the constants of an axis.
-    #[inline]
-    pub(crate) fn hash_half(&self, axis: usize, second: bool, hasher: &mut impl Hasher) {
-        if let Some(lane) = self.lanes.get(axis) {
-            lane.hash_half(second, hasher);
+    /// Hashes one of three slices of the constants of an axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(crate) fn hash_axis(&self, axis: usize, slice: usize, hasher: &mut impl Hasher) -> bool {
+        // Beyond their capacity there are none, even if their number is wrong.
+        match self.lanes.get(axis) {
+            Some(lane) if axis < MAX_AXES => {
+                lane.hash_slice(slice, hasher);
+                true
+            }
+            _ => false,
         }
     }
 

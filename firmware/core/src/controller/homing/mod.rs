@@ -114,16 +114,29 @@ impl Homing {
         self.tolerance = tolerance;
     }
 
-    /// Hashes what no tick changes of one axis, and with the first axis what is common to all.
-    #[inline]
-    pub(super) fn hash_axis(&self, axis: usize, hasher: &mut impl Hasher) {
+    /// Hashes what no tick changes of one axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(super) fn hash_axis(&self, axis: usize, hasher: &mut impl Hasher) -> bool {
+        let [one, other] = &self.patterns;
+        match (one.get(axis), other.get(axis), self.tolerance.get(axis)) {
+            (Some(one), Some(other), Some(tolerance)) => {
+                (one, other, tolerance).hash(hasher);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Hashes what no tick changes of all axes.
+    #[inline(always)]
+    pub(super) fn hash_common(&self, hasher: &mut impl Hasher) {
         let Self {
             step: _,
-            patterns,
+            patterns: _,
             has_home_offset,
             count,
             lag,
-            tolerance,
+            tolerance: _,
             has_levelled_again: _,
             proven: _,
             base: _,
@@ -134,11 +147,7 @@ impl Homing {
             off: _,
             home_offset: _,
         } = self;
-        let [one, other] = patterns;
-        (one.get(axis), other.get(axis), tolerance.get(axis)).hash(hasher);
-        if axis == 0 {
-            (has_home_offset, count, lag).hash(hasher);
-        }
+        (has_home_offset, count, lag).hash(hasher);
     }
 
     /// Begins with the search for the indices.

@@ -76,8 +76,8 @@ impl AxisWatch {
         }
     }
 
-    /// Hashes one of three slices of what no tick changes.
-    #[inline]
+    /// Hashes one of four slices of what no tick changes.
+    #[inline(always)]
     pub(super) fn hash_slice(&self, slice: usize, home_offset: Turns, hasher: &mut impl Hasher) {
         let Self {
             traits,
@@ -88,11 +88,11 @@ impl AxisWatch {
             diagnosis: _,
             steady_drift: _,
         } = self;
-        if slice == 0 {
+        if slice == 3 {
             let encoder = encoder.as_ref().map(|encoder| encoder.constants());
             encoder.hash(hasher);
         } else {
-            traits.hash_half(slice == 1, home_offset, hasher);
+            traits.hash_slice(slice, home_offset, hasher);
         }
     }
 

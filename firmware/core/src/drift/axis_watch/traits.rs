@@ -58,10 +58,10 @@ impl Traits {
         }
     }
 
-    /// Hashes one half of the traits. Homing moves the place of the sensor and the home offset by as much in opposite senses, so their sum
-    /// within a turn never changes.
-    #[inline]
-    pub fn hash_half(&self, second: bool, home_offset: Turns, hasher: &mut impl Hasher) {
+    /// Hashes one of three slices of the traits. Homing moves the place of the sensor and the home offset by as much in opposite senses, so
+    /// their sum within a turn never changes.
+    #[inline(always)]
+    pub fn hash_slice(&self, slice: usize, home_offset: Turns, hasher: &mut impl Hasher) {
         let Self {
             has_index,
             has_encoder,
@@ -74,16 +74,17 @@ impl Traits {
             gate,
             cycle,
             alone,
-        } = *self;
-        if second {
-            let place = if has_index {
-                Phase::from_turns(index.wrapping_add(home_offset)).within_turn()
-            } else {
-                index
-            };
-            (place, tolerance, gate, cycle).hash(hasher);
-        } else {
-            (has_index, has_encoder, flag, delay, covered, slow, alone).hash(hasher);
+        } = self;
+        match slice {
+            0 => (has_index, has_encoder, delay, covered, flag).hash(hasher),
+            1 => (slow, tolerance, gate).hash(hasher),
+            _ => {
+                let place = index.wrapping_add(home_offset);
+                if *has_index {
+                    Phase::from_turns(place).within_turn().hash(hasher);
+                }
+                (cycle, alone).hash(hasher);
+            }
         }
     }
 

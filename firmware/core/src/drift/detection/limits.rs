@@ -1,5 +1,7 @@
 //! Limits on the modes.
 
+use core::hash::{Hash, Hasher};
+
 use super::modes::{Modes, Mount};
 use crate::functions::multiply;
 use crate::settings::{DriftSettings, MachineSettings, turns};
@@ -36,7 +38,7 @@ impl Limits {
 /// A crank beyond a limit must be detected whatever the error of its reading is. So where one has moved, the limits are lower by a
 /// reading error. That covers the error of one crank in each mode. If all readings err at once, a tilt errs by up to √2 of it, and by
 /// more if sensors are missing ([`Mount::with`]).
-#[derive(Clone, Copy, Debug, Hash)]
+#[derive(Clone, Copy, Debug)]
 pub struct DriftLimits {
     /// Limits on the cranks themselves.
     pub(in crate::drift) of_cranks: Limits,
@@ -61,6 +63,22 @@ impl DriftLimits {
             reading: Turns::ZERO,
         }
     };
+
+    /// Hashes one half.
+    #[inline(always)]
+    pub(crate) fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self {
+            of_cranks,
+            common,
+            lag,
+            reading,
+        } = self;
+        if second {
+            (lag, reading).hash(hasher);
+        } else {
+            (of_cranks, common).hash(hasher);
+        }
+    }
 
     /// Limits from checked settings.
     #[cold]

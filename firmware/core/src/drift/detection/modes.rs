@@ -169,14 +169,18 @@ impl Mount {
         }
     }
 
-    /// Hashes the part of one axis, and with the first the axes that are detected.
-    #[inline]
-    pub(in crate::drift) fn hash_axis(&self, axis: usize, hasher: &mut impl Hasher) {
-        let Self { axes, detected } = self;
-        axes.get(axis).hash(hasher);
-        if axis == 0 {
-            detected.hash(hasher);
-        }
+    /// Hashes the part of an axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(crate) fn hash_axis(&self, axis: usize, hasher: &mut impl Hasher) -> bool {
+        let axis = self.axes.get(axis);
+        axis.hash(hasher);
+        axis.is_some()
+    }
+
+    /// Axes that are detected.
+    pub(crate) const fn detected(&self) -> AxisSet {
+        let Self { axes: _, detected } = self;
+        *detected
     }
 
     /// Modes that these axes show.

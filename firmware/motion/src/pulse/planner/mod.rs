@@ -93,7 +93,7 @@ impl Planner {
     }
 
     /// Hashes one half of what never changes: timing and steps per turn.
-    #[inline]
+    #[inline(always)]
     pub fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
         let Self { timing, place } = self;
         let Place {
