@@ -69,61 +69,56 @@ impl Hasher for Checksum {
 /// Hashes slice `number` of a part. Returns none for the slice after the last.
 type Part = fn(&Controller, usize, Checksum) -> Option<Checksum>;
 
-/// Parts in the order in which they are checked: those of the program, and those of the settings.
-static PARTS: [Part; 36] = [
-    |c, i, sum| slice(sum, |sum| c.program.hash_half(i, false, sum)),
-    |c, i, sum| slice(sum, |sum| c.program.hash_half(i, true, sum)),
-    |c, i, sum| single(i, sum, |sum| c.program.lengths().hash(sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(0, sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(1, sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(2, sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(3, sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(4, sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(5, sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(6, sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(7, sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(8, sum)),
-    |c, i, sum| single(i, sum, |sum| c.hash_machine(9, sum)),
-    |c, i, sum| single(i, sum, |sum| c.shaft.limits().hash_speeds(sum)),
-    |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 0, sum)),
-    |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 1, sum)),
-    |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 2, sum)),
-    |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 3, sum)),
-    |c, i, sum| entry(c.shaft.limits().bands(), i, sum, |band, sum| band.hash(sum)),
-    |c, i, sum| slice(sum, |sum| c.drift.mount().hash_axis(i, sum)),
-    |c, i, sum| {
-        entry(&c.channels, i, sum, |channel, sum| {
-            channel.hash_slice(0, sum)
-        })
-    },
-    |c, i, sum| {
-        entry(&c.channels, i, sum, |channel, sum| {
-            channel.hash_slice(1, sum)
-        })
-    },
-    |c, i, sum| {
-        entry(&c.channels, i, sum, |channel, sum| {
-            channel.hash_slice(2, sum)
-        })
-    },
-    |c, i, sum| {
-        entry(&c.channels, i, sum, |channel, sum| {
-            channel.hash_slice(3, sum)
-        })
-    },
-    |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 0, sum)),
-    |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 1, sum)),
-    |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 2, sum)),
-    |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 3, sum)),
-    |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 0, sum)),
-    |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 1, sum)),
-    |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 2, sum)),
-    |c, i, sum| slice(sum, |sum| c.homing.hash_axis(i, sum)),
-    |c, i, sum| single(i, sum, |sum| c.cams[0].hash_lengths(sum)),
-    |c, i, sum| single(i, sum, |sum| c.cams[1].hash_lengths(sum)),
-    |c, i, sum| slice(sum, |sum| c.cams[0].hash_point(i, sum)),
-    |c, i, sum| slice(sum, |sum| c.cams[1].hash_point(i, sum)),
-];
+/// Makes the table of parts. Each is a function with a name, as the board's linker chooses by it what runs from RAM.
+macro_rules! parts {
+    ($($name:ident: |$controller:ident, $number:ident, $sum:ident| $slice:expr,)*) => {
+        $(fn $name($controller: &Controller, $number: usize, $sum: Checksum) -> Option<Checksum> {
+            $slice
+        })*
+
+        /// Parts in the order in which they are checked: those of the program, and those of the settings.
+        static PARTS: [Part; 36] = [$($name),*];
+    };
+}
+
+parts! {
+    entries: |c, i, sum| slice(sum, |sum| c.program.hash_half(i, false, sum)),
+    ends: |c, i, sum| slice(sum, |sum| c.program.hash_half(i, true, sum)),
+    lengths: |c, i, sum| single(i, sum, |sum| c.program.lengths().hash(sum)),
+    machine: |c, i, sum| single(i, sum, |sum| c.hash_machine(0, sum)),
+    mechanism: |c, i, sum| single(i, sum, |sum| c.hash_machine(1, sum)),
+    linkage: |c, i, sum| single(i, sum, |sum| c.hash_machine(2, sum)),
+    times: |c, i, sum| single(i, sum, |sum| c.hash_machine(3, sum)),
+    correction: |c, i, sum| single(i, sum, |sum| c.hash_machine(4, sum)),
+    sensed: |c, i, sum| single(i, sum, |sum| c.hash_machine(5, sum)),
+    limits: |c, i, sum| single(i, sum, |sum| c.hash_machine(6, sum)),
+    readings: |c, i, sum| single(i, sum, |sum| c.hash_machine(7, sum)),
+    homing: |c, i, sum| single(i, sum, |sum| c.hash_machine(8, sum)),
+    coupling: |c, i, sum| single(i, sum, |sum| c.hash_machine(9, sum)),
+    speeds: |c, i, sum| single(i, sum, |sum| c.shaft.limits().hash_speeds(sum)),
+    ramps: |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 0, sum)),
+    ramp_ends: |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 1, sum)),
+    gains: |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 2, sum)),
+    gain_scales: |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 3, sum)),
+    bands: |c, i, sum| entry(c.shaft.limits().bands(), i, sum, |band, sum| band.hash(sum)),
+    mount: |c, i, sum| slice(sum, |sum| c.drift.mount().hash_axis(i, sum)),
+    timing: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(0, sum)),
+    fractions: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(1, sum)),
+    followers: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(2, sum)),
+    drives: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(3, sum)),
+    flags: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 0, sum)),
+    tolerances: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 1, sum)),
+    places: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 2, sum)),
+    encoders: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 3, sum)),
+    offset_limits: |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 0, sum)),
+    offset_moves: |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 1, sum)),
+    offset_slots: |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 2, sum)),
+    patterns: |c, i, sum| slice(sum, |sum| c.homing.hash_axis(i, sum)),
+    curve: |c, i, sum| single(i, sum, |sum| c.cams[0].hash_lengths(sum)),
+    other_curve: |c, i, sum| single(i, sum, |sum| c.cams[1].hash_lengths(sum)),
+    points: |c, i, sum| slice(sum, |sum| c.cams[0].hash_point(i, sum)),
+    other_points: |c, i, sum| slice(sum, |sum| c.cams[1].hash_point(i, sum)),
+}
 const _: () = assert!(MAX_CAMS == 2, "a cam table has two parts");
 
 /// Number of parts of the program.
