@@ -1,7 +1,7 @@
 //! Checksum of the settings in use: a flipped bit of one shows within a round of ticks.
 //!
 //! The settings in use are the constants of a controller: what [`Controller::configure`] computed, and no tick changes. They are placed
-//! among fields that every tick changes. So the loop checks them itself: each tick hashes one *slice*, of at most seven words. A *part* has
+//! among fields that every tick changes. So the loop checks them itself: each tick hashes one *slice*, of at most six words. A *part* has
 //! slices of one kind, one for each axis or entry. A *round* passes all parts, and its sums must be those of the first round.
 //!
 //! Each type names its constants once. A type with state as well takes all of its fields apart for that, so that a new field does not
@@ -12,11 +12,12 @@ use core::hash::{Hash, Hasher};
 use super::Controller;
 use crate::axes::MAX_CAMS;
 use crate::mechanism::Mechanism;
+use crate::units::Phase;
 
-/// Sum of words: each is added by an exclusive or to the rotated sum, which is then multiplied by an odd number.
+/// Sum of words: each is added by an exclusive or to the sum, which is then multiplied by an odd number.
 ///
-/// All three steps can be undone. So a change of one word always changes the sum, and no later word can hide it. Other changes stay hidden
-/// once in 2³². A word costs 3 instructions and a load on the board, where a CRC by a table of 16 entries costs some 40.
+/// Both steps can be undone. So a change of one word always changes the sum, and no later word can hide it. A word costs two instructions
+/// and a load on the board, where a CRC by a table of 16 entries costs some 40.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Checksum(u32);
 
@@ -29,7 +30,7 @@ impl Checksum {
 impl Hasher for Checksum {
     #[inline(always)]
     fn write_u32(&mut self, word: u32) {
-        self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(Self::FACTOR);
+        self.0 = (self.0 ^ word).wrapping_mul(Self::FACTOR);
     }
 
     #[inline(always)]
@@ -255,7 +256,7 @@ impl Controller {
             driven: _,
             end: _,
             park_crank,
-            park: _,
+            park,
             amplitude,
             supervisor,
             unpublished: _,
@@ -289,6 +290,9 @@ impl Controller {
             6 | 7 => drift.limits().hash_half(slice == 7, sum),
             8 => homing.hash_common(sum),
             _ => {
+                // Homing moves both by as much in opposite senses.
+                let park = park.wrapping_add(homing.home_offset());
+                Phase::from_turns(park).within_turn().hash(sum);
                 if let Some(coupling) = coupling {
                     coupling.constants().hash(sum);
                 }

@@ -91,9 +91,8 @@ impl AxisWatch {
         if slice == 3 {
             let encoder = encoder.as_ref().map(|encoder| encoder.constants());
             encoder.hash(hasher);
-        } else {
-            traits.hash_slice(slice, home_offset, hasher);
         }
+        traits.hash_slice(slice, home_offset, hasher);
     }
 
     /// Processes a tick of an axis with an encoder.

@@ -58,7 +58,7 @@ impl Traits {
         }
     }
 
-    /// Hashes one of three slices of the traits. Homing moves the place of the sensor and the home offset by as much in opposite senses, so
+    /// Hashes one of four slices of the traits. Homing moves the place of the sensor and the home offset by as much in opposite senses, so
     /// their sum within a turn never changes.
     #[inline(always)]
     pub fn hash_slice(&self, slice: usize, home_offset: Turns, hasher: &mut impl Hasher) {
@@ -76,15 +76,16 @@ impl Traits {
             alone,
         } = self;
         match slice {
-            0 => (has_index, has_encoder, delay, covered, flag).hash(hasher),
+            0 => (has_index, has_encoder, delay, covered).hash(hasher),
             1 => (slow, tolerance, gate).hash(hasher),
-            _ => {
+            2 => {
                 let place = index.wrapping_add(home_offset);
                 if *has_index {
                     Phase::from_turns(place).within_turn().hash(hasher);
                 }
-                (cycle, alone).hash(hasher);
+                alone.hash(hasher);
             }
+            _ => (flag, cycle).hash(hasher),
         }
     }
 
