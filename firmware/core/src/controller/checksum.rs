@@ -218,7 +218,8 @@ impl Controller {
             return self.check.end_part();
         };
         self.check.slice += 1;
-        self.check.sum = sum;
+        // So that two changes of the highest bit, which the product leaves in its place, do not cancel each other.
+        self.check.sum = Checksum(sum.0.rotate_left(u16::BITS));
         true
     }
 
