@@ -122,6 +122,14 @@ impl Io for Board {
         handover::answer(is_loaded);
     }
 
+    /// Switches the drives off, and waits for the watchdog, which resets the controller.
+    fn settings_changed(&mut self) {
+        lines::cut_drives();
+        loop {
+            cortex_m::asm::nop();
+        }
+    }
+
     fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
         Until(deadline)
     }

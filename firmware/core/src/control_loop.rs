@@ -34,6 +34,9 @@ pub trait Io {
     /// The safety lines are set at once.
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult;
 
+    /// Reacts to a change of the settings in use, which nothing may change: a flipped bit.
+    fn settings_changed(&mut self) {}
+
     /// Waits for a deadline. A board may replace this with a timer of the loop's own.
     fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
         Timer::at(deadline)
@@ -69,6 +72,9 @@ pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl
         let late = Instant::now().saturating_duration_since(deadline);
         // The last output may be in use up to here, so the controller stays unchanged until then.
         io.read(&mut feedback);
+        if !controller.check_settings() {
+            io.settings_changed();
+        }
         if held_over > 0 {
             controller.held_over(held_over);
         }

@@ -16,6 +16,9 @@ import { FIRMWARE, FIRMWARE_V0_NAMES, HERE, INSPECT } from '../bench/paths.mjs';
 
 const ROOTS = ['cophase_core::controller::Controller<_>::tick', 'cophase_firmware::control::Board<_>', 'DMA_IRQ_1'];
 
+/** The parts of the check of the settings, which a tick calls from a table. */
+const PARTS = 'cophase_core::controller::checksum';
+
 /** Roots of the other interrupts, which no call graph follows. Those of timers and host link have a lower priority than the loop. */
 const BESIDE = ['TIMER_IRQ_1', 'HardFault'];
 
@@ -33,12 +36,12 @@ export const title = 'Firmware: panics, what runs from RAM, size, stack';
 export function run(outcome, { write = false, compare = true } = {}) {
   const allowed = path.join(HERE, 'panics-allowed.toml');
   const from = (roots) => roots.flatMap((root) => ['--root', root]);
-  const panics = inspect(['panics', FIRMWARE, ...from(ROOTS), '--allow', allowed]);
+  const panics = inspect(['panics', FIRMWARE, ...from([...ROOTS, PARTS]), '--allow', allowed]);
   outcome.check(panics.status === 0, `no panic is reachable from the tick path:\n${panics.stdout}${panics.stderr}`);
   const reached = [...panics.stdout.matchAll(/functions reached: (\d+)/g)].map(([, count]) => Number(count));
   outcome.say(`${reached.length} roots, up to ${Math.max(...reached)} functions from each: no panic`);
 
-  const places = inspect(['places', FIRMWARE, ...from([...ROOTS, ...BESIDE])]);
+  const places = inspect(['places', FIRMWARE, ...from([...ROOTS, PARTS, ...BESIDE])]);
   outcome.check(places.status === 0, `nothing of the tick path is in the flash:\n${places.stdout}${places.stderr}`);
 
   otherNames(outcome);

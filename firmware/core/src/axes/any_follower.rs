@@ -3,6 +3,8 @@
 //! To add a follower, write its file here, with its settings as they are in [`FollowerSettings`], and add one line to the list
 //! `followers!`. The tests in `conformance` then cover it, too. See `docs/recipes/add-a-follower.md`.
 
+use core::hash::{Hash, Hasher};
+
 use super::bounds::Bounds;
 use super::cam_table::{CamSettings, CamTable, CamTableSettings};
 use super::cams::Cams;
@@ -64,6 +66,11 @@ macro_rules! followers {
 
             fn acceleration(&self, speed: Turns, acceleration: Turns, cams: &Cams) -> Turns {
                 match self { $(Self::$Name(follower) => follower.acceleration(speed, acceleration, cams),)* }
+            }
+
+            fn hash_constants(&self, hasher: &mut impl Hasher) {
+                core::mem::discriminant(self).hash(hasher);
+                match self { $(Self::$Name(follower) => follower.hash_constants(hasher),)* }
             }
 
             fn is_direct(&self) -> bool {

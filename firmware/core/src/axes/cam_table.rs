@@ -3,6 +3,8 @@
 //! The follower keeps the phase of the master within its turn as an integer, and the position there. The turns of a tick are the
 //! difference of two positions, so no error accumulates over any number of turns, in either direction.
 
+use core::hash::{Hash, Hasher};
+
 use super::bounds::Bounds;
 use super::cams::Cams;
 use super::follower::Follower;
@@ -276,6 +278,15 @@ impl Follower for CamTable {
     fn acceleration(&self, speed: Turns, acceleration: Turns, cams: &Cams) -> Turns {
         let phase = self.phase.to_bits() as u64;
         self.curve(cams).acceleration(phase, speed, acceleration)
+    }
+
+    fn hash_constants(&self, hasher: &mut impl Hasher) {
+        let Self {
+            table,
+            phase: _,
+            position: _,
+        } = self;
+        table.hash(hasher);
     }
 
     fn is_direct(&self) -> bool {

@@ -3,6 +3,8 @@
 //! A follower converts turns of the master to turns of its axis, tick by tick, without drift. It also bounds the motion of the axis,
 //! for the checks at set-up, and gives its acceleration, for the feed-forward of servos.
 
+use core::hash::Hasher;
+
 use super::bounds::Bounds;
 use super::cams::Cams;
 use crate::units::Turns;
@@ -16,6 +18,9 @@ pub trait Follower: Clone + PartialEq {
     /// Acceleration of the axis, turns a tick², at the end of the tick that was advanced last. `speed` (turns a tick) and `acceleration`
     /// (turns a tick²) are those of the master.
     fn acceleration(&self, speed: Turns, acceleration: Turns, cams: &Cams) -> Turns;
+
+    /// Hashes what never changes.
+    fn hash_constants(&self, hasher: &mut impl Hasher);
 
     /// True if the axis makes the master's own turns. Such a follower is never advanced.
     fn is_direct(&self) -> bool;

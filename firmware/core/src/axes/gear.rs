@@ -1,5 +1,7 @@
 //! Electronic gear with an exact ratio.
 
+use core::hash::{Hash, Hasher};
+
 use super::bounds::Bounds;
 use super::cam_table::CamSettings;
 use super::cams::Cams;
@@ -83,6 +85,10 @@ impl Follower for Gear {
             return acceleration;
         }
         Turns::from_bits(self.0.product(acceleration.to_bits()))
+    }
+
+    fn hash_constants(&self, hasher: &mut impl Hasher) {
+        self.0.constants().hash(hasher);
     }
 
     fn is_direct(&self) -> bool {

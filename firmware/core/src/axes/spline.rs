@@ -14,6 +14,8 @@
 //! Numbers of the tick are integers: positions have 48 fraction bits. A bend is a 30-bit mantissa with a scale for the whole curve,
 //! so a position is within 2⁻²⁹ of the largest bend from the exact spline (tested).
 
+use core::hash::{Hash, Hasher};
+
 use super::bounds::Bounds;
 use crate::functions::{multiply, multiply_high, multiply_long, multiply_q30, normalised};
 use crate::units::{FRACTION_BITS, ONE_TURN, Turns};
@@ -97,6 +99,30 @@ impl Spline {
         let first = self.bends.first().copied().unwrap_or(0);
         if let Some(last) = self.bends.last_mut() {
             *last = first;
+        }
+    }
+
+    /// Hashes the numbers of points and bends, and their scale.
+    #[inline(always)]
+    pub(crate) fn hash_lengths(&self, hasher: &mut impl Hasher) {
+        let Self {
+            positions,
+            bends,
+            scale,
+        } = self;
+        (positions.len(), bends.len(), scale).hash(hasher);
+    }
+
+    /// Hashes a point and its bend. Returns false for the point after the last.
+    #[inline(always)]
+    pub(crate) fn hash_point(&self, point: usize, hasher: &mut impl Hasher) -> bool {
+        match (self.positions.get(point), self.bends.get(point)) {
+            // Beyond their capacity there are none, even if their number is wrong.
+            (Some(position), Some(bend)) if point <= MAX_CAM_POINTS => {
+                (position, bend).hash(hasher);
+                true
+            }
+            _ => false,
         }
     }
 

@@ -5,6 +5,7 @@
 
 use super::Controller;
 use super::channel::Channel;
+use super::checksum::SettingsCheck;
 use super::correction::Correction;
 use super::hold::HoldWatch;
 use super::homing::Homing;
@@ -119,6 +120,7 @@ impl Controller {
             busy_ticks: 0,
             was_late: false,
             output: Output::idle([Turns::ZERO; MAX_AXES]),
+            check: SettingsCheck::new(),
         }
     }
 
@@ -134,6 +136,7 @@ impl Controller {
         if configured.is_err() {
             self.channels.clear();
         }
+        self.begin_check();
         configured
     }
 

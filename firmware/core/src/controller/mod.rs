@@ -5,6 +5,7 @@
 //! pulses that it reads arrived between the previous deadline and this one, while the output of two ticks ago was played.
 
 mod channel;
+mod checksum;
 mod configure;
 mod correct;
 mod correction;
@@ -27,6 +28,7 @@ use crate::signals::Output;
 use crate::supervisor::{Fault, FaultKind, State, Supervisor};
 use crate::units::{Amax, MAX_AXES, Phase, Turns};
 use channel::Channel;
+use checksum::SettingsCheck;
 use correction::Correction;
 use hold::HoldWatch;
 use homing::Homing;
@@ -83,6 +85,7 @@ pub struct Controller {
     cams: Cams,
     coupling: Option<ServoPart<Coupling>>,
     output: Output,
+    check: SettingsCheck,
 }
 
 /// Number of busy ticks in a row after which work is no longer postponed. The pulses of all axes and a correction take fewer.
@@ -121,6 +124,7 @@ impl Controller {
         }
         self.program.copy_from(program);
         self.cursor = Cursor::new();
+        self.check.program_changed();
         true
     }
 

@@ -35,6 +35,8 @@ pub use sensing::history::History;
 pub use sensing::index_filter::IndexFilter;
 pub use sensing::tick_phase::{IndexPulse, TickPhase};
 
+use core::hash::{Hash, Hasher};
+
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 use axis_watch::AxisWatch;
@@ -228,6 +230,67 @@ impl DriftMonitor {
         }
         self.phase_error = self.errors(Measured::Now);
         self.reset_peak();
+    }
+
+    /// Hashes what no tick changes of all axes.
+    #[inline(always)]
+    pub(crate) fn hash_common(&self, hasher: &mut impl Hasher) {
+        let Self {
+            before_is_known: _,
+            is_busy: _,
+            changed: _,
+            by_index,
+            by_encoder,
+            at_once,
+            is_homing: _,
+            detected: _,
+            unchecked: _,
+            common_jump: _,
+            queue: _,
+            margin: _,
+            rounds: _,
+            averaged: _,
+            clock,
+            findings: _,
+            phase_error: _,
+            peak: _,
+            modes: _,
+            limits: _,
+            mount,
+            moved: _,
+            axes,
+        } = self;
+        (by_index, by_encoder, at_once).hash(hasher);
+        (mount.detected(), clock, axes.len()).hash(hasher);
+    }
+
+    /// Weights of the axes in the modes.
+    pub(crate) const fn mount(&self) -> &Mount {
+        &self.mount
+    }
+
+    /// Limits on the modes.
+    pub(crate) const fn limits(&self) -> &DriftLimits {
+        &self.limits
+    }
+
+    /// Hashes one of four slices of what no tick changes of an axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(crate) fn hash_axis(
+        &self,
+        axis: usize,
+        slice: usize,
+        home_offset: Turns,
+        hasher: &mut impl Hasher,
+    ) -> bool {
+        // Beyond their capacity there are none, even if their number is wrong.
+        match self.axes.get(axis) {
+            Some(watch) if axis < MAX_AXES => {
+                watch.hash_slice(slice, home_offset, hasher);
+                true
+            }
+            _ => false,
+        }
     }
 
     /// Largest error of a reading of an axis, turns.

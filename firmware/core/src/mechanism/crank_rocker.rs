@@ -15,6 +15,8 @@
 //! The divisor **r**⊥·**k** is the coupler's length times the cosine of the pressure angle. It is 0 in a branch point, where the
 //! linkage jams.
 
+use core::hash::{Hash, Hasher};
+
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::{isqrt, sine_cosine};
 use crate::settings::{Problem, SettingsError};
@@ -110,6 +112,22 @@ impl Mechanism for CrankRocker {
 
     fn amax(&self, speed: Turns) -> Amax {
         self.law.amax(speed)
+    }
+
+    #[inline(always)]
+    fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self { law, geometry } = self;
+        let Geometry {
+            crank,
+            coupler,
+            ground,
+            stretched,
+        } = geometry;
+        if second {
+            (crank, coupler, ground).hash(hasher);
+        } else {
+            (law, stretched).hash(hasher);
+        }
     }
 
     fn kinematics(&self, angle: u32) -> Kinematics {

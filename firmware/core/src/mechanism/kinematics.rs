@@ -1,5 +1,7 @@
 //! Interface of a mechanism.
 
+use core::hash::Hasher;
+
 use crate::units::{Amax, Turns};
 
 /// Motion of the platform over the crank angle, per unit crank radius, with 30 fraction bits. It is counted towards the cranks.
@@ -21,6 +23,9 @@ pub trait Mechanism: Copy {
 
     /// Motion of the platform at a crank angle, 2³² to the turn; the error is below 1e-6.
     fn kinematics(&self, angle: u32) -> Kinematics;
+
+    /// Hashes one half of the coefficients, six words at most.
+    fn hash_half(&self, second: bool, hasher: &mut impl Hasher);
 
     /// Greatest slope over a turn: the travel of the platform's edge per phase error of a crank. The error is below 1e-4.
     #[cold]

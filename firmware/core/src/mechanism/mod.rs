@@ -21,6 +21,8 @@ pub use scotch_yoke::ScotchYoke;
 pub use slider_crank::SliderCrank;
 pub use square_law::SquareLaw;
 
+use core::hash::{Hash, Hasher};
+
 use crate::settings::SettingsError;
 use crate::units::{Amax, Turns};
 
@@ -66,6 +68,14 @@ macro_rules! mechanisms {
 
             fn amax(&self, speed: Turns) -> Amax {
                 match self { $(Self::$Name(mechanism) => mechanism.amax(speed),)* }
+            }
+
+            #[inline(always)]
+            fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+                if !second {
+                    core::mem::discriminant(self).hash(hasher);
+                }
+                match self { $(Self::$Name(mechanism) => mechanism.hash_half(second, hasher),)* }
             }
 
             #[cfg_attr(not(feature = "servo"), cold)] // Without setpoints it is for set-up alone.

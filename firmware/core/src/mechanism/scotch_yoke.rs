@@ -3,6 +3,8 @@
 //! With R the crank radius, amax = R ω², reached at crank phases 0 and ½. Per unit radius the slope is sin α and the
 //! curvature cos α. It is the limit of a slider-crank with an endless rod, and has no second harmonic.
 
+use core::hash::{Hash, Hasher};
+
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::sine_cosine;
 use crate::settings::SettingsError;
@@ -50,6 +52,14 @@ impl Mechanism for ScotchYoke {
 
     fn amax(&self, speed: Turns) -> Amax {
         self.law.amax(speed)
+    }
+
+    #[inline(always)]
+    fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self { law } = self;
+        if !second {
+            law.hash(hasher);
+        }
     }
 
     fn kinematics(&self, angle: u32) -> Kinematics {

@@ -9,6 +9,8 @@
 //!
 //! These are the exact kinematics, not the patent's two terms.
 
+use core::hash::{Hash, Hasher};
+
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::{ONE_Q30, inverse_root_of_one_minus, multiply_q30, sine_cosine};
 use crate::settings::SettingsError;
@@ -65,6 +67,20 @@ impl Mechanism for SliderCrank {
 
     fn amax(&self, speed: Turns) -> Amax {
         self.law.amax(speed)
+    }
+
+    #[inline(always)]
+    fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self {
+            law,
+            lambda,
+            lambda_squared,
+        } = self;
+        if second {
+            (lambda, lambda_squared).hash(hasher);
+        } else {
+            law.hash(hasher);
+        }
     }
 
     fn kinematics(&self, angle: u32) -> Kinematics {

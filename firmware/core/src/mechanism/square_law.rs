@@ -8,7 +8,7 @@ use crate::functions::{Root, multiply, root};
 use crate::units::{Amax, Turns};
 
 /// Coefficients of one length at one tick rate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub struct SquareLaw {
     /// Mantissa of the speed at 1 m/s², `mantissa / 2^shift` turns a tick; its top bit is set.
     mantissa: u32,

@@ -34,6 +34,17 @@ impl AmplitudeOverride {
         }
     }
 
+    /// Change in a tick, which never changes itself.
+    pub(crate) const fn step(&self) -> u32 {
+        let Self {
+            now: _,
+            target: _,
+            step,
+            permille: _,
+        } = self;
+        *step
+    }
+
     /// Sets the target in thousandths; one above [`MAX_OVERRIDE_PERMILLE`] counts as that.
     #[cold]
     pub fn set(&mut self, permille: u16) {

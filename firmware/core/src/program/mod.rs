@@ -9,6 +9,8 @@ mod builder;
 mod cursor;
 mod segment;
 
+use core::hash::{Hash, Hasher};
+
 pub use amplitude::{AmplitudeOverride, MAX_OVERRIDE_PERMILLE};
 pub use builder::{EntrySettings, ProgramBuilder, SegmentSettings};
 pub use cursor::{Cursor, Reading};
@@ -58,6 +60,35 @@ impl Program {
             let _ = self.entries.push(entry);
             let _ = self.ends.push(end);
         }
+    }
+
+    /// Hashes one half of an entry, and its end. Returns false for the entry after the last.
+    #[inline(always)]
+    pub(crate) fn hash_half(&self, index: usize, second: bool, hasher: &mut impl Hasher) -> bool {
+        let Self { entries, ends } = self;
+        // Beyond their capacity there are none, even if their number is wrong.
+        if index >= CAPACITY {
+            return false;
+        }
+        let Some(entry) = entries.get(index) else {
+            return false;
+        };
+        match entry {
+            Entry::Segment(segment) => segment.hash_half(second, hasher),
+            Entry::Repeat { first, times } if second => (first, times).hash(hasher),
+            Entry::Repeat { .. } => {}
+        }
+        if !second {
+            core::mem::discriminant(entry).hash(hasher);
+        } else if let Some(end) = ends.get(index) {
+            end.hash(hasher);
+        }
+        true
+    }
+
+    /// Numbers of entries and of their ends, which are equal.
+    pub(crate) fn lengths(&self) -> (usize, usize) {
+        (self.entries.len(), self.ends.len())
     }
 
     /// Duration of the whole program, in ticks.

@@ -1,10 +1,12 @@
 //! One segment: the ramp to a level, and the time at it.
 
+use core::hash::{Hash, Hasher};
+
 use crate::functions::{multiply, multiply_high, multiply_long};
 use crate::units::Amax;
 
 /// Shape of a segment's ramp.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shape {
     /// Linear in time.
@@ -43,6 +45,23 @@ impl Segment {
             hold_ticks,
             shape,
             per_ramp_tick,
+        }
+    }
+
+    /// Hashes one half.
+    #[inline(always)]
+    pub(super) fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self {
+            level,
+            ramp_ticks,
+            hold_ticks,
+            shape,
+            per_ramp_tick,
+        } = self;
+        if second {
+            (shape, per_ramp_tick).hash(hasher);
+        } else {
+            (level, ramp_ticks, hold_ticks).hash(hasher);
         }
     }
 

@@ -5,6 +5,8 @@
 //! additions is zero, so that mode 0, which follows the program, does not change. All other modes are fed back with the
 //! same gains.
 
+use core::hash::Hash;
+
 use crate::settings::Settings;
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
@@ -44,6 +46,21 @@ impl Coupling {
             count: settings.axes.len(),
             share: (1 << 28) / settings.axes.len() as i64,
         })
+    }
+
+    /// What no tick changes.
+    pub(crate) fn constants(&self) -> impl Hash + use<> {
+        let Self {
+            gain,
+            gain_a_tick,
+            integral: _,
+            added: _,
+            change: _,
+            limit,
+            count,
+            share,
+        } = *self;
+        (gain, gain_a_tick, limit, count, share)
     }
 
     /// Updates the coupling with the phase errors at the end of a tick.

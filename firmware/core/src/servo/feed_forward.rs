@@ -8,6 +8,8 @@
 //!
 //! The error is below 2e-5 of the greatest torque (tested), from 30-bit factors and the sine's 3e-7.
 
+use core::hash::{Hash, Hasher};
+
 use crate::functions::multiply_q30;
 use crate::mechanism::{AnyMechanism, Kinematics, Mechanism};
 use crate::settings::{MachineSettings, Problem, SettingsError, Transmission};
@@ -91,6 +93,23 @@ impl FeedForward {
             gravity: fixed(gravity),
             rotor: fixed(rotor),
         })
+    }
+
+    /// Hashes the coefficients.
+    pub(crate) fn hash_constants(&self, hasher: &mut impl Hasher) {
+        let Self {
+            mechanism,
+            speed_shift,
+            acceleration_shift,
+            centripetal,
+            tangential,
+            gravity,
+            rotor,
+        } = self;
+        mechanism.hash_half(false, hasher);
+        mechanism.hash_half(true, hasher);
+        (speed_shift, acceleration_shift, centripetal).hash(hasher);
+        (tangential, gravity, rotor).hash(hasher);
     }
 
     /// Torque of the motor at a phase of the crank, with the crank's speed (turns a tick) and acceleration (turns a tick²), in its own sense

@@ -31,6 +31,8 @@ pub use fault::{FAULT_BYTES, Fault, FaultKind};
 pub use reaction::{Reaction, reaction};
 pub use request::{REFUSED_COMMAND_BYTES, RefusalReason, RefusedCommand, Situation};
 
+use core::hash::Hash;
+
 use crate::units::Phase;
 
 /// State of the machine.
@@ -195,6 +197,25 @@ pub struct Supervisor {
 }
 
 impl Supervisor {
+    /// What no tick changes.
+    pub(crate) fn constants(&self) -> impl Hash + use<> {
+        let Self {
+            state: _,
+            fault: _,
+            cuts: _,
+            has_brake,
+            holding: _,
+            stops_now: _,
+            only_homes: _,
+            jogging: _,
+            jog_ticks,
+            settle_ticks,
+            settling: _,
+            refused: _,
+        } = *self;
+        (has_brake, jog_ticks, settle_ticks)
+    }
+
     /// Supervisor in the idle state. The drives need `settle_ticks` after they are switched on, and one jog lasts
     /// `jog_ticks`. With a brake, every fault switches the drives off once the machine is at rest.
     pub const fn new(settle_ticks: u32, jog_ticks: u32, has_brake: bool) -> Self {

@@ -14,7 +14,7 @@ use super::reciprocal;
 /// use cophase_motion::functions::Divisor;
 /// assert_eq!(Divisor::new(10).divide(1_000_000_000_007), (100_000_000_000, 7));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Divisor {
     /// The divisor, shifted up by `shift`.
     normalised: u32,

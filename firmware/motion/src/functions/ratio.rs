@@ -1,5 +1,7 @@
 //! Multiplication of a stream of distances by an exact ratio.
 
+use core::hash::Hash;
+
 use super::divide::Divisor;
 use super::multiply::multiply_long;
 
@@ -58,6 +60,18 @@ impl Ratio {
     /// True if the ratio is 1.
     pub const fn is_one(&self) -> bool {
         self.numerator == self.denominator
+    }
+
+    /// What never changes: all but the remainder.
+    #[inline(always)]
+    pub fn constants(&self) -> impl Hash + use<> {
+        let Self {
+            numerator,
+            denominator,
+            divisor,
+            rest: _,
+        } = *self;
+        (numerator, denominator, divisor)
     }
 
     /// The ratio as one number.

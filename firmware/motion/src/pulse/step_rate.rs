@@ -33,6 +33,16 @@ impl StepRates {
         }
     }
 
+    /// Cycles of a tick, which never change.
+    pub const fn tick_cycles(&self) -> u32 {
+        let Self {
+            tick_cycles,
+            kept: _,
+            newer: _,
+        } = self;
+        *tick_cycles
+    }
+
     /// Step rate of an axis that covers `turns`, in 2⁻⁴⁸, in a tick, and `offset` half-steps more, in 2⁻⁴⁸.
     #[inline(always)]
     pub(super) fn take(&mut self, turns: i64, offset: i64, half_steps_per_turn: u32) -> &StepRate {

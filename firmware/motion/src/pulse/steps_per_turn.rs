@@ -11,7 +11,7 @@ use crate::units::{FRACTION_BITS, ONE_TURN};
 /// assert_eq!(belt.to_f64(), 182_400.0 / 11.0);
 /// assert_eq!(StepsPerTurn::geared(3200, (3, 1)), StepsPerTurn::whole(9600));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct StepsPerTurn {
     steps: u32,
     turns: u32,

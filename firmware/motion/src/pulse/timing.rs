@@ -8,7 +8,7 @@ use crate::settings::{Problem, PulseSettings, SettingsError, tick_cycles};
 const MOST_COUNTS: f64 = 8192.0;
 
 /// Timing of the STEP and DIR lines for one tick rate, in cycles of the step clock.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub struct PulseTiming {
     pub(super) tick: u32,
     pub(super) width: u32,

@@ -7,7 +7,7 @@
 use super::ShaftLimits;
 
 /// Forbidden band: speeds strictly between its two edges, in units of 2⁻⁴⁸ turn a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Band {
     pub(crate) from: i64,
     pub(crate) to: i64,

@@ -33,7 +33,7 @@ pub(super) const fn times(n: u32, x: i64) -> i64 {
 }
 
 /// Approximate reciprocal of a divisor, to divide by it several times.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Hash)]
 pub(super) struct Inverse {
     pub inverse: u32,
     /// Bits by which the divisor was shifted up.

@@ -9,6 +9,8 @@
 //! to find n. But the acceleration of a tick differs by at most a jerk from the one before. So n is known within one or
 //! two and is searched from that of the tick before.
 
+use core::hash::{Hash, Hasher};
+
 use super::brake::Inverse;
 use crate::functions::{multiply_high, multiply_long, quotient};
 
@@ -25,7 +27,7 @@ pub(super) struct Gain {
 }
 
 /// Multiple of the jerk at or below an acceleration.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub(super) struct Step {
     /// n, below 2²³: settings bound the length of a ramp.
     pub number: u32,
@@ -52,6 +54,23 @@ impl Step {
 }
 
 impl Gain {
+    /// Hashes one half.
+    #[inline(always)]
+    pub fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self {
+            jerk,
+            most,
+            per_jerk,
+            scale,
+            down,
+        } = self;
+        if second {
+            (per_jerk, scale, down).hash(hasher);
+        } else {
+            (jerk, most).hash(hasher);
+        }
+    }
+
     /// Gain for `jerk`, for accelerations up to `most` and gains up to `speed`.
     ///
     /// The jerk must be at least 59: 64 minus the units that planning subtracts, and a rounding. The release must take

@@ -1,5 +1,7 @@
 //! Limits of the master shaft as coefficients of the tick.
 
+use core::hash::{Hash, Hasher};
+
 use super::Band;
 use super::gain::{Gain, Step};
 use crate::settings::{LimitSettings, MAX_BANDS, turns_at_most};
@@ -67,6 +69,23 @@ impl RampLimits {
         }
     }
 
+    /// Hashes one of four slices.
+    #[inline(always)]
+    fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) {
+        let Self {
+            acceleration,
+            jerk,
+            gain,
+            limit,
+            gain_from_limit,
+        } = self;
+        match slice {
+            0 => (acceleration, jerk, gain_from_limit).hash(hasher),
+            1 => limit.hash(hasher),
+            _ => gain.hash_half(slice == 3, hasher),
+        }
+    }
+
     /// Limits for a motion whose phase is rounded afterwards, by less than a unit. The rounding changes the acceleration
     /// by less than two units and the jerk by less than four.
     #[cold]
@@ -122,6 +141,38 @@ impl ShaftLimits {
                 hz,
             ),
         }
+    }
+
+    /// Hashes the limits of speed, and the number of bands.
+    #[inline(always)]
+    pub fn hash_speeds(&self, hasher: &mut impl Hasher) {
+        let Self {
+            speed,
+            homing_speed,
+            bands,
+            usual: _,
+            fault: _,
+            parking: _,
+        } = self;
+        (speed, homing_speed, bands.len()).hash(hasher);
+    }
+
+    /// Hashes one of four slices of some ramp limits. Returns false for the ones after the last.
+    #[inline(always)]
+    pub fn hash_ramp(&self, number: usize, slice: usize, hasher: &mut impl Hasher) -> bool {
+        let ramp = match number {
+            0 => &self.usual,
+            1 => &self.fault,
+            2 => &self.parking,
+            _ => return false,
+        };
+        ramp.hash_slice(slice, hasher);
+        true
+    }
+
+    /// Forbidden bands.
+    pub const fn bands(&self) -> &heapless::Vec<Band, MAX_BANDS> {
+        &self.bands
     }
 
     /// Returns true if a speed, turns a tick, lies in a forbidden band or just above it. The margin above is the speed that the shaft gains

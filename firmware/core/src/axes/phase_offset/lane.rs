@@ -1,5 +1,7 @@
 //! Constants of the phase offset of one axis, and conversion between steps and turns.
 
+use core::hash::{Hash, Hasher};
+
 use crate::functions::{Divisor, multiply_long};
 use crate::pulse::StepsPerTurn;
 use crate::settings::{AxisSettings, Settings, turns_at_most};
@@ -78,6 +80,26 @@ impl Lane {
             per_slot: Divisor::new(slot_steps),
             half_steps_per_tick: STEP / ticks,
             turns_per_tick: steps_per_turn.step_turns().0 / ticks,
+        }
+    }
+
+    /// Hashes one of three slices.
+    #[inline(always)]
+    pub(super) fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) {
+        let Self {
+            turns_per_step,
+            steps_per_turn,
+            limit,
+            limit_steps,
+            slot_steps,
+            per_slot,
+            half_steps_per_tick,
+            turns_per_tick,
+        } = self;
+        match slice {
+            0 => (turns_per_step, steps_per_turn, limit).hash(hasher),
+            1 => (limit_steps, half_steps_per_tick, turns_per_tick).hash(hasher),
+            _ => (slot_steps, per_slot).hash(hasher),
         }
     }
 

@@ -11,6 +11,8 @@
 mod lane;
 mod part;
 
+use core::hash::{Hash, Hasher};
+
 use crate::settings::Settings;
 use crate::units::{MAX_AXES, ONE_TURN, PerAxis, Turns};
 pub use lane::slot_turns;
@@ -74,6 +76,34 @@ impl PhaseOffsets {
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
         self.gain = libm::round(settings.correction.gain * 65_536.0) as i64;
+    }
+
+    /// Hashes what no tick changes of all axes.
+    #[inline(always)]
+    pub(crate) fn hash_common(&self, hasher: &mut impl Hasher) {
+        let Self {
+            lanes,
+            slot_ticks,
+            slot: _,
+            user: _,
+            controller: _,
+            now: _,
+            gain,
+        } = self;
+        (lanes.len(), slot_ticks, gain).hash(hasher);
+    }
+
+    /// Hashes one of three slices of the constants of an axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(crate) fn hash_axis(&self, axis: usize, slice: usize, hasher: &mut impl Hasher) -> bool {
+        // Beyond their capacity there are none, even if their number is wrong.
+        match self.lanes.get(axis) {
+            Some(lane) if axis < MAX_AXES => {
+                lane.hash_slice(slice, hasher);
+                true
+            }
+            _ => false,
+        }
     }
 
     /// Ticks of a slot, in which one axis moves by whole steps: in each tick but the last by an equal part of them, rounded down.

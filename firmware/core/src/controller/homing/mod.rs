@@ -18,6 +18,8 @@ mod checks;
 mod steps;
 mod verify;
 
+use core::hash::{Hash, Hasher};
+
 use crate::axes::PhaseOffsets;
 use crate::drift::{AxisSet, DriftMonitor, Measured};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
@@ -110,6 +112,42 @@ impl Homing {
         self.count = count;
         self.lag = lag;
         self.tolerance = tolerance;
+    }
+
+    /// Hashes what no tick changes of one axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(super) fn hash_axis(&self, axis: usize, hasher: &mut impl Hasher) -> bool {
+        let [one, other] = &self.patterns;
+        match (one.get(axis), other.get(axis), self.tolerance.get(axis)) {
+            (Some(one), Some(other), Some(tolerance)) => {
+                (one, other, tolerance).hash(hasher);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Hashes what no tick changes of all axes.
+    #[inline(always)]
+    pub(super) fn hash_common(&self, hasher: &mut impl Hasher) {
+        let Self {
+            step: _,
+            patterns: _,
+            has_home_offset,
+            count,
+            lag,
+            tolerance: _,
+            has_levelled_again: _,
+            proven: _,
+            base: _,
+            waited: _,
+            before: _,
+            from: _,
+            checks: _,
+            off: _,
+            home_offset: _,
+        } = self;
+        (has_home_offset, count, lag).hash(hasher);
     }
 
     /// Begins with the search for the indices.

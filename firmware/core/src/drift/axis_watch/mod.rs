@@ -10,6 +10,8 @@ use steady_drift::SteadyDrift;
 pub(super) use traits::Traits;
 pub use traits::place_gate;
 
+use core::hash::{Hash, Hasher};
+
 use super::detection::angles::{angle, of_angle};
 use super::diagnosis::events::Diagnosis;
 use super::sensing::encoder_watch::{EncoderWatch, Read};
@@ -72,6 +74,25 @@ impl AxisWatch {
             diagnosis: Diagnosis::new(),
             steady_drift: SteadyDrift::default(),
         }
+    }
+
+    /// Hashes one of four slices of what no tick changes.
+    #[inline(always)]
+    pub(super) fn hash_slice(&self, slice: usize, home_offset: Turns, hasher: &mut impl Hasher) {
+        let Self {
+            traits,
+            index: _,
+            encoder,
+            last: _,
+            home: _,
+            diagnosis: _,
+            steady_drift: _,
+        } = self;
+        if slice == 3 {
+            let encoder = encoder.as_ref().map(|encoder| encoder.constants());
+            encoder.hash(hasher);
+        }
+        traits.hash_slice(slice, home_offset, hasher);
     }
 
     /// Processes a tick of an axis with an encoder.

@@ -1,10 +1,12 @@
 //! Traits of an axis: the place of its index sensor, and the widths by which readings are classified. They follow from the settings. Only
 //! the place of the sensor moves, as homing moves the common zero.
 
+use core::hash::{Hash, Hasher};
+
 use crate::drift::detection::angles::angle as to_angle;
 use crate::drift::sensing::index_filter::BRIDGE_WIDTHS;
 use crate::settings::{AxisSettings, Settings, turns};
-use crate::units::Turns;
+use crate::units::{Phase, Turns};
 
 /// Traits of an axis.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +55,37 @@ impl Traits {
             gate: gate(tolerance, cycle),
             cycle,
             alone,
+        }
+    }
+
+    /// Hashes one of four slices of the traits. Homing moves the place of the sensor and the home offset by as much in opposite senses, so
+    /// their sum within a turn never changes.
+    #[inline(always)]
+    pub fn hash_slice(&self, slice: usize, home_offset: Turns, hasher: &mut impl Hasher) {
+        let Self {
+            has_index,
+            has_encoder,
+            index,
+            flag,
+            delay,
+            covered,
+            slow,
+            tolerance,
+            gate,
+            cycle,
+            alone,
+        } = self;
+        match slice {
+            0 => (has_index, has_encoder, delay, covered).hash(hasher),
+            1 => (slow, tolerance, gate).hash(hasher),
+            2 => {
+                let place = index.wrapping_add(home_offset);
+                if *has_index {
+                    Phase::from_turns(place).within_turn().hash(hasher);
+                }
+                alone.hash(hasher);
+            }
+            _ => (flag, cycle).hash(hasher),
         }
     }
 

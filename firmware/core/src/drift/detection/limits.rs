@@ -1,5 +1,7 @@
 //! Limits on the modes.
 
+use core::hash::{Hash, Hasher};
+
 use super::modes::{Modes, Mount};
 use crate::functions::multiply;
 use crate::settings::{DriftSettings, MachineSettings, turns};
@@ -7,7 +9,7 @@ use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
 /// Limits of the platform, turns of crank angle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub(in crate::drift) struct Limits {
     tilt: Turns,
     warp: Turns,
@@ -61,6 +63,22 @@ impl DriftLimits {
             reading: Turns::ZERO,
         }
     };
+
+    /// Hashes one half.
+    #[inline(always)]
+    pub(crate) fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self {
+            of_cranks,
+            common,
+            lag,
+            reading,
+        } = self;
+        if second {
+            (lag, reading).hash(hasher);
+        } else {
+            (of_cranks, common).hash(hasher);
+        }
+    }
 
     /// Limits from checked settings.
     #[cold]

@@ -9,6 +9,8 @@
 //! If some axes have no sensor, there are fewer equations ([`Knowledge`] says how many), and the weights of the best plane differ.
 //! Errors of the plane grow as it is extrapolated: opposite three neighbours of six they are six times as large.
 
+use core::hash::{Hash, Hasher};
+
 use crate::functions::multiply_q30;
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
@@ -57,7 +59,7 @@ pub struct Mount {
 }
 
 /// Part of one axis in the modes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 struct MountedAxis {
     /// Weights of its phase error in common mode and tilt, 28 fraction bits; zero if it is not detected.
     common: i32,
@@ -165,6 +167,20 @@ impl Mount {
             }),
             detected,
         }
+    }
+
+    /// Hashes the part of an axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(crate) fn hash_axis(&self, axis: usize, hasher: &mut impl Hasher) -> bool {
+        let axis = self.axes.get(axis);
+        axis.hash(hasher);
+        axis.is_some()
+    }
+
+    /// Axes that are detected.
+    pub(crate) const fn detected(&self) -> AxisSet {
+        let Self { axes: _, detected } = self;
+        *detected
     }
 
     /// Modes that these axes show.

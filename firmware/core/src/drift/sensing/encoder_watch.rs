@@ -5,6 +5,8 @@
 //! decides. If it keeps jumping, the crank really moves like this, for example because it got stuck at speed. If a deviation grows tick by
 //! tick instead, the crank swings.
 
+use core::hash::Hash;
+
 use super::tick_phase::TickPhase;
 use crate::drift::axis_watch::Traits;
 use crate::functions::Ratio;
@@ -98,6 +100,29 @@ const WINDOW_TICKS: u8 = 4;
 const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {
+    /// What no tick changes.
+    pub(in crate::drift) fn constants(&self) -> impl Hash + use<> {
+        let Self {
+            reversed,
+            per_count,
+            fraction,
+            last: _,
+            phase_error: _,
+            filtered: _,
+            mean: _,
+            at_flag: _,
+            deviation: _,
+            made: _,
+            back: _,
+            unconfirmed_jump: _,
+            ticks: _,
+            error_before: _,
+            commanded: _,
+            tracking: _,
+        } = self;
+        (*reversed, *per_count, fraction.constants())
+    }
+
     /// Encoder with these counts per turn of the crank, reversed or not.
     pub(in crate::drift) const fn new(counts: StepsPerTurn, reversed: bool) -> Self {
         let (per_count, fraction) = counts.step_turns();

@@ -24,7 +24,7 @@ pub struct TickPhase {
 const CYCLE_SPARE_BITS: u32 = 14;
 
 /// Length of a tick.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub(in crate::drift) struct TickClock {
     pub(in crate::drift) cycles: u32,
     /// 2⁴² / cycles.

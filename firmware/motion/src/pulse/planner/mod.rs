@@ -19,6 +19,8 @@
 //! which is at most a quarter of a tick. A pause carries the change, and the line follows [`Run::DIR_DELAY`] cycles
 //! after the pause begins. Hold and set-up are counted from there.
 
+use core::hash::{Hash, Hasher};
+
 use super::run::RunsOf;
 use super::runs::Appending;
 use super::step_rate::{HALF_STEP, StepRate, StepRates, TIME_BITS};
@@ -88,6 +90,24 @@ impl Planner {
     /// Returns the position of the axis within a step.
     pub const fn place(&self) -> &Place {
         &self.place
+    }
+
+    /// Hashes one half of what never changes: timing and steps per turn.
+    #[inline(always)]
+    pub fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+        let Self { timing, place } = self;
+        let Place {
+            half_steps_per_turn,
+            within: _,
+            high: _,
+            forward: _,
+            fraction,
+        } = place;
+        if second {
+            fraction.as_ref().map(Ratio::constants).hash(hasher);
+        } else {
+            (timing, half_steps_per_turn).hash(hasher);
+        }
     }
 
     /// Continues from the place of an axis whose plans this axis played.
