@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | guard | level of ENABLE, and the guard's report of its loss | each tick |
 //! | clock | time of the timer, and cycles of the step hardware | each tick, and every 8.4 ms without the timer |
-//! | stack | words behind its end, and what was written there at power-up; its pointer and its end | each tick |
+//! | stack | words at its end, and what was written there at power-up; its pointer, and its end | each tick |
 //! | code | code in RAM, and the flash that it was copied from | in the time that the loop leaves |
 //!
 //! A disagreement ends in [`fail`]: the drives are off at once, and the controller restarts. `docs/safety.md` lists the faults, and what
@@ -26,10 +26,9 @@ use crate::from_ram;
 /// Prepares the witnesses of each tick. To be called once, while little of the stack is in use.
 #[cold]
 pub fn set_up() {
+    set_canary();
     systick::set_up();
-    // SAFETY: the stack ends before these words, and nothing else uses them.
-    unsafe { (&raw mut _stack_end).write_volatile([CANARY; CANARIES]) };
-    while set_difference().is_none() {}
+    while set_least_difference().is_none() {}
 }
 
 /// Compares what can be compared within a few cycles. `levels` were read before `inputs` were taken from them.
@@ -48,35 +47,35 @@ fn guard(levels: Levels, inputs: SafetyInputs) {
     }
 }
 
-/// Words behind the end of the stack.
-const CANARIES: usize = 4;
-
-/// Their value.
-const CANARY: u32 = 0xCA9A_12E5;
-
 unsafe extern "C" {
-    /// End of the stack, from the linker: the lowest address of RAM that no static has.
-    static mut _stack_end: [u32; CANARIES];
+    /// End of the stack, from the linker: the lowest address of RAM that no static has. The canary is there, two words with this address.
+    static mut _stack_end: [usize; 2];
 }
 
-/// Checks that the stack has not run over its end: not now, by its pointer; and not before, by what lies there.
+#[cold]
+fn set_canary() {
+    let end = &raw mut _stack_end;
+    // SAFETY: nothing else uses these words unless the stack runs over its end.
+    unsafe { end.write_volatile([end as usize; 2]) };
+}
+
+/// Checks that the stack has not run over its end: not now, by its pointer; and not before, by the canary.
 #[inline(always)]
 fn stack() {
     let end = &raw const _stack_end;
     let pointer: usize;
-    // SAFETY: this reads the stack pointer, and the linker's words.
-    let words = unsafe {
+    // SAFETY: this reads the stack pointer, and the canary.
+    let [first, second] = unsafe {
         asm!("mov {}, sp", out(reg) pointer, options(nomem, nostack, preserves_flags));
         end.read_volatile()
     };
-    let changed = words.iter().fold(0, |all, word| all | (word ^ CANARY));
-    if changed != 0 || pointer < end as usize + size_of_val(&words) {
+    if first != end as usize || second != end as usize || pointer <= end as usize {
         fail(Failure::Stack);
     }
 }
 
-/// Greatest difference between timer and step hardware, µs. It is less than the lead with which words are submitted: until the difference
-/// is detected, no tick is submitted too late because of it.
+/// Greatest change of the difference between timer and step hardware, µs. It is less than the lead with which words are submitted, so no
+/// tick underruns before it is detected.
 const MAX_DIFFERENCE_US: u32 = 8;
 
 const _: () = assert!(MAX_DIFFERENCE_US < Rp2040::LEAST_LEAD_US);
@@ -84,8 +83,11 @@ const _: () = assert!(MAX_DIFFERENCE_US < Rp2040::LEAST_LEAD_US);
 /// Longest reading of both clocks, cycles. If something came between, the reading says nothing.
 const MAX_READING: u32 = 64;
 
-/// Difference between timer and step hardware at power-up.
-static DIFFERENCE: AtomicU32 = AtomicU32::new(0);
+/// The same in cycles.
+const MAX_DIFFERENCE: u32 = MAX_DIFFERENCE_US * CYCLES_PER_US;
+
+/// Least difference between timer and step hardware: that at power-up, less the greatest change.
+static LEAST: AtomicU32 = AtomicU32::new(0);
 
 /// Time of the timer, in cycles, less the cycles of the step hardware. It is constant modulo the period of SysTick, which counts down.
 #[inline(always)]
@@ -98,20 +100,20 @@ fn difference() -> Option<u32> {
 }
 
 #[cold]
-fn set_difference() -> Option<()> {
-    DIFFERENCE.store(difference()?, Ordering::Relaxed);
+fn set_least_difference() -> Option<()> {
+    let least = difference()?.wrapping_sub(MAX_DIFFERENCE);
+    LEAST.store(least, Ordering::Relaxed);
     Some(())
 }
 
 /// Checks that timer and step hardware count the same time.
 #[inline(always)]
 fn clock() {
-    const MAX: u32 = MAX_DIFFERENCE_US * CYCLES_PER_US;
     let Some(now) = difference() else {
         return;
     };
-    let since = now.wrapping_sub(DIFFERENCE.load(Ordering::Relaxed));
-    if since.wrapping_add(MAX) & systick::COUNT > 2 * MAX {
+    let above = now.wrapping_sub(LEAST.load(Ordering::Relaxed));
+    if above & systick::COUNT > 2 * MAX_DIFFERENCE {
         fail(Failure::Clock);
     }
 }
