@@ -1,8 +1,8 @@
 // Single faults of the board: each ends with the drives off within its time, and the reason in the log.
 //
 // A machine of four axes turns at a constant speed. Then one part of the board fails. Two facts that do not depend on each other disagree
-// from then on, and a witness detects it (firmware/src/board/witness.rs). docs/safety.md has the table of these faults. Each case also has
-// its counterpart, in which the part works: nothing is reported.
+// from then on, and a witness detects it (firmware/src/board/witness.rs). docs/safety.md has the table of these faults. The same
+// disturbances with all parts working follow: nothing is reported.
 
 import { scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
@@ -189,25 +189,6 @@ function writeBeyondStack({ board }) {
   board.poke(board.elf.symbols.get('_stack_end').address, 0x1234_5678);
 }
 
-const loopHangs = (machine) => machine.freeze(0.03);
-
-/** The processor executes an undefined instruction. */
-function breakIn({ board }) {
-  const nowhere = 0x2003_f000;
-  board.poke(nowhere, 0xde00_de00 | 0);
-  board.core.registers[15] = nowhere;
-  board.core.waiting = false;
-}
-
-/** The panic of an index that is out of bounds. */
-function panic({ board }) {
-  const spare = 0x2003_e000;
-  [spare + 64, 4, 1, 1, ...Array(12).fill(0), 0x656e_6f6e].forEach((word, i) => board.poke(spare + 4 * i, word));
-  board.core.registers.set([7, 3, spare]);
-  board.core.registers[15] = [...board.elf.symbols.values()].find(({ name }) => /panicking.*panic_bounds_check/.test(name)).address;
-  board.core.waiting = false;
-}
-
 /** Time of SysTick's exception, and the longest tick: a reading of the loop comes as much after its deadline. */
 const PERIOD_S = 2 ** 20 / CYCLES_PER_S;
 const READ_S = 50e-6;
@@ -233,9 +214,6 @@ const FAULTS = [
   ['a bit of code in RAM', flip(/panic_bounds_check/), 'Code', ROUND_S],
   ['stack at its end', lowerStack(40), 'Stack', TICK_S + READ_S],
   ['stack was beyond its end', writeBeyondStack, 'Stack', TICK_S + READ_S],
-  ['loop hangs', loopHangs, 'Hang', 20 * TICK_S + READ_S],
-  ['a fault of the core', breakIn, 'CoreFault', READ_S],
-  ['a panic', panic, 'Panic', READ_S],
 ];
 
 /** The same without a fault. */
