@@ -74,17 +74,17 @@ fn stack() {
     }
 }
 
-/// Greatest change of the difference between timer and step hardware, µs. It is less than the lead with which words are submitted, so no
-/// tick underruns before it is detected.
+/// Greatest change of the difference between timer and step hardware, µs. It is less than the lead with which words are submitted, so a
+/// clock that drifts is detected before a tick underruns.
 const MAX_DIFFERENCE_US: u32 = 8;
+
+/// The same in cycles.
+const MAX_DIFFERENCE: u32 = MAX_DIFFERENCE_US * CYCLES_PER_US;
 
 const _: () = assert!(MAX_DIFFERENCE_US < Rp2040::LEAST_LEAD_US);
 
 /// Longest reading of both clocks, cycles. If something came between, the reading says nothing.
 const MAX_READING: u32 = 64;
-
-/// The same in cycles.
-const MAX_DIFFERENCE: u32 = MAX_DIFFERENCE_US * CYCLES_PER_US;
 
 /// Least difference between timer and step hardware: that at power-up, less the greatest change.
 static LEAST: AtomicU32 = AtomicU32::new(0);
