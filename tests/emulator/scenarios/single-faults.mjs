@@ -4,12 +4,14 @@
 // from then on, and a witness detects it (firmware/src/board/witness.rs). docs/safety.md has the table of these faults. The same
 // disturbances with all parts working follow: nothing is reported.
 
+import { SETTINGS, requests } from '../bench/frames.mjs';
+import { WITNESS_CYCLES } from '../bench/goals.mjs';
 import { scene, settingsOf } from '../bench/host.mjs';
+import { LinkHost } from '../bench/link-host.mjs';
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { Named } from '../bench/profile.mjs';
-import { WITNESS_CYCLES } from '../bench/goals.mjs';
 import { Snapshot } from '../board/snapshot.mjs';
 
 export const title = 'Single faults of the board: drives off, and the reason in the log';
@@ -31,17 +33,18 @@ export function run(outcome) {
     disturb(machine);
     const wrong = [];
     const text = ends(machine, reason, mostS, (holds, what) => holds || wrong.push(what));
-    outcome.say(`${name.padEnd(42)} ${text}`);
+    say(outcome, name, text);
     report(outcome, name, wrong, machine);
   }
   for (const [name, act] of SOUND) {
     const machine = turning(options);
     act(machine);
     machine.run(0.5);
-    const resets = machine.board.events.filter(({ kind }) => kind === 'reset').length;
-    outcome.say(`${name.padEnd(42)} nothing is reported`);
-    report(outcome, name, resets === 1 ? [] : ['no witness resets the controller'], machine);
+    isSound(outcome, name, machine);
   }
+  stores(outcome, options);
+  inverted(outcome);
+  persistent(outcome, turning(options));
   openings(outcome, turning(options));
   cost(outcome, options);
 }
@@ -55,6 +58,14 @@ function turning(options) {
   machine.happened = machine.board.cycle;
   return machine;
 }
+
+function isSound(outcome, name, machine) {
+  const resets = machine.board.events.filter(({ kind }) => kind === 'reset').length;
+  say(outcome, name, 'nothing is reported');
+  report(outcome, name, resets === 1 ? [] : ['a witness resets the controller'], machine);
+}
+
+const say = (outcome, name, text) => outcome.say(`${name.padEnd(42)} ${text}`);
 
 function report(outcome, name, wrong, machine) {
   const lines = wrong.length > 0 ? log(machine.board) : [];
@@ -103,20 +114,65 @@ function openEnable(machine, cycles) {
   machine.set(pins.ENABLE, 1, machine.happened);
 }
 
+/** A host stores settings: interrupts are disabled while the flash is erased, for many periods of SysTick. */
+function stores(outcome, options) {
+  const machine = new Machine(options);
+  machine.boot();
+  machine.set(pins.ENABLE, 1);
+  const host = new LinkHost(machine, 'usb');
+  host.connect();
+  host.ask(requests.takeControl());
+  host.writeFile(SETTINGS, options.settings);
+  machine.run(0.1);
+  isSound(outcome, 'settings are stored', machine);
+}
+
+/** The guard stands on a machine whose lines have the other active levels. */
+function inverted(outcome) {
+  const wiring = { enable: 'high', drive_enable: 'low' };
+  const played = scene('hold', (toml) => Object.assign(toml, { wiring }));
+  const machine = turning({ ...played, settings: settingsOf(played) });
+  stopGuard(machine);
+  const [seconds, failed] = opened(machine, machine.tick / 2);
+  outcome.check(seconds <= GUARD_LOOP_S && failed === GUARD_FAILED, `inverted lines: drives off after ${ms(seconds)} ms, failure ${failed}`);
+  say(outcome, '… with inverted lines', `drives off after ${ms(seconds)} ms`);
+}
+
+/** Opens ENABLE. Gives the time until the drives are off, and the number of the failure, 0 if there is none. */
+function opened(machine, cycles) {
+  const { board } = machine;
+  openEnable(machine, cycles);
+  machine.run(4 * TICK_S);
+  const [fall = Infinity] = board.edges.to('enable', 0).filter((cycle) => cycle >= machine.happened);
+  return [(fall - machine.happened) / CYCLES_PER_S, (board.peek(WATCHDOG_SCRATCH0) >>> 8) & 0xff];
+}
+
+/** The crystal has another rate, also after each restart. */
+function persistent(outcome, machine) {
+  const { board } = machine;
+  const fast = () => board.chip.ticks.change({ rate: 1.01 });
+  const resets = () => board.events.filter(({ text }) => text === 'watchdog').length;
+  for (let count = 0; count < 3; count += 1) {
+    fast();
+    board.run({ cycles: CYCLES_PER_S, until: () => resets() > count });
+  }
+  const falls = board.edges.to('enable', 0).filter((cycle) => cycle >= machine.happened);
+  const rises = board.edges.to('enable', 1).filter((cycle) => cycle >= machine.happened);
+  outcome.check(resets() === 3, `the board restarts again and again, not ${resets()} times`);
+  outcome.check(falls.length === 1 && rises.length === 0, `the drives fall once and stay off, not ${falls.length} and ${rises.length} edges`);
+  say(outcome, 'crystal 1 % fast for good', `${resets()} restarts, drives off`);
+}
+
 /** Opens ENABLE at every third cycle around the reading of the loop, with the guard and without. */
 function openings(outcome, machine) {
-  const { board } = machine;
-  const snapshot = new Snapshot(board);
+  const snapshot = new Snapshot(machine.board);
   const after = { guarded: [], unguarded: [] };
   for (const [name, falls] of Object.entries(after)) {
     for (let cycles = 0; cycles < READING_CYCLES; cycles += 3) {
       snapshot.restore();
       if (name === 'unguarded') stopGuard(machine);
-      openEnable(machine, cycles);
-      machine.run(4 * TICK_S);
-      const [fall = Infinity] = board.edges.to('enable', 0).filter((cycle) => cycle >= machine.happened);
-      falls.push((fall - machine.happened) / CYCLES_PER_S);
-      const failed = board.peek(WATCHDOG_SCRATCH0) >>> 8 & 0xff;
+      const [seconds, failed] = opened(machine, cycles);
+      falls.push(seconds);
       outcome.check(failed === (name === 'guarded' ? 0 : GUARD_FAILED), `${name}, opened ${cycles} cycles after a deadline: failure ${failed}`);
     }
   }
