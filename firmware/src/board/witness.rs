@@ -75,7 +75,7 @@ fn stack() {
 }
 
 /// Greatest change of the difference between timer and step hardware, µs. It is less than the lead with which words are submitted, so a
-/// clock that drifts is detected before a tick underruns.
+/// rate that is slightly wrong is detected before a tick underruns.
 const MAX_DIFFERENCE_US: u32 = 8;
 
 /// The same in cycles.
