@@ -21,7 +21,7 @@ use crate::board::lines::AlarmInputs;
 use crate::board::sampler::Label;
 use crate::board::steps::{Steps, Submission};
 use crate::board::watchdog::Fed;
-use crate::board::{handover, has_passed, lines, sampler};
+use crate::board::{handover, has_passed, lines, sampler, witness};
 use crate::link::LoopEnd;
 use crate::report::Reporter;
 
@@ -101,6 +101,7 @@ impl Io for Board {
         self.read_index(&mut feedback.index);
         let levels = lines::read_latched();
         let inputs = lines::safety_inputs(levels);
+        witness::check(levels, inputs);
         self.inputs = if inputs.enable { flags::ENABLE } else { 0 };
         self.inputs |= if inputs.stop { flags::STOP } else { 0 };
         feedback.inputs = inputs;

@@ -16,7 +16,7 @@ use crate::board::index::Index;
 use crate::board::lines::AlarmInputs;
 use crate::board::steps::Steps;
 use crate::board::watchdog::Fed;
-use crate::board::{CYCLES_PER_US, lines};
+use crate::board::{CYCLES_PER_US, lines, witness};
 use crate::control::Board;
 use crate::link::LoopEnd;
 use crate::report::Reporter;
@@ -73,6 +73,7 @@ pub fn make(
     }
     let axes = settings.axes.len();
     let tick = Duration::from_micros(tick_us.into());
+    witness::set_up();
     // Edges that were noted while the lines were set up are none of the machine's.
     let lines = lines::read_latched();
     let levels = (0..axes).fold(0, |levels, axis| {

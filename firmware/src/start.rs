@@ -17,7 +17,8 @@ use embassy_time::{Duration, Timer};
 use heapless::spsc::Producer;
 use static_cell::StaticCell;
 
-use crate::board::{alarm, lines, watchdog};
+use crate::board::failure::{Failure, fail};
+use crate::board::{alarm, lines, watchdog, witness};
 use crate::control::Board;
 use crate::from_ram;
 use crate::link::{self, FirmwareDevice, Lines, LoopEnd, Running};
@@ -26,16 +27,13 @@ use crate::machine;
 use crate::report::{self, Note, Reporter};
 use crate::settings;
 
-/// Handles a fault of the core: switches the drives off; the watchdog then resets the controller.
+/// Handles a fault of the core.
 #[exception]
 unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
-    lines::cut_drives();
-    loop {
-        cortex_m::asm::nop();
-    }
+    fail(Failure::CoreFault)
 }
 
-/// Handles a panic: switches the drives off first, logs the message, then continues as a fault of the core.
+/// Handles a panic: switches the drives off first, and logs the message.
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     static IS_SECOND: AtomicBool = AtomicBool::new(false);
@@ -47,7 +45,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
         log::discard();
         defmt::error!("{}", defmt::Display2Format(info));
     }
-    cortex_m::asm::udf();
+    fail(Failure::Panic)
 }
 
 // Cold, so that it is in the flash: it runs before the code that belongs in RAM is there.
@@ -94,7 +92,10 @@ fn main() -> ! {
     let task: Pin<&mut dyn Future<Output = ()>> = pin!(control_loop::run(controller, board));
     // SAFETY: this function never returns, and a panic does not unwind. So the values on its stack stay there.
     alarm::run(unsafe { mem::transmute::<Pin<&mut _>, Pin<&'static mut _>>(task) });
-    executor.run(|spawner| link::spawn(spawner, device, lines))
+    executor.run(|spawner| {
+        link::spawn(spawner, device, lines);
+        spawner.spawn(defmt::unwrap!(witness::code()));
+    })
 }
 
 /// Makes the machine from the chosen settings; returns none if there are no valid settings, which is logged.

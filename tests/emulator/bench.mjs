@@ -5,7 +5,9 @@ import path from 'node:path';
 import { Outcome } from './bench/outcome.mjs';
 import { worse, write } from './bench/figures.mjs';
 
-const SCENARIOS = ['firmware', 'parity', 'rate', 'cost', 'deadlines', 'index', 'faults', 'safety', 'settings-in-use', 'sweeps', 'store', 'link', 'wiring'];
+const SCENARIOS = [
+  'firmware', 'parity', 'rate', 'cost', 'deadlines', 'stops', 'index', 'faults', 'safety', 'single-faults', 'sweeps', 'store', 'link', 'wiring',
+];
 
 const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ... | SCENE.toml ...]
        tests/emulator/run --profile SCENE [OPTION ...]

@@ -7,7 +7,8 @@
 //! the chip, by the pin's own override. So is DIR of an axis that is reversed. So the rest of the firmware has the default levels only.
 //!
 //! ALARM and STOP are *latched*: the chip notes their edges by itself, so that a pulse between two readings is not lost. Either edge shows
-//! that the line was active since the last reading, whatever its active level is.
+//! that the line was active since the last reading, whatever its active level is. Edges of ENABLE are noted as well: without one, the line
+//! had its level all the time since the last reading.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -79,6 +80,11 @@ impl Levels {
     /// Level of an axis's index sensor.
     pub fn index(self, axis: usize) -> bool {
         axis < pins::AXES && self.is_high(pins::INDEX + axis as u8)
+    }
+
+    /// True if ENABLE was open at the last two readings and all the time between them.
+    pub const fn is_enable_lost(self) -> bool {
+        self.is_high(pins::ENABLE)
     }
 
     /// True while the button is held down.
@@ -204,35 +210,39 @@ const PINS_OF_REGISTER: u8 = 8;
 /// Both edges of a pin in its register.
 const EDGES: u32 = 0b1100;
 
-/// Bits of both edges of all latched pins in a register.
+/// Pins whose edges are noted: ENABLE, STOP and the alarms.
+const LATCHED: usize = pins::AXES + 2;
+
+/// Bits of both edges of these pins in a register.
 const fn latched(register: u8) -> u32 {
-    let (mut bits, mut axis) = (0, 0);
-    while axis <= pins::AXES {
-        let pin = if axis < pins::AXES {
-            pins::ALARM[axis]
-        } else {
-            pins::STOP
+    let (mut bits, mut i) = (0, 0);
+    while i < LATCHED {
+        let pin = match i {
+            0 => pins::ENABLE,
+            1 => pins::STOP,
+            axis => pins::ALARM[axis - 2],
         };
         if pin / PINS_OF_REGISTER == register {
             bits |= EDGES << (pin % PINS_OF_REGISTER * 4);
         }
-        axis += 1;
+        i += 1;
     }
     bits
 }
 
-/// Registers of the latched pins, and their bits there.
+/// Registers of these pins, and their bits there.
 const LATCHES: [(u8, u32); 2] = [(2, latched(2)), (3, latched(3))];
 
 const _: () = {
     let count = LATCHES[0].1.count_ones() + LATCHES[1].1.count_ones();
     assert!(
-        count as usize == 2 * (pins::AXES + 1),
-        "every latched pin has a register"
+        count as usize == 2 * LATCHED,
+        "every pin whose edges are noted has a register"
     );
 };
 
-/// Reads all inputs as [`read`] does. A latched line reads active also if it was so at any time since the last call.
+/// Reads all inputs as [`read`] does. A latched line reads active also if it was so at any time since the last call. ENABLE reads open only
+/// if it was so all the time.
 #[inline(always)]
 pub fn read_latched() -> Levels {
     let levels = read();
@@ -248,23 +258,34 @@ pub fn read_latched() -> Levels {
     add_edges(levels, edges)
 }
 
-/// Adds lines with edges to those that are active, and clears what was noted. An edge that comes between reading and clearing is that of
-/// a line which is reported now.
+/// Adds lines with edges to those that are active, takes ENABLE from them, and clears what was noted. An edge that comes between reading
+/// and clearing is that of a line which is reported now.
 #[inline(never)] // seldom
-fn add_edges(Levels(mut levels): Levels, edges: [u32; 2]) -> Levels {
+fn add_edges(Levels(levels): Levels, edges: [u32; 2]) -> Levels {
+    let mut changed = 0;
     for ((register, _), edges) in LATCHES.into_iter().zip(edges) {
         pac::IO_BANK0.intr(register.into()).write_value(Int(edges));
         let mut rest = edges;
         let mut bit = 1 << (register * PINS_OF_REGISTER);
         while rest != 0 {
             if rest & EDGES != 0 {
-                levels |= bit;
+                changed |= bit;
             }
             rest >>= 4;
             bit <<= 1;
         }
     }
-    Levels(levels)
+    const ENABLE: u32 = 1 << pins::ENABLE;
+    Levels((levels | changed) & !(changed & ENABLE))
+}
+
+/// True if ENABLE had an edge since the last reading of the latched lines. The edge of a line that changed in that very reading may be
+/// noted only now.
+#[inline(never)] // seldom
+pub fn has_enable_edge() -> bool {
+    const REGISTER: u8 = pins::ENABLE / PINS_OF_REGISTER;
+    const BITS: u32 = EDGES << (pins::ENABLE % PINS_OF_REGISTER * 4);
+    pac::IO_BANK0.intr(REGISTER.into()).read().0 & BITS != 0
 }
 
 /// Enable and stop inputs for the loop. A loss of the enable input that is over is reported once.

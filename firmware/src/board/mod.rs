@@ -3,7 +3,8 @@
 //! This module contains hardware access and makes no decisions. [`pins`] is the one table of all pins, [`steps`] plays
 //! step edges, and [`index`] times index pulses. [`guard`] switches off the drives when the enable input opens.
 //! [`lines`] are the other safety lines and the LED. [`alarm`] runs the loop at its deadlines. [`watchdog`] resets a
-//! controller that hangs. [`sampler`] copies telemetry for the host link, and [`handover`] passes programs to the loop.
+//! controller that hangs. [`witness`] detects single faults of the board, by comparing facts that do not depend on each other;
+//! [`failure`] is the one way in which such a fault, or a panic, ends. [`systick`] counts cycles. [`sampler`] copies telemetry for the host link, and [`handover`] passes programs to the loop.
 //!
 //! Terms: a *block* is one of the two PIO blocks, a *machine* one of its four state machines. A *cycle* is a clock cycle
 //! of the core and the machines, 8 ns. A microsecond is a tick of the timer for the loop's deadlines. Both come from the
@@ -12,6 +13,7 @@
 //! All unsafe code of the firmware is in this folder, each time with the reason why it is sound.
 
 pub mod alarm;
+pub mod failure;
 pub mod guard;
 pub mod handover;
 pub mod index;
@@ -19,7 +21,9 @@ pub mod lines;
 pub mod pins;
 pub mod sampler;
 pub mod steps;
+pub mod systick;
 pub mod watchdog;
+pub mod witness;
 
 use cophase_link::board::{Board as _, Rp2040};
 

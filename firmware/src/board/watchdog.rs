@@ -1,7 +1,7 @@
 //! Watchdog: resets a controller whose loop hangs or does not meet its deadlines.
 //!
 //! Only output that was submitted in time feeds it. A reset releases all pins, and with them the drives' enable line,
-//! which is pulled down. Registers that survive the reset keep the state of the loop, which is then reported.
+//! which is pulled down. Registers that survive the reset keep the state of the loop and the [`Failure`], which are then reported.
 
 use cophase_core::supervisor::State;
 use embassy_rp::Peri;
@@ -10,13 +10,18 @@ use embassy_rp::peripherals::WATCHDOG;
 use embassy_rp::watchdog::Watchdog;
 use embassy_time::Duration;
 
+use super::failure::Failure;
+
 /// Number of deadlines that the loop may miss before a watchdog reset.
 ///
 /// After three the loop itself faults and makes a coordinated stop. The watchdog is for a loop that cannot.
 const TICKS: u32 = 20;
 
-/// Mark of registers that this firmware has written. The last byte is the state.
-const LEFT: u32 = 0xC0F4_5E00;
+/// Mark of a register that this firmware has written. The last byte is the state, the one before it the failure.
+const LEFT: u32 = 0xC0F4_0000;
+
+/// Bits of the mark.
+const MARK: u32 = 0xFFFF_0000;
 
 /// Mark of the register that selects a single axis. The last byte is the axis.
 const ONLY: u32 = 0xA715_0100;
@@ -31,6 +36,8 @@ pub struct LastState {
     pub state: Option<State>,
     /// Control ticks from that power-up to the reset.
     pub tick: u32,
+    /// Reason for the reset.
+    pub failure: Failure,
 }
 
 /// Reads the state before a watchdog reset; none after any other reset.
@@ -39,14 +46,46 @@ pub fn last_state() -> Option<LastState> {
     let left = pac::WATCHDOG.scratch0().read();
     pac::WATCHDOG.scratch0().write_value(0);
     // The boot ROM also resets through the watchdog, after a download.
-    if !(reason.timer() || reason.force()) || left & !0xFF != LEFT {
+    if !(reason.timer() || reason.force()) || left & MARK != LEFT {
         return None;
     }
-    let number = (left ^ LEFT) as usize; // It is beyond all states if the loop had not begun.
+    let [state, failure, ..] = left.to_le_bytes();
     Some(LastState {
-        state: State::ALL.get(number).copied(),
+        // The number is beyond all states if the loop had not begun.
+        state: State::ALL.get(usize::from(state)).copied(),
         tick: pac::WATCHDOG.scratch1().read(),
+        failure: Failure::from_number(failure),
     })
+}
+
+/// Keeps the reason for a reset, beside the state.
+pub fn keep(failure: Failure) {
+    let left = pac::WATCHDOG.scratch0();
+    let before = left.read();
+    let state = if before & MARK == LEFT {
+        before & 0xFF
+    } else {
+        NOT_BEGUN
+    };
+    left.write_value(LEFT | (failure as u32) << 8 | state);
+}
+
+/// True if the watchdog was started.
+pub fn is_running() -> bool {
+    pac::WATCHDOG.ctrl().read().enable()
+}
+
+/// Resets the controller as the watchdog would, even if the clock of the watchdog stands.
+pub fn force() -> ! {
+    // All blocks but the two oscillators, as `embassy_rp` selects them.
+    const ALL_BUT_OSCILLATORS: u32 = 0x1_FFFC;
+    pac::PSM
+        .wdsel()
+        .write_value(pac::psm::regs::Wdsel(ALL_BUT_OSCILLATORS));
+    pac::WATCHDOG.ctrl().modify(|w| w.set_trigger(true));
+    loop {
+        cortex_m::asm::nop();
+    }
 }
 
 /// Requested restarts since power-up. The register is zero then.
@@ -79,15 +118,7 @@ pub fn restart(only_axis: Option<u8>) -> ! {
         pac::WATCHDOG.scratch2().write_value(selected);
         let restarts = restarts().wrapping_add(1);
         pac::WATCHDOG.scratch3().write_value(restarts);
-        // All blocks but the two oscillators, as `embassy_rp` selects them.
-        const ALL_BUT_OSCILLATORS: u32 = 0x1_FFFC;
-        pac::PSM
-            .wdsel()
-            .write_value(pac::psm::regs::Wdsel(ALL_BUT_OSCILLATORS));
-        pac::WATCHDOG.ctrl().modify(|w| w.set_trigger(true));
-        loop {
-            cortex_m::asm::nop();
-        }
+        force()
     })
 }
 
@@ -112,7 +143,7 @@ impl Fed {
         }
     }
 
-    /// Feeds the watchdog, and stores state and tick for after a reset.
+    /// Feeds the watchdog, and stores state and tick for after a reset. Until then the failure is [`Failure::Hang`].
     pub fn feed(&self, state: State, tick: u32) {
         pac::WATCHDOG.scratch0().write_value(LEFT | state as u32);
         pac::WATCHDOG.scratch1().write_value(tick);

@@ -16,6 +16,8 @@ const SRAM_SIZE = 264 * 1024;
 const XIP_BASE = 0x1000_0000;
 const XIP_END = 0x1400_0000;
 const XIP_MASK = 0x00ff_ffff;
+/** Accesses with these bits set do not use the cache, and leave it as it is. */
+const XIP_UNCACHED = 0x0300_0000;
 /** Registers of the XIP controller and of the flash's serial interface. */
 const isXipRegister = (a) => a >>> 16 === 0x1400 || a >>> 16 === 0x1800;
 
@@ -169,7 +171,8 @@ export class MemoryCore extends StockCore {
   /** The offset into the flash for the address `a`. Counts the wait of the access. */
   flashOffset(a) {
     const offset = a & XIP_MASK;
-    const wait = this.cache.wait(offset);
+    const isUncached = (a & XIP_UNCACHED) === XIP_UNCACHED;
+    const wait = isUncached ? this.cache.missCycles : this.cache.wait(offset);
     if (wait !== 0) this.extra += wait;
     if (this.IPSR !== 0) this.countRead(XIP_BASE + offset, wait);
     return offset;

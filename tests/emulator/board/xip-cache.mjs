@@ -1,8 +1,8 @@
 // The cache between processor and flash: 16 KiB, two ways of 1,024 lines of 8 bytes (RP2040 datasheet, 2.6.3). A hit
-// costs nothing here. A miss costs the time to fetch a line from the flash chip.
+// costs nothing here. A miss costs the time to fetch a line from the flash chip. So does each access past the cache, at 0x13000000.
 //
 // Not documented, and assumed: the least recently used of the two ways is replaced. Not modelled: DMA from the flash,
-// and the other aliases of the window; the firmware uses neither.
+// and the other two aliases of the window; the firmware uses neither.
 
 const SETS = 1024;
 const LINE_BITS = 3;

@@ -190,15 +190,15 @@ function losesEnableInATick(machine) {
 }
 
 /** The watchdog restarts the controller: drives off from then on, until it is reset and started. */
-const restarts = (mostS) => (machine, must) => {
+const restarts = (failure, mostS) => (machine, must) => {
   machine.run(0.5);
   const fall = drivesFell(machine, must, mostS);
   must(machine.board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog'), 'the watchdog resets it');
-  must(logs(machine, /reset by the watchdog.*Run/), 'the log says what the machine was doing');
+  must(logs(machine, new RegExp(`reset by the watchdog.*Run.*${failure}`)), `the log says what the machine was doing, and ${failure}`);
   must(logs(machine, /fault: watchdog-reset/), 'the log says watchdog-reset');
   must(machine.level('enable') === 0, 'the drives stay off');
   resets(machine, must);
-  return `${fall}, reset by the watchdog; stays off until reset`;
+  return `${fall}, reset by the watchdog: ${failure}; stays off until reset`;
 };
 
 const CASES = [
@@ -224,6 +224,6 @@ const CASES = [
   ['… again and again', stumble, faults(/overrun/, true)],
   ['… then enable lost', (machine) => machine.freeze(0.0031), holdsUntilEnableOpens(/overrun/)],
   ['FIFO underrun', (machine) => starve(machine, 1), runsEmpty],
-  ['loop hangs', (machine) => machine.freeze(0.03), restarts(0.0101)],
-  ['a fault of the core', breakIn, restarts(20e-6)],
+  ['loop hangs', (machine) => machine.freeze(0.03), restarts('Hang', 0.0101)],
+  ['a fault of the core', breakIn, restarts('CoreFault', 20e-6)],
 ];

@@ -38,7 +38,7 @@ export function panics(outcome, running) {
     if (machine.level('enable') !== 0 || falls.length !== 1) wrong.push('the drives do not stay off');
     if (!board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog')) wrong.push('the watchdog does not restart it');
     if (!isFull) says(new RegExp(`panicked at ${FILE}:${LINE}`));
-    says(/reset by the watchdog.*Run/);
+    says(/reset by the watchdog.*Run.*Panic/);
     says(/fault: watchdog-reset/);
     return {
       name: `${u.toFixed(4)} ticks after a deadline${isFull ? ', the log full' : ''}`,

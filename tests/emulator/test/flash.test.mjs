@@ -154,3 +154,14 @@ test('an interrupt taken while XIP is off locks the processor up, as its vector 
   board.poke(0xe000_e200, 1 << 26);
   assert.equal(board.run({ cycles: 100 }).reason, 'lockup');
 });
+
+test('a read past the cache waits for the flash each time, and takes no line of the cache', () => {
+  const { core } = new Board({ flash: new Uint8Array(0x1_0000), missCycles: 56, bare: true });
+  const waitAt = (address) => {
+    core.extra = 0;
+    core.readUint32(address);
+    return core.extra;
+  };
+  assert.deepEqual([0x1000_0000, 0x1000_0000].map(waitAt), [56, 0]);
+  assert.deepEqual([0x1300_0100, 0x1300_0100, 0x1000_0100, 0x1000_0000].map(waitAt), [56, 56, 56, 0]);
+});

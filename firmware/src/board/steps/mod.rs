@@ -104,7 +104,7 @@ pub struct Steps {
 
 impl Steps {
     /// Sets up pins, machines and channels of as many axes as there are in `reversed`, on the lines of the board's axes from
-    /// `first` on. Nothing moves yet.
+    /// `first` on. Nothing moves yet. The [cycle counter](super::systick) must run when the machines are started.
     #[cold]
     pub fn new(reversed: &[bool], first: usize, active: ActiveLevel, tick: Duration) -> Self {
         let axes = reversed.len().min(AXES);
@@ -128,7 +128,6 @@ impl Steps {
             feed::set_up(axis);
         }
         feed::listen();
-        release::set_up();
         Self {
             axes,
             machines: [0, 1].map(|block| machines(block, axes)),

@@ -4,12 +4,13 @@
 //! registers. They run from RAM with interrupts disabled, so that no fetch from flash and no handler can come between.
 //!
 //! Another master of the bus or a debugger may still delay the stores. The blocks are then apart, and all ticks late.
-//! The core's own counter, SysTick, shows this. It counts every cycle and has no other use.
+//! The core's own counter shows this ([`systick`]).
 
 use core::arch::asm;
 
-use cortex_m::peripheral::SYST;
 use embassy_rp::pac;
+
+use crate::board::systick;
 
 /// Cycles from the first block's start to the second's: a store to these registers takes two.
 pub const SKEW: u32 = 2;
@@ -18,24 +19,12 @@ pub const SKEW: u32 = 2;
 /// less than a quarter of a microsecond more.
 const MOST_CYCLES: u32 = 64;
 
-/// SysTick's bits.
-const COUNT: u32 = 0xFF_FFFF;
-
-/// Starts SysTick.
-#[cold]
-pub fn set_up() {
-    const ENABLE: u32 = 1;
-    const CORE_CLOCK: u32 = 1 << 2;
-    // SAFETY: nothing else uses SysTick; it raises no exception.
-    unsafe {
-        (*SYST::PTR).rvr.write(COUNT);
-        (*SYST::PTR).cvr.write(0);
-        (*SYST::PTR).csr.write(ENABLE | CORE_CLOCK);
-    }
-}
+/// Readings of the timer before its time, ten cycles or more each: over 100 µs, more than the wait takes.
+const MOST_READINGS: u32 = 1250;
 
 /// Enables the machines of the first and the second block whose bits are set, and no others, when the timer reaches
-/// `at_us`. Returns true if that was in time. To be called with interrupts disabled and `at_us` less than 2³¹ µs ahead.
+/// `at_us`. Returns true if that was in time. To be called with interrupts disabled and `at_us` at most 50 µs ahead: the wait for a timer
+/// that stands ends, too.
 #[must_use]
 pub fn release(at_us: u32, first: u8, second: u8) -> bool {
     let timer = pac::TIMER.timerawl().as_ptr();
@@ -65,17 +54,22 @@ unsafe extern "C" fn let_go(
     second_ctrl: *mut u32,
     second: u32,
 ) -> u32 {
-    // SAFETY: the caller's addresses are those of registers, and SysTick's is its own.
+    // SAFETY: the caller's addresses are those of registers.
     unsafe {
-        let counter = (&raw const (*SYST::PTR).cvr).cast::<u32>();
-        // Count at the last reading before the time. None if the time had passed at the first reading.
+        // Count at the last reading before the time. None if the time had passed at the first reading, or did not come.
         let mut before = None;
+        let mut readings = MOST_READINGS;
         loop {
-            let now = counter.read_volatile();
+            let now = systick::count();
             if (timer.read_volatile().wrapping_sub(at_us) as i32) >= 0 {
                 break;
             }
             before = Some(now);
+            readings -= 1;
+            if readings == 0 {
+                before = None;
+                break;
+            }
         }
         asm!(
             "str {first}, [{first_ctrl}]",
@@ -86,10 +80,9 @@ unsafe extern "C" fn let_go(
             second_ctrl = in(reg) second_ctrl,
             options(nostack, preserves_flags),
         );
-        let after = counter.read_volatile();
-        // SysTick counts down.
+        let after = systick::count();
         match before {
-            Some(before) => before.wrapping_sub(after) & COUNT,
+            Some(before) => systick::cycles(before, after),
             None => u32::MAX,
         }
     }
