@@ -16,6 +16,7 @@ use cophase_link::sample::flags;
 use embassy_time::Instant;
 
 use crate::board::alarm::Until;
+use crate::board::failure::{Failure, fail};
 use crate::board::index::Index;
 use crate::board::lines::AlarmInputs;
 use crate::board::sampler::Label;
@@ -123,12 +124,8 @@ impl Io for Board {
         handover::answer(is_loaded);
     }
 
-    /// Switches the drives off, and waits for the watchdog, which resets the controller.
     fn settings_changed(&mut self) {
-        lines::cut_drives();
-        loop {
-            cortex_m::asm::nop();
-        }
+        fail(Failure::Settings);
     }
 
     fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
@@ -136,6 +133,10 @@ impl Io for Board {
     }
 
     #[inline(never)] // as `Controller::tick`
+    #[expect(
+        unsafe_code,
+        reason = "only the loop knows for how long its output stays unchanged"
+    )]
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
         lines::drives(output.drives_enabled, output.telemetry.state);
         // SAFETY: the controller is in a static, and plans into its other buffer until the next submission is taken.

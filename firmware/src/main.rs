@@ -6,30 +6,26 @@
 //!
 //! | module | contents |
 //! | --- | --- |
-//! | `board` | hardware: pins, step output, index capture, guard, safety lines, watchdog |
+//! | `board` | hardware: pins, step output, index capture, guard, safety lines, watchdog, witnesses, code in RAM, log |
 //! | `start` | from power-up to a running loop, and the tasks |
 //! | `settings` | choice and storage of the settings |
 //! | `machine` | loop and board, set up for the axes of the settings |
-//! | `from_ram` | code that is copied to RAM before all else |
 //! | `link` | host link over USB and UART |
 //! | `control` | input and output of the loop on this board |
 //! | `report` | events, reported over the debug probe |
-//! | `log` | frames of the log, over RTT |
 //!
 //! Every member of this workspace builds for a host. There this binary has no hardware to drive and prints a message.
 //! The loop itself runs on a host through `host-sim`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
+#![deny(unsafe_code)]
 
 #[cfg(target_os = "none")]
+#[allow(unsafe_code, reason = "hardware access")]
 mod board;
 #[cfg(target_os = "none")]
 mod control;
 #[cfg(target_os = "none")]
-mod from_ram;
-#[cfg(target_os = "none")]
 mod link;
-#[cfg(target_os = "none")]
-mod log;
 #[cfg(target_os = "none")]
 mod machine;
 #[cfg(target_os = "none")]

@@ -12,7 +12,7 @@ use cophase_core::settings::Settings;
 use cophase_core::supervisor::FaultKind;
 use cophase_link::board::{self, Board as _, Rp2040};
 use cophase_link::header::OUTSIDE;
-use cophase_link::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
+use cophase_link::layout::{FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
 use cophase_link::message::{Text, text};
 use cophase_link::store::{Choice, Slot, Store, StoreError, choose, inspect, settings_file_in};
 use cophase_link::{SettingsFileError, decode_into, verify};
@@ -21,6 +21,7 @@ use embassy_rp::flash::{Blocking, ERASE_SIZE, Flash, WRITE_SIZE};
 use embassy_rp::peripherals::FLASH;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
+use crate::board::flash::slot;
 use crate::board::watchdog;
 use crate::report;
 
@@ -143,17 +144,4 @@ impl NorFlash for Watched<'_> {
             self.0.blocking_write(offset, bytes)
         })
     }
-}
-
-/// Returns a slot as memory-mapped flash.
-#[cold]
-fn slot(slot: Slot) -> &'static [u8] {
-    let offset = match slot {
-        Slot::A => SLOT_A_OFFSET,
-        Slot::B => SLOT_B_OFFSET,
-    };
-    let start = (FLASH_ADDRESS + offset) as *const u8;
-    // SAFETY: all of it is flash, which nothing writes while such a slice is in use. Only `store` writes, and only to the
-    // slot that is not the newest; the slice that stays in use is that of the newest. A host can store once per start.
-    unsafe { core::slice::from_raw_parts(start, SLOT_BYTES as usize) }
 }

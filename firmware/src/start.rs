@@ -1,14 +1,13 @@
 //! Power-up: from the reset vector to a running loop, or to an LED that shows that there are no settings to run.
 
-use core::mem;
 use core::panic::PanicInfo;
-use core::pin::{Pin, pin};
+use core::pin::pin;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cophase_core::control_loop;
 use cophase_core::controller::Controller;
 use cophase_core::settings::Settings;
-use cortex_m_rt::{ExceptionFrame, entry, exception};
+use cortex_m_rt::entry;
 use embassy_rp::executor::Executor;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::peripherals::{FLASH, WATCHDOG};
@@ -18,20 +17,12 @@ use heapless::spsc::Producer;
 use static_cell::StaticCell;
 
 use crate::board::failure::{Failure, fail};
-use crate::board::{alarm, lines, watchdog, witness};
+use crate::board::{alarm, from_ram, lines, log, watchdog, witness};
 use crate::control::Board;
-use crate::from_ram;
 use crate::link::{self, FirmwareDevice, Lines, LoopEnd, Running};
-use crate::log;
 use crate::machine;
 use crate::report::{self, Note, Reporter};
 use crate::settings;
-
-/// Handles a fault of the core.
-#[exception]
-unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
-    fail(Failure::CoreFault)
-}
 
 /// Handles a panic: switches the drives off first, and logs the message.
 #[panic_handler]
@@ -89,12 +80,12 @@ fn main() -> ! {
             spawner.spawn(defmt::unwrap!(refuse()));
         })
     };
-    let task: Pin<&mut dyn Future<Output = ()>> = pin!(control_loop::run(controller, board));
-    // SAFETY: this function never returns, and a panic does not unwind. So the values on its stack stay there.
-    alarm::run(unsafe { mem::transmute::<Pin<&mut _>, Pin<&'static mut _>>(task) });
-    executor.run(|spawner| {
-        link::spawn(spawner, device, lines);
-        spawner.spawn(defmt::unwrap!(witness::code()));
+    let task = pin!(control_loop::run(controller, board));
+    alarm::run(task, || {
+        executor.run(|spawner| {
+            link::spawn(spawner, device, lines);
+            spawner.spawn(defmt::unwrap!(witness::code()));
+        })
     })
 }
 

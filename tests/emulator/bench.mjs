@@ -6,7 +6,7 @@ import { Outcome } from './bench/outcome.mjs';
 import { worse, write } from './bench/figures.mjs';
 
 const SCENARIOS = [
-  'firmware', 'parity', 'rate', 'cost', 'deadlines', 'stops', 'index', 'faults', 'safety', 'single-faults', 'sweeps', 'store', 'link', 'wiring',
+  'firmware', 'parity', 'rate', 'cost', 'deadlines', 'stops', 'index', 'faults', 'safety', 'single-faults', 'settings-in-use', 'sweeps', 'store', 'link', 'wiring',
 ];
 
 const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ... | SCENE.toml ...]

@@ -4,7 +4,9 @@
 //! waits only for its next deadline. The alarm's interrupt polls it, and a poll that has to wait sets the alarm.
 
 use core::cell::UnsafeCell;
+use core::convert::Infallible;
 use core::future::Future;
+use core::mem;
 use core::pin::Pin;
 use core::task::{Context, Poll, Waker};
 
@@ -27,8 +29,10 @@ unsafe impl Sync for Slot {}
 
 static TASK: Slot = Slot(UnsafeCell::new(None));
 
-/// Runs a task in the alarm's interrupt, at a higher priority than everything that may wait. To be called once.
-pub fn run(task: Task) {
+/// Runs a task in the alarm's interrupt, at a higher priority than everything that may wait, and `beside` it. To be called once.
+pub fn run(task: Pin<&mut dyn Future<Output = ()>>, beside: impl FnOnce() -> Infallible) -> ! {
+    // SAFETY: this function never returns, and a panic does not unwind. So the task stays where it is, and nothing else uses it.
+    let task = unsafe { mem::transmute::<Pin<&mut _>, Task>(task) };
     pac::TIMER.inte().modify(|w| w.set_alarm(ALARM, true));
     // SAFETY: the interrupt is not enabled yet.
     unsafe { *TASK.0.get() = Some(task) };
@@ -36,6 +40,7 @@ pub fn run(task: Task) {
     interrupt::TIMER_IRQ_1.pend();
     // SAFETY: this interrupt calls only the handler below, and the task is in its slot.
     unsafe { interrupt::TIMER_IRQ_1.enable() };
+    match beside() {}
 }
 
 #[interrupt]

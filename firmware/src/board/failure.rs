@@ -2,6 +2,8 @@
 //!
 //! The reason survives the reset. The next start is in the fault `watchdog-reset`, with the drives off, and logs the reason.
 
+use cortex_m_rt::{ExceptionFrame, exception};
+
 use super::{lines, watchdog};
 
 /// Reason for a reset by the watchdog.
@@ -22,14 +24,16 @@ pub enum Failure {
     Code,
     /// The stack ran over its end.
     Stack,
+    /// A setting in use changed.
+    Settings,
 }
 
 impl Failure {
     /// The failure with a number; [`Self::Hang`] if there is none.
     #[cold]
     pub fn from_number(number: u8) -> Self {
-        use Failure::{Clock, Code, CoreFault, Guard, Hang, Panic, Stack};
-        let all = [Hang, Panic, CoreFault, Guard, Clock, Code, Stack];
+        use Failure::{Clock, Code, CoreFault, Guard, Hang, Panic, Settings, Stack};
+        let all = [Hang, Panic, CoreFault, Guard, Clock, Code, Stack, Settings];
         let found = all.into_iter().find(|&one| one as u8 == number);
         found.unwrap_or(Hang)
     }
@@ -56,4 +60,10 @@ pub fn fail(reason: Failure) -> ! {
     loop {
         cortex_m::asm::nop();
     }
+}
+
+/// Handles a fault of the core.
+#[exception]
+unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
+    fail(Failure::CoreFault)
 }

@@ -4,20 +4,26 @@
 //! step edges, and [`index`] times index pulses. [`guard`] switches off the drives when the enable input opens.
 //! [`lines`] are the other safety lines and the LED. [`alarm`] runs the loop at its deadlines. [`watchdog`] resets a
 //! controller that hangs. [`witness`] detects single faults of the board, by comparing facts that do not depend on each other;
-//! [`failure`] is the one way in which such a fault, or a panic, ends. [`systick`] counts cycles. [`sampler`] copies telemetry for the host link, and [`handover`] passes programs to the loop.
+//! [`failure`] is the one way in which such a fault, or a panic, ends. [`systick`] counts cycles. [`sampler`] copies telemetry for the
+//! host link, and [`handover`] passes programs to the loop. [`from_ram`] copies the code that runs from RAM before all else, [`flash`] is
+//! the flash as memory, and [`log`] writes frames of the log, over RTT.
 //!
 //! Terms: a *block* is one of the two PIO blocks, a *machine* one of its four state machines. A *cycle* is a clock cycle
 //! of the core and the machines, 8 ns. A microsecond is a tick of the timer for the loop's deadlines. Both come from the
 //! same crystal, so a microsecond is always 125 cycles.
 //!
-//! All unsafe code of the firmware is in this folder, each time with the reason why it is sound.
+//! Unsafe code is in this folder, each time with the reason why it is sound. Elsewhere the compiler refuses it, unless the place expects
+//! it with a reason: so does `control.rs`, which ensures that an output stays unchanged while hardware reads it.
 
 pub mod alarm;
 pub mod failure;
+pub mod flash;
+pub mod from_ram;
 pub mod guard;
 pub mod handover;
 pub mod index;
 pub mod lines;
+pub mod log;
 pub mod pins;
 pub mod sampler;
 pub mod steps;

@@ -5,6 +5,7 @@
 //! | guard | level of ENABLE, and the guard's report of its loss | each tick |
 //! | clock | time of the timer, and cycles of the step hardware | each tick, and every 8.4 ms without the timer |
 //! | stack | words at its end, and what was written there at power-up; its pointer, and its end | each tick |
+//! | settings | checksums of the settings in use (`Controller::check_settings`) | each tick |
 //! | code | code in RAM, and the flash that it was copied from | in the time that the loop leaves |
 //!
 //! A disagreement ends in [`fail`]: the drives are off at once, and the controller restarts. `docs/safety.md` lists the faults, and what
@@ -20,8 +21,7 @@ use embassy_time::{Duration, Ticker};
 
 use super::failure::{Failure, fail};
 use super::lines::Levels;
-use super::{CYCLES_PER_US, lines, now_us, systick};
-use crate::from_ram;
+use super::{CYCLES_PER_US, from_ram, lines, now_us, systick};
 
 /// Prepares the witnesses of each tick. To be called once, while little of the stack is in use.
 #[cold]

@@ -22,7 +22,7 @@ const TICK_S = 500e-6;
 const RESTARTED_S = 0.2;
 
 /** The code of all witnesses in a tick: the board's, and the settings' (docs/safety.md). */
-const WITNESSES = /::witness::/;
+const WITNESSES = /::witness::|check_settings|::checksum::/;
 
 export function run(outcome) {
   const played = scene('hold');
