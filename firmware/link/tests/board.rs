@@ -1,5 +1,5 @@
-//! Conformance tests: each test checks one property of every board. `tests/emulator/run cost` shows that a board can run the settings that
-//! it accepts.
+//! Conformance tests: each test checks one property of every board. `tests/emulator/run deadlines` shows that a board can run the
+//! settings that it accepts.
 
 mod support;
 

@@ -17,7 +17,8 @@ mod settings;
 use std::sync::Arc;
 
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
-use cophase_core::settings::{DriftSettings, MachineSettings, Problem, ShaftSettings};
+use cophase_core::settings::{DriftSettings, MachineSettings, Problem, Settings, ShaftSettings};
+use cophase_link::board;
 
 use super::file::{Drift, Fidelity, Scene};
 use super::{Checked, SceneError, range};
@@ -83,6 +84,7 @@ impl Checked {
         };
         // A controller is created as a check, because only this runs all checks of the core.
         checked.controller()?;
+        check_rate(&checked.settings)?;
         numbers::check_steppers(&checked.scene)?;
         if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
             return Err(SceneError::at(
@@ -120,6 +122,15 @@ fn drift(given: &Drift) -> DriftSettings {
         reading_error_deg: given.reading_error_deg,
         lag_s: given.lag_us * 1e-6,
     }
+}
+
+/// Checks that a board keeps the tick rate, if one can run the machine.
+fn check_rate(settings: &Settings) -> Result<(), SceneError> {
+    board::check_rate(settings).map_err(|unfit| {
+        let sentence = unfit.to_string();
+        let (key, problem) = sentence.split_once(": ").unwrap_or_default();
+        SceneError::at(key, problem)
+    })
 }
 
 /// Checks the number of axes.
