@@ -76,6 +76,7 @@ const VARIANTS = {
   control: 6,
   arm: 7,
   start: 9,
+  stop: 10,
   override: 14,
   home: 15,
   jog: 16,
@@ -111,6 +112,8 @@ export const requests = {
   takeControl: () => request('control', 0),
   arm: () => request('arm'),
   start: () => request('start'),
+  /** `kind`: 0 at the parking phase, 1 now. */
+  stop: (kind) => request('stop', kind),
   override: (permille) => request('override', varint(permille)),
   restart: () => request('restart'),
   home: () => request('home'),

@@ -80,7 +80,7 @@ export function settingsOf(played) {
  * What `cophase settings` makes of a scene: { settings: the file, bound: cycles of the longest tick on the board }, or { refused: why,
  * mostHz: the highest tick rate that the board takes, if the rate is refused }.
  */
-export function offered(played) {
+export function convert(played) {
   return withScene(played, (file, folder) => {
     const settings = path.join(folder, 'scene.settings');
     const done = spawnSync(COPHASE, ['settings', file, '-o', settings], { encoding: 'utf8' });

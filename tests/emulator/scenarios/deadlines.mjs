@@ -6,7 +6,7 @@
 // interrupt; the bound is what `cophase settings` states.
 
 import path from 'node:path';
-import { offered, scene } from '../bench/host.mjs';
+import { convert, scene } from '../bench/host.mjs';
 import { SCENES } from '../bench/paths.mjs';
 import { draw, lower, mutate, random, sceneOf } from '../search/draw.mjs';
 import { NAMES } from '../search/parts.mjs';
@@ -50,7 +50,7 @@ const byRatio = (one, other) => other.meter.worst.cycles / other.bound - one.met
 /** The scene whose deadline an earlier bound let pass: refused, and played at the rate that the refusal names. */
 function fixed(outcome) {
   const { toml } = scene(path.join(SCENES, 'missed-deadline.toml'));
-  const first = offered({ text: stringify(toml) });
+  const first = convert({ text: stringify(toml) });
   outcome.check(first.mostHz !== undefined && !first.isWritten, `missed-deadline: the rate is refused, and nothing is written, not: ${first.refused}`);
   const slips = [0, 0, 0, 0, 0, 0];
   return judge(outcome, 'missed-deadline', { drawn: { toml, transport: 'usb', slips, override: null }, ...atMost(toml) }, random(SEED));
@@ -63,11 +63,11 @@ function accepted(genomeOf) {
     const genome = genomeOf();
     const drawn = sceneOf(genome);
     for (let { toml } = drawn; ; toml = lower(toml, 0.8)) {
-      const offer = atMost(toml);
-      if (offer.settings) return { genome, drawn: { ...drawn, toml }, ...offer };
-      refusals.push(offer.refused.split('\n')[0]);
+      const converted = atMost(toml);
+      if (converted.settings) return { genome, drawn: { ...drawn, toml }, ...converted };
+      refusals.push(converted.refused.split('\n')[0]);
       // Which level a mechanism reaches at the greatest speed is the host's to say.
-      if (!/program/.test(offer.refused) || toml.program[0].amax_g < 0.01) break;
+      if (!/program/.test(converted.refused) || toml.program[0].amax_g < 0.01) break;
     }
   }
   throw new Error(`of ${MOST_TRIES} scenes none is accepted:\n${[...new Set(refusals)].join('\n')}`);
@@ -76,10 +76,10 @@ function accepted(genomeOf) {
 /** Sets the highest rate that the board accepts; gives the settings and the bound, or the refusal. */
 function atMost(toml) {
   toml.control.tick_hz = MOST_HZ;
-  const offer = offered({ text: stringify(toml) });
-  if (offer.mostHz === undefined) return offer;
-  toml.control.tick_hz = offer.mostHz;
-  return offered({ text: stringify(toml) });
+  const converted = convert({ text: stringify(toml) });
+  if (converted.mostHz === undefined) return converted;
+  toml.control.tick_hz = converted.mostHz;
+  return convert({ text: stringify(toml) });
 }
 
 function judge(outcome, name, { genome, drawn, settings, bound }, next) {

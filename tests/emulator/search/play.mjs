@@ -24,6 +24,9 @@ const BUSY_NS = 250_000;
 
 const READY_S = 1;
 
+/** Homing that proves the wiring is not awaited for longer. */
+const MOST_HOMING_S = 0.8;
+
 const SLIP_NS = 500_000;
 
 /** An interrupt begins this many cycles before the first ones at most, relative to its deadline: what it interrupts decides. */
@@ -207,7 +210,7 @@ function toRun(machine, cranks, toml) {
   const [motor, crank] = axis[0].gear ?? [1, 1];
   const perTurn = ((axis[0].steps_per_turn ?? axes.steps_per_turn) * motor) / crank;
   const window = 0.01;
-  for (let seconds = 0; seconds < 1.5; seconds += window) {
+  for (let seconds = 0; seconds < MOST_HOMING_S; seconds += window) {
     const before = cranks.steps(0);
     machine.run(window);
     const speed = (cranks.steps(0) - before) / window / perTurn;
@@ -244,6 +247,7 @@ function branch(state, meter, parts, began, toml, next) {
     { offset: Math.floor(next() * 3) - 1, how: 'alarm' },
     { offset: Math.floor(next() * 12), how: 'both' },
     { offset: 0, how: 'stop', at: second },
+    ...(state.host === null ? [] : [{ offset: 0, how: 'host' }]),
   ];
   for (const { offset, how, at = target } of tries) {
     board.profile = null;
@@ -252,8 +256,9 @@ function branch(state, meter, parts, began, toml, next) {
     // An input is read at a deadline, with every level since the one before.
     const cycle = began + (at + offset) * tick - Math.round(tick / 2);
     if (cycle <= board.cycle) continue;
-    if (how !== 'alarm') machine.set(STOP, 1, cycle);
-    if (how !== 'stop') machine.set(ALARM[Math.floor(next() * machine.axes)], 1, cycle);
+    if (how === 'host') state.host.send(requests.stop(Math.floor(next() * 2)));
+    if (how === 'stop' || how === 'both') machine.set(STOP, 1, cycle);
+    if (how === 'alarm' || how === 'both') machine.set(ALARM[Math.floor(next() * machine.axes)], 1, cycle);
     board.run({ untilCycle: cycle + BRANCH_TICKS * tick });
     meter.take(machine, parts, began, `${how}, ${offset} ticks after the pulses`);
     meter.branches += 1;

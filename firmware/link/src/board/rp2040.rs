@@ -8,10 +8,10 @@ use cophase_core::settings::{AxisSettings, DriveKind, Settings};
 
 use super::{Board, Unfit};
 
-/// Cycles of a tick without its axes: interrupt and loop, inputs, states and events, the plan of a stop, phase offsets, report, hand-over.
-const TICK_CYCLES: u32 = 18_200;
+/// Cycles of a tick without its axes: interrupt and loop, inputs, states and events, the plan of a stop, report, hand-over.
+const TICK_CYCLES: u32 = 16_000;
 /// Cycles that each axis adds to these: the edges of its index line, its pulse confirmed and processed, its timeout, hand-over.
-const AXIS_CYCLES: u32 = 1_250;
+const AXIS_CYCLES: u32 = 1_150;
 /// Cycles of a step plan without its chunks.
 const PLAN_CYCLES: u32 = 700;
 /// Cycles that each chunk of a plan's edges adds. The planner processes a chunk at once.

@@ -17,7 +17,7 @@ mod settings;
 use std::sync::Arc;
 
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
-use cophase_core::settings::{DriftSettings, MachineSettings, Problem, Settings, ShaftSettings};
+use cophase_core::settings::{DriftSettings, MachineSettings, Problem, ShaftSettings};
 use cophase_link::board;
 
 use super::file::{Drift, Fidelity, Scene};
@@ -84,7 +84,6 @@ impl Checked {
         };
         // A controller is created as a check, because only this runs all checks of the core.
         checked.controller()?;
-        check_rate(&checked.settings)?;
         numbers::check_steppers(&checked.scene)?;
         if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
             return Err(SceneError::at(
@@ -101,6 +100,18 @@ impl Checked {
         // The machine is created, too, because this checks the data that its model level needs.
         let model_level = checked.fidelity;
         checked.on(model_level)
+    }
+
+    /// Checks that a board keeps the tick rate, if one can run the machine.
+    ///
+    /// # Errors
+    /// The key, and the highest rate that a board keeps.
+    pub fn check_rate(&self) -> Result<(), SceneError> {
+        board::check_rate(&self.settings).map_err(|unfit| {
+            let sentence = unfit.to_string();
+            let (key, problem) = sentence.split_once(": ").unwrap_or_default();
+            SceneError::at(key, problem)
+        })
     }
 }
 
@@ -122,15 +133,6 @@ fn drift(given: &Drift) -> DriftSettings {
         reading_error_deg: given.reading_error_deg,
         lag_s: given.lag_us * 1e-6,
     }
-}
-
-/// Checks that a board keeps the tick rate, if one can run the machine.
-fn check_rate(settings: &Settings) -> Result<(), SceneError> {
-    board::check_rate(settings).map_err(|unfit| {
-        let sentence = unfit.to_string();
-        let (key, problem) = sentence.split_once(": ").unwrap_or_default();
-        SceneError::at(key, problem)
-    })
 }
 
 /// Checks the number of axes.
