@@ -21,8 +21,9 @@ const CHUNK_EDGES: f64 = 64.0;
 const FRACTION_CYCLES: u32 = 220;
 /// Cycles of a follower other than the master's own turns, for each plan.
 const FOLLOWER_CYCLES: u32 = 620;
-/// Cycles of the interrupt that preempts the loop when an axis's channel is done with its words.
-const CHANNEL_CYCLES: u32 = 60;
+/// Cycles of the interrupt that preempts the loop when channels are done with their words: of one, and more for each axis.
+const CHANNELS_CYCLES: u32 = 140;
+const CHANNEL_CYCLES: u32 = 30;
 /// Cycles by which the loop's interrupt may begin after the deadline, as link and log block interrupts (`tests/emulator/run link`).
 const LATE_CYCLES: u32 = 650;
 /// Cycles for the witnesses of single faults, and for the copy of the telemetry in a tick whose sample is streamed.
@@ -96,6 +97,7 @@ impl Board for Rp2040 {
         let fixed = TICK_CYCLES
             + LATE_CYCLES
             + WITNESS_CYCLES
+            + CHANNELS_CYCLES
             + axes * (AXIS_CYCLES + CHANNEL_CYCLES)
             + offsets.unwrap_or(0);
         f64::from(fixed) + plans_cycles(settings, tick_hz)
