@@ -27,6 +27,10 @@ In the environment, for \`sweeps\`:
   COPHASE_SWEEP=20            twenty times as many cases, the usual ones among them: half an hour
   COPHASE_CASE='freezes 17'   this case alone, with its log
 
+In the environment, for \`deadlines\`:
+  COPHASE_SEARCH=200          so many scenes; 8 if it is not given
+  COPHASE_SEED=2              other scenes
+
 The firmware is built with the default settings, whatever COPHASE_SETTINGS says; scenes are placed in its flash.
 
 Exit status: 0 all holds; 1 something does not, or a figure is worse by over 5 %; 2 a question that makes no sense.`;

@@ -1,5 +1,5 @@
-//! Conformance tests: each test checks one property of every board. `tests/emulator/run cost` shows that a board can run the settings that
-//! it accepts.
+//! Conformance tests: each test checks one property of every board. `tests/emulator/run deadlines` shows that a board can run the
+//! settings that it accepts.
 
 mod support;
 
@@ -108,6 +108,42 @@ fn more_axes_or_steps_lower_the_highest_tick_rate() {
         let (last, steps) = (board.most_axes, STEPS_PER_TURN[2]);
         assert!(most(last, steps) < most(1, steps), "{}", board.name);
     }
+}
+
+/// If this fails, the bound has one step plan for axes that have their own, or leaves out work that only some settings request. Their longest
+/// tick then misses a deadline.
+#[test]
+fn work_that_settings_request_lengthens_the_longest_tick() {
+    let longest = |change: fn(&mut Settings)| {
+        let mut settings = steppers(6, 2000, 3200);
+        change(&mut settings);
+        Rp2040::tick_cycles(&settings, 2000)
+    };
+    let alike = longest(|_| {});
+    // One axis at a time is apart from the others, while its phase offset moves. So one more step count adds a plan, and five more add four.
+    let two = longest(|settings| settings.axes[5].steps_per_turn = 3196);
+    let six = longest(|settings| {
+        for (steps, axis) in (3195..).zip(&mut settings.axes) {
+            axis.steps_per_turn = steps;
+        }
+    });
+    let (one_more, all) = (two - alike, six - alike);
+    assert!(one_more > 500.0);
+    assert!((all / one_more - 4.0).abs() < 0.1, "{all}, {one_more}");
+    let fractions = longest(|settings| {
+        for axis in &mut settings.axes {
+            (axis.gear.motor_turns, axis.gear.crank_turns) = (999, 1000);
+        }
+    });
+    assert!(fractions > alike);
+    let proof = longest(|settings| settings.correction.prove_wiring = true);
+    assert!(proof > alike);
+    let corrected = |settings: &mut Settings| {
+        settings.axes[0].gear.crank_turns = 999;
+        settings.correction.gain = 0.5;
+    };
+    let without = |settings: &mut Settings| settings.axes[0].gear.crank_turns = 999;
+    assert!(longest(corrected) > longest(without));
 }
 
 /// If this fails, ticks of hardware and timer drift apart, or the controller refuses settings that the board accepts.

@@ -113,9 +113,15 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
         );
     }
     for board in board::BOARDS {
-        if let Err(unfit) = (board.check)(settings) {
-            text += &format!("The {} board will refuse this: {unfit}.\n", board.name);
-        }
+        text += &match (board.check)(settings) {
+            Ok(()) => format!(
+                "Longest tick on the {} board: at most {:.0} of {} cycles.\n",
+                board.name,
+                (board.tick_cycles)(settings, settings.tick_hz).ceil(),
+                board.clock_hz / settings.tick_hz,
+            ),
+            Err(unfit) => format!("The {} board will refuse this: {unfit}.\n", board.name),
+        };
     }
     if checked.scene.wiring != Wiring::default() {
         text += &format!("Levels: {}.\n", checked.scene.wiring);

@@ -335,6 +335,35 @@ fn the_summary_warns_of_settings_the_board_refuses() {
     );
 }
 
+/// If this fails, a scene whose longest tick the board does not finish in time gets a settings file or runs, and a deadline is missed; or
+/// the fix that the refusal names is no fix. The scene missed one when only the axes and their steps counted.
+#[test]
+fn a_tick_rate_that_no_board_keeps_is_refused_and_the_named_one_is_accepted() {
+    const SCENE: &str = include_str!("../../../tests/emulator/scenes/missed-deadline.toml");
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("scene.toml");
+    fs::write(&file, SCENE).unwrap();
+    let line = refusal(dir.path(), &["scene.toml"]);
+    assert!(line.contains("control.tick_hz: at 8000 Hz"), "{line}");
+    let mut run = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cophase"));
+    run.current_dir(dir.path());
+    let run = run.args(["run", "scene.toml", "--out", "out"]).output();
+    let run = run.unwrap();
+    assert_eq!(run.status.code(), Some(2), "{run:?}");
+    assert!(!dir.path().join("out").exists());
+    let (_, named) = line.split_once("give at most ").unwrap();
+    let most_hz = named.split(' ').next().unwrap();
+    let rate = format!("tick_hz = {most_hz}");
+    fs::write(&file, SCENE.replace("tick_hz = 8000", &rate)).unwrap();
+    let output = settings(dir.path(), &["scene.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let summary = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        summary.contains("Longest tick on the RP2040 board: at most "),
+        "{summary}"
+    );
+}
+
 /// If this fails, gains that the program derives get onto a board without appearing in the summary.
 #[test]
 fn the_summary_reports_derived_coupling_gains() {

@@ -76,6 +76,8 @@ const VARIANTS = {
   control: 6,
   arm: 7,
   start: 9,
+  stop: 10,
+  override: 14,
   home: 15,
   jog: 16,
   counters: 17,
@@ -110,6 +112,9 @@ export const requests = {
   takeControl: () => request('control', 0),
   arm: () => request('arm'),
   start: () => request('start'),
+  /** `kind`: 0 at the parking phase, 1 now. */
+  stop: (kind) => request('stop', kind),
+  override: (permille) => request('override', varint(permille)),
   restart: () => request('restart'),
   home: () => request('home'),
   jog: () => request('jog'),

@@ -10,9 +10,6 @@ export const FLASH_BYTES = { most: 350_000, enforced: true };
 export const WORST_TICK_CYCLES = { most: 6000, enforced: false };
 export const MEAN_TICK_CYCLES = { most: 4000, enforced: false };
 
-/** Ticks a second of six axes. */
-export const TICK_HZ = 10_000;
-
 /** Deadlines missed at any tick rate that the board accepts. */
 export const MISSED_DEADLINES = { most: 0, enforced: true };
 

@@ -76,10 +76,21 @@ export function settingsOf(played) {
   });
 }
 
-/** Reason why the board refuses the scene; undefined if it accepts the scene. */
-export function refusedBy(played) {
-  const said = withScene(played, (file, folder) => cophase(['settings', file, '-o', path.join(folder, 'scene.settings')], [0, 1]));
-  return said.match(/board will refuse this: (.*)/)?.[1];
+/**
+ * What `cophase settings` makes of a scene: { settings: the file, bound: cycles of the longest tick on the board }, or { refused: why,
+ * mostHz: the highest tick rate that the board takes, if the rate is refused }.
+ */
+export function convert(played) {
+  return withScene(played, (file, folder) => {
+    const settings = path.join(folder, 'scene.settings');
+    const done = spawnSync(COPHASE, ['settings', file, '-o', settings], { encoding: 'utf8' });
+    if (done.error) throw done.error;
+    const bound = done.stdout.match(/Longest tick on the RP2040 board: at most (\d+) of/)?.[1];
+    if (done.status === 0 && bound !== undefined) return { settings: fs.readFileSync(settings), bound: Number(bound) };
+    const refused = done.status === 2 ? done.stderr : done.stdout;
+    const mostHz = refused.match(/control\.tick_hz: .* give at most (\d+) Hz/)?.[1];
+    return { refused: refused.trim(), mostHz: mostHz && Number(mostHz), isWritten: fs.existsSync(settings) };
+  });
 }
 
 /**

@@ -4,6 +4,7 @@
 // drives off for any input, and logs the reason. After a cut at any point of storing, the next start runs from the flash.
 
 import { crc32 } from '../bench/crc.mjs';
+import { varint } from '../bench/frames.mjs';
 import { scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
 import { flashWith, Machine } from '../bench/machine.mjs';
@@ -40,14 +41,13 @@ function refusals(outcome, settings) {
   const newer = withHeader(settings, (header) => header.writeUInt16LE(ANOTHER_VERSION, VERSION_AT));
   const servo = settingsOf(scene('hold', (toml) => (toml.axis[0].drive = 'servo')));
   const counting = settingsOf(scene('hold', (toml) => (toml.axes.encoder = true)));
-  const hasty = settingsOf(scene('hold', (toml) => (toml.control.tick_hz = 10_000)));
   for (const [name, bytes, reason] of [
     ['a bit of the payload', flipped, /settings-rejected: PayloadCrc/],
     ['another version', newer, new RegExp(`settings-rejected: Version.*${ANOTHER_VERSION}`)],
     ['a servo axis', servo, /settings-rejected: Unfit\(Servo\(2\)\)/],
     ['an encoder', counting, /settings-rejected: Unfit\(Encoder\(0\)\)/],
     ['a program too quick', quick(settings), /program-rejected: Settings\(SettingsError.*program\.amax_mps2/],
-    ['a tick too short', hasty, /settings-rejected: Unfit\(TickTooShort.*tick_hz: 10000/],
+    ['a tick too short', hasty(settings), /settings-rejected: Unfit\(TickTooShort.*tick_hz: 10000/],
   ]) {
     const machine = powered(flashWith(bytes));
     machine.run(0.3);
@@ -70,18 +70,28 @@ function withHeader(settings, change) {
   return changed;
 }
 
-/** The settings file with a program beyond the limits, valid otherwise. */
-function quick(settings) {
-  const level = Buffer.alloc(8);
-  level.writeDoubleLE(8 * 9.80665);
+/** The settings file with other bytes in the place of some in its payload, valid otherwise. */
+function withPayload(settings, from, to) {
   const changed = Buffer.from(settings);
   const payload = changed.subarray(HEADER_BYTES);
   const crcAt = changed.indexOf(Buffer.from(Uint32Array.of(crc32(payload)).buffer));
-  const at = payload.indexOf(level);
+  const at = payload.indexOf(from);
   if (at < 0 || crcAt < 0 || crcAt > HEADER_BYTES) throw new Error('the settings file is not as it was: docs/settings-file.md');
-  payload.writeDoubleLE(20_000, at);
+  to.copy(payload, at);
   return withHeader(changed, (header) => header.writeUInt32LE(crc32(payload), crcAt));
 }
+
+function double(value) {
+  const bytes = Buffer.alloc(8);
+  bytes.writeDoubleLE(value);
+  return bytes;
+}
+
+/** The settings file with a program beyond the limits. */
+const quick = (settings) => withPayload(settings, double(8 * 9.80665), double(20_000));
+
+/** The settings file with a tick rate that the board refuses. */
+const hasty = (settings) => withPayload(settings, Buffer.from(varint(2000)), Buffer.from(varint(10_000)));
 
 // ---- stored files ----
 

@@ -11,14 +11,15 @@ use host_sim::scene::file::{
 use crate::source::Source;
 use crate::{Basis, Kind};
 
-/// A tick rate whose tick is a whole number of microseconds. The default is drawn most often.
+/// A tick rate whose tick is a whole number of microseconds. The default is drawn most often, and rates that the board keeps for few
+/// machines seldom.
 pub fn tick_hz(source: &mut Source) -> u32 {
-    let all: Vec<u32> = (500..=10_000).filter(|hz| 1_000_000 % hz == 0).collect();
     if source.percent(40) {
-        2000
-    } else {
-        source.one_of(&all)
+        return 2000;
     }
+    let most_hz = if source.percent(80) { 2500 } else { 10_000 };
+    let whole: Vec<u32> = (500..=most_hz).filter(|hz| 1_000_000 % hz == 0).collect();
+    source.one_of(&whole)
 }
 
 /// Greatest speed. In most scenes a program can request the platform's acceleration at that speed.

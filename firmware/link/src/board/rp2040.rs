@@ -1,23 +1,67 @@
 //! RP2040 at 125 MHz, with STEP and DIR outputs. `firmware/src/board` is its hardware.
+//!
+//! **Bound on the longest tick.** A tick is a sum of parts. The code bounds how often each part comes in a tick; the greatest cost of each
+//! was measured, in all ticks of a search (`tests/emulator/run deadlines`). The bound adds them as if all came at their greatest in one
+//! tick. `docs/firmware.md` has the table.
 
 use cophase_core::settings::{AxisSettings, DriveKind, Settings};
 
 use super::{Board, Unfit};
 
-/// Greatest cycles of a tick without its axes, measured by `tests/emulator/run cost` (scene `alike`), with a margin for other
-/// interrupts. In the longest tick the index pulses of all axes are confirmed at once while the shaft changes its acceleration.
-const TICK_CYCLES: u32 = 10_700;
-/// Cycles that each axis adds in that tick.
-const AXIS_CYCLES: u32 = 450;
-/// Additional cycles of an axis whose turns differ from the master's. 614 were measured for a cam table (`tests/emulator/run --profile`),
-/// and fewer for a gear.
-const FOLLOWER_CYCLES: u32 = 650;
-/// Additional cycles of an axis whose gear leaves a fraction of a half-step per crank turn: the division of a follower's gear, and less
-/// than its follower.
-const GEAR_CYCLES: u32 = FOLLOWER_CYCLES;
-/// Cycles that each chunk of an axis's step pulses adds. The planner processes a chunk at once.
+/// Cycles of a tick without its axes: interrupt and loop, inputs, states and events, the plan of a stop, report, hand-over.
+const TICK_CYCLES: u32 = 16_250;
+/// Cycles that each axis adds to these: the edges of its index line, its pulse confirmed and processed, its timeout, hand-over.
+const AXIS_CYCLES: u32 = 1_150;
+/// Cycles of a step plan without its chunks.
+const PLAN_CYCLES: u32 = 700;
+/// Cycles that each chunk of a plan's edges adds. The planner processes a chunk at once.
 const CHUNK_CYCLES: u32 = 80;
 const CHUNK_EDGES: f64 = 64.0;
+/// Cycles that a gear adds to a plan, if it leaves a fraction of a half-step per crank turn.
+const FRACTION_CYCLES: u32 = 220;
+/// Cycles of a follower other than the master's own turns, for each plan.
+const FOLLOWER_CYCLES: u32 = 620;
+/// Cycles of the interrupt that preempts the loop when channels are done with their words: of one, and more for each axis.
+const CHANNELS_CYCLES: u32 = 140;
+const CHANNEL_CYCLES: u32 = 30;
+/// Cycles by which the loop's interrupt may begin after the deadline, as link and log block interrupts (`tests/emulator/run link`).
+const LATE_CYCLES: u32 = 650;
+/// Cycles for the witnesses of single faults, and for the copy of the telemetry in a tick whose sample is streamed.
+const WITNESS_CYCLES: u32 = 500;
+
+/// Cycles of work on phase offsets, of which the state allows one kind in a tick: in all, for each axis, and for each axis with a fraction
+/// of a half-step per crank turn, whose distances take a division.
+struct Offsets {
+    all: u32,
+    axis: u32,
+    fraction: u32,
+}
+
+const HOMING: Offsets = Offsets {
+    all: 2_000,
+    axis: 190,
+    fraction: 0,
+};
+const CORRECTION: Offsets = Offsets {
+    all: 1_150,
+    axis: 210,
+    fraction: 1_050,
+};
+/// Homing that proves the wiring.
+const PROOF: Offsets = Offsets {
+    all: 4_700,
+    axis: 1_150,
+    fraction: 1_080,
+};
+
+impl Offsets {
+    fn cycles(&self, settings: &Settings) -> u32 {
+        let has_fraction = |axis: &&AxisSettings| !axis.steps_per_crank_turn().is_whole();
+        let axes = settings.axes.len() as u32;
+        let fractions = settings.axes.iter().filter(has_fraction).count() as u32;
+        self.all + self.axis * axes + self.fraction * fractions
+    }
+}
 
 /// Board with an RP2040, such as the Raspberry Pi Pico.
 #[derive(Clone, Copy, Debug)]
@@ -41,22 +85,58 @@ impl Board for Rp2040 {
     }
 
     fn tick_cycles(settings: &Settings, tick_hz: u32) -> f64 {
-        let axis_cycles = |axis: &AxisSettings| {
-            let ratio = axis.follower.most_ratio(&settings.cams);
-            let steps_per_turn = axis.steps_per_crank_turn();
-            let steps_hz = settings.limits.speed_hz * ratio * steps_per_turn.to_f64();
-            // One chunk more, as chunks do not begin with the tick.
-            let chunks = 1.0 + 2.0 * steps_hz / f64::from(tick_hz) / CHUNK_EDGES;
-            let is_direct = axis.follower.constant_ratio() == Some(1.0);
-            let follower = if is_direct { 0 } else { FOLLOWER_CYCLES };
-            let gear = if steps_per_turn.is_whole() {
-                0
-            } else {
-                GEAR_CYCLES
-            };
-            f64::from(AXIS_CYCLES + follower + gear) + f64::from(CHUNK_CYCLES) * chunks
-        };
-        let cycles: f64 = settings.axes.iter().map(axis_cycles).sum();
-        f64::from(TICK_CYCLES) + cycles
+        let axes = settings.axes.len() as u32;
+        let correction = &settings.correction;
+        let kinds = [
+            (true, HOMING),
+            (correction.gain > 0.0, CORRECTION),
+            (correction.prove_wiring, PROOF),
+        ];
+        let possible = kinds.iter().filter(|(is_possible, _)| *is_possible);
+        let offsets = possible.map(|(_, kind)| kind.cycles(settings)).max();
+        let fixed = TICK_CYCLES
+            + LATE_CYCLES
+            + WITNESS_CYCLES
+            + CHANNELS_CYCLES
+            + axes * (AXIS_CYCLES + CHANNEL_CYCLES)
+            + offsets.unwrap_or(0);
+        f64::from(fixed) + plans_cycles(settings, tick_hz)
     }
+}
+
+/// Cycles of all step plans of a tick. Axes with equal followers and steps share one, and one axis at a time is apart from its group, while
+/// its phase offset moves.
+fn plans_cycles(settings: &Settings, tick_hz: u32) -> f64 {
+    let (mut all, mut apart) = (0.0, 0.0_f64);
+    for (number, axis) in settings.axes.iter().enumerate() {
+        let shares = |other: &AxisSettings| {
+            other.follower == axis.follower
+                && other.steps_per_crank_turn() == axis.steps_per_crank_turn()
+        };
+        let cycles = plan_cycles(settings, axis, tick_hz);
+        if settings.axes.iter().take(number).any(shares) {
+            apart = apart.max(cycles);
+        } else {
+            all += cycles;
+        }
+    }
+    all + apart
+}
+
+fn plan_cycles(settings: &Settings, axis: &AxisSettings, tick_hz: u32) -> f64 {
+    let steps_per_turn = axis.steps_per_crank_turn();
+    let follower_hz = settings.limits.speed_hz * axis.follower.most_ratio(&settings.cams);
+    // In its slot, a phase offset moves up to the number of axes times as fast as its rate.
+    let offset_hz = axis.trim_rate_hz * settings.axes.len() as f64;
+    let edges = 2.0 * (follower_hz + offset_hz) * steps_per_turn.to_f64() / f64::from(tick_hz);
+    // One chunk more, for the edges that do not fill one.
+    let chunks = 1.0 + edges / CHUNK_EDGES;
+    let is_direct = axis.follower.constant_ratio() == Some(1.0);
+    let follower = if is_direct { 0 } else { FOLLOWER_CYCLES };
+    let fraction = if steps_per_turn.is_whole() {
+        0
+    } else {
+        FRACTION_CYCLES
+    };
+    f64::from(PLAN_CYCLES + follower + fraction) + f64::from(CHUNK_CYCLES) * chunks
 }

@@ -18,6 +18,7 @@ use std::sync::Arc;
 
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 use cophase_core::settings::{DriftSettings, MachineSettings, Problem, ShaftSettings};
+use cophase_link::board;
 
 use super::file::{Drift, Fidelity, Scene};
 use super::{Checked, SceneError, range};
@@ -99,6 +100,18 @@ impl Checked {
         // The machine is created, too, because this checks the data that its model level needs.
         let model_level = checked.fidelity;
         checked.on(model_level)
+    }
+
+    /// Checks that a board keeps the tick rate, if one can run the machine.
+    ///
+    /// # Errors
+    /// The key, and the highest rate that a board keeps.
+    pub fn check_rate(&self) -> Result<(), SceneError> {
+        board::check_rate(&self.settings).map_err(|unfit| {
+            let sentence = unfit.to_string();
+            let (key, problem) = sentence.split_once(": ").unwrap_or_default();
+            SceneError::at(key, problem)
+        })
     }
 }
 

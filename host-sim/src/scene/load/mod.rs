@@ -22,9 +22,9 @@ const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to s
 /// Reads a scene from a file and checks its values.
 ///
 /// # Errors
-/// The file cannot be read, is too large, is not TOML, has keys that no scene has, or values with which no machine can run. The error
-/// names the file, and the line if there is one. For text that is not TOML, it is the first error. Of wrong keys and values, it lists
-/// up to ten.
+/// The file cannot be read, is too large, is not TOML, has keys that no scene has, values with which no machine can run, or a tick rate that
+/// no board keeps. The error names the file, and the line if there is one. For text that is not TOML, it is the first error. Of wrong keys
+/// and values, it lists up to ten.
 pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
     let origin = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -40,7 +40,9 @@ pub fn checked_from_text(text: &str, folder: Option<&Path>) -> Result<Checked, S
     let check = |text: &str| {
         let mut scene = parse(text)?;
         cam_file::read_all(&mut scene, folder)?;
-        Checked::new(scene)
+        let checked = Checked::new(scene)?;
+        checked.check_rate()?;
+        Ok(checked)
     };
     check(text).map_err(|first| others::find(text, first, check))
 }
