@@ -8,28 +8,18 @@
 import { MISSED_DEADLINES } from '../bench/goals.mjs';
 import { convert, scene } from '../bench/host.mjs';
 import { stringify } from 'smol-toml';
-import { draw, lower, mutate, random, sceneOf } from '../search/draw.mjs';
+import { accepted, atMost, COUNT, SEED } from '../search/accepted.mjs';
+import { draw, mutate, random } from '../search/draw.mjs';
 import { NAMES } from '../search/parts.mjs';
 import { play } from '../search/play.mjs';
-
-/** Number of scenes, and the seed of the first. */
-const COUNT = Number(process.env.COPHASE_SEARCH || 8);
-const SEED = Number(process.env.COPHASE_SEED || 1);
-if (!(COUNT > 0) || !Number.isInteger(SEED)) throw new Error('COPHASE_SEARCH is a number of scenes, such as 200, and COPHASE_SEED a whole number');
 
 /** Scenes that missed deadlines once, and the steps a second by which their cranks slip. */
 const FIXED = ['longest-tick', 'missed-deadline'];
 const SLIPS = [300, -200, 0, 150, 0, -90];
 
-/** The settings accept no higher rate. */
-const MOST_HZ = 10_000;
-
 /** Share of the scenes that change one of the longest, once there are some; and how many of the longest are kept for that. */
 const CLIMBING = 0.5;
 const KEPT = 6;
-
-/** Scenes that are drawn for one that is accepted. */
-const MOST_TRIES = 40;
 
 /** Longest ticks that are printed. */
 const SHOWN = 10;
@@ -56,32 +46,6 @@ function fixed(outcome, name) {
   const first = convert({ text: stringify(toml) });
   outcome.check(first.mostHz !== undefined && !first.isWritten, `${name}: the rate is refused, and nothing is written, not: ${first.refused}`);
   return judge(outcome, name, { drawn: { toml, transport: 'usb', slips: SLIPS, override: null }, ...atMost(toml) }, random(SEED));
-}
-
-/** A drawn scene at the highest rate that the board accepts: { genome, drawn, settings, bound }. */
-function accepted(genomeOf) {
-  const refusals = [];
-  for (let tries = 0; tries < MOST_TRIES; tries += 1) {
-    const genome = genomeOf();
-    const drawn = sceneOf(genome);
-    for (let { toml } = drawn; ; toml = lower(toml, 0.8)) {
-      const converted = atMost(toml);
-      if (converted.settings) return { genome, drawn: { ...drawn, toml }, ...converted };
-      refusals.push(converted.refused.split('\n')[0]);
-      // Which level a mechanism reaches at the greatest speed is the host's to say.
-      if (!/program/.test(converted.refused) || toml.program[0].amax_g < 0.01) break;
-    }
-  }
-  throw new Error(`of ${MOST_TRIES} scenes none is accepted:\n${[...new Set(refusals)].join('\n')}`);
-}
-
-/** Sets the highest rate that the board accepts; gives the settings and the bound, or the refusal. */
-function atMost(toml) {
-  toml.control.tick_hz = MOST_HZ;
-  const converted = convert({ text: stringify(toml) });
-  if (converted.mostHz === undefined) return converted;
-  toml.control.tick_hz = converted.mostHz;
-  return convert({ text: stringify(toml) });
 }
 
 function judge(outcome, name, { genome, drawn, settings, bound }, next) {

@@ -10,9 +10,8 @@ import { LinkHost } from '../bench/link-host.mjs';
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import { inverted } from '../bench/pins.mjs';
-import { accepted } from '../search/accepted.mjs';
+import { accepted, COUNT, SEED } from '../search/accepted.mjs';
 import { draw, random } from '../search/draw.mjs';
-import { COUNT, SEED } from '../search/size.mjs';
 
 const MOST_S = 0.02;
 

@@ -62,9 +62,9 @@ impl Program {
         }
     }
 
-    /// Hashes one half of an entry, and its end. Returns false for the entry after the last.
+    /// Hashes one of three slices of an entry and its end. Returns false for the entry after the last.
     #[inline(always)]
-    pub(crate) fn hash_half(&self, index: usize, second: bool, hasher: &mut impl Hasher) -> bool {
+    pub(crate) fn hash_slice(&self, index: usize, slice: usize, hasher: &mut impl Hasher) -> bool {
         let Self { entries, ends } = self;
         // Beyond their capacity there are none, even if their number is wrong.
         if index >= CAPACITY {
@@ -74,14 +74,14 @@ impl Program {
             return false;
         };
         match entry {
-            Entry::Segment(segment) => segment.hash_half(second, hasher),
-            Entry::Repeat { first, times } if second => (first, times).hash(hasher),
+            Entry::Segment(segment) => segment.hash_slice(slice, hasher),
+            Entry::Repeat { first, times } if slice == 0 => (first, times).hash(hasher),
             Entry::Repeat { .. } => {}
         }
-        if !second {
-            core::mem::discriminant(entry).hash(hasher);
-        } else if let Some(end) = ends.get(index) {
-            end.hash(hasher);
+        match slice {
+            0 => {}
+            1 => core::mem::discriminant(entry).hash(hasher),
+            _ => ends.get(index).hash(hasher),
         }
         true
     }

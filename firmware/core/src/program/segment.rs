@@ -48,9 +48,9 @@ impl Segment {
         }
     }
 
-    /// Hashes one half.
+    /// Hashes one of three slices.
     #[inline(always)]
-    pub(super) fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
+    pub(super) fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) {
         let Self {
             level,
             ramp_ticks,
@@ -58,10 +58,10 @@ impl Segment {
             shape,
             per_ramp_tick,
         } = self;
-        if second {
-            (shape, per_ramp_tick).hash(hasher);
-        } else {
-            (level, ramp_ticks, hold_ticks).hash(hasher);
+        match slice {
+            0 => (level, ramp_ticks).hash(hasher),
+            1 => (hold_ticks, shape).hash(hasher),
+            _ => per_ramp_tick.hash(hasher),
         }
     }
 
