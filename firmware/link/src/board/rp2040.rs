@@ -9,7 +9,7 @@ use cophase_core::settings::{AxisSettings, DriveKind, Settings};
 use super::{Board, Unfit};
 
 /// Cycles of a tick without its axes: interrupt and loop, inputs, states and events, the plan of a stop, report, hand-over.
-const TICK_CYCLES: u32 = 16_250;
+const TICK_CYCLES: u32 = 16_300;
 /// Cycles that each axis adds to these: the edges of its index line, its pulse confirmed and processed, its timeout, hand-over.
 const AXIS_CYCLES: u32 = 1_150;
 /// Cycles of a step plan without its chunks.
