@@ -24,10 +24,10 @@ const FOLLOWER_CYCLES: u32 = 620;
 /// Cycles of the interrupt that preempts the loop when channels are done with their words: of one, and more for each axis.
 const CHANNELS_CYCLES: u32 = 140;
 const CHANNEL_CYCLES: u32 = 30;
-/// Cycles by which the loop's interrupt may begin after the deadline, as link and log block interrupts (`tests/emulator/run link`).
-const LATE_CYCLES: u32 = 650;
-/// Cycles for the witnesses of single faults, and for the copy of the telemetry in a tick whose sample is streamed.
-const WITNESS_CYCLES: u32 = 500;
+/// Cycles by which the loop's interrupt may begin after the deadline, as link, log and sampler block interrupts (`tests/emulator/run link`).
+const LATE_CYCLES: u32 = 900;
+/// Cycles of the witnesses of single faults (`tests/emulator/run single-faults`: at most 150), and of lending the telemetry to the sampler.
+const WITNESS_CYCLES: u32 = 200;
 
 /// Cycles of work on phase offsets, of which the state allows one kind in a tick: in all, for each axis, and for each axis with a fraction
 /// of a half-step per crank turn, whose distances take a division.
