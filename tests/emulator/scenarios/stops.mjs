@@ -86,9 +86,9 @@ function stop(toml, settings, transport, next) {
   host.ask(requests.stream(ALL_CHANNELS, 1));
   host.ask(requests.streamStatus(STATUS_MS));
   host.ask(requests.arm());
-  new Cranks(machine.board, toml);
   host.send(requests.start());
   const began = machine.begins();
+  new Cranks(machine.board, toml); // replaces the record of edges
   const entered = (states) => log(machine.board).map((line) => line.match(/tick (\d+): (\w+), phase/)).filter((match) => match && states.includes(match[2]));
   for (let seconds = 0; entered(['Run', 'Fault']).length === 0; seconds += 0.05) {
     if (seconds > MOST_HOMING_S) return { reason: 'homing takes longer' };
