@@ -64,7 +64,7 @@ def sources(root):
 
 def check_test(words, kind):
     """`cargo test` or `cargo bench`: its packages, targets and the names that it filters by."""
-    options, names, filters = [], {'-p': [], f'--{kind}': []}, []
+    options, names, filters = [], {'-p': [], f'--{kind}': [], '--features': []}, []
     before, _, behind = ' '.join(words).partition(' -- ')
     words = iter(before.removesuffix(' --').split())
     for word in words:
@@ -82,6 +82,9 @@ def check_test(words, kind):
             yield f'there is no package {package}'
             return
     chosen = {name: packages()[name] for name in names['-p']} or packages()
+    for feature in names['--features']:
+        if not any(feature in manifest.get('features', {}) for _, manifest in chosen.values()):
+            yield f'{", ".join(chosen)} has no feature {feature}'
     roots = []
     for name in names[f'--{kind}']:
         found = [target(folder, manifest, kind, name) for folder, manifest in chosen.values()]
