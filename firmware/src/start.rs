@@ -44,6 +44,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 #[entry]
 fn main() -> ! {
     from_ram::place();
+    witness::set_canary();
     let p = embassy_rp::init(embassy_rp::config::Config::default());
     lines::set_up_led();
     let last_state = watchdog::last_state();

@@ -111,7 +111,7 @@ fn visit(settings: &mut Settings, on: &mut Change) {
     on.flag("detect_at_once", Constants, detect_at_once);
     match machine {
         MachineSettings::Shafts(ShaftSettings { length_m }) => {
-            on.number("length_m", Constants, length_m)
+            on.number("length_m", Constants, length_m);
         }
         MachineSettings::Platform(platform) => visit_platform(platform, on),
     }
@@ -241,7 +241,7 @@ fn visit_platform(platform: &mut PlatformSettings, on: &mut Change) {
     on.number("crank_radius_m", Constants, crank_radius_m);
     match mechanism {
         MechanismSettings::SliderCrank(SliderCrankSettings { lambda }) => {
-            on.number("lambda", Constants, lambda)
+            on.number("lambda", Constants, lambda);
         }
         MechanismSettings::ScotchYoke(ScotchYokeSettings {}) => {}
         MechanismSettings::CrankRocker(CrankRockerSettings {

@@ -17,16 +17,15 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use cophase_core::supervisor::SafetyInputs;
 use cophase_link::board::{Board as _, Rp2040};
 use cortex_m_rt::exception;
-use embassy_time::{Duration, Ticker};
+use embassy_time::{Duration, Timer};
 
 use super::failure::{Failure, fail};
 use super::lines::Levels;
 use super::{CYCLES_PER_US, from_ram, lines, now_us, systick};
 
-/// Prepares the witnesses of each tick. To be called once, while little of the stack is in use.
+/// Prepares the witnesses of each tick but the canary. To be called once.
 #[cold]
 pub fn set_up() {
-    set_canary();
     systick::set_up();
     while set_least_difference().is_none() {}
 }
@@ -52,8 +51,9 @@ unsafe extern "C" {
     static mut _stack_end: [usize; 2];
 }
 
+/// Writes the canary. To be called first of all: little of the stack is in use then, and power-up takes the most.
 #[cold]
-fn set_canary() {
+pub fn set_canary() {
     let end = &raw mut _stack_end;
     // SAFETY: nothing else uses these words unless the stack runs over its end.
     unsafe { end.write_volatile([end as usize; 2]) };
@@ -153,7 +153,6 @@ const SLICES: Duration = Duration::from_millis(4);
 /// Task that compares the code in RAM with the flash, slice by slice and again and again.
 #[embassy_executor::task]
 pub async fn code() -> ! {
-    let mut slices = Ticker::every(SLICES);
     loop {
         let mut slice = 0;
         while let Some(differs) = from_ram::differs(slice) {
@@ -161,7 +160,8 @@ pub async fn code() -> ! {
                 fail(Failure::Code);
             }
             slice += 1;
-            slices.next().await;
+            // No ticker, which would catch up without a pause after interrupts were disabled for long.
+            Timer::after(SLICES).await;
         }
     }
 }

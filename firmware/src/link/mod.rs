@@ -16,7 +16,7 @@ use embassy_futures::yield_now;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::peripherals::{PIN_8, PIN_9, UART1, USB};
 use embassy_rp::{Peri, interrupt};
-use embassy_time::{Duration, Ticker, Timer};
+use embassy_time::{Duration, Timer};
 use static_cell::StaticCell;
 
 pub use device::{FirmwareDevice, LoopEnd, Running, queues, running};
@@ -67,9 +67,8 @@ pub fn spawn(spawner: Spawner, device: FirmwareDevice, lines: Lines) {
 /// Task that does what is due, whatever waits.
 #[embassy_executor::task]
 async fn keep_times(hub: SharedHub) -> ! {
-    let mut rounds = Ticker::every(ROUND);
     loop {
-        rounds.next().await;
+        Timer::after(ROUND).await;
         let mut hub = hub.borrow_mut();
         hub.check_times();
         hub.device().restart_if_due();

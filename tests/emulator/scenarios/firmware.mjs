@@ -20,7 +20,7 @@ const ROOTS = ['cophase_core::controller::Controller<_>::tick', 'cophase_firmwar
 const PARTS = 'cophase_core::controller::checksum';
 
 /** Roots of the other interrupts, which no call graph follows. Those of timers and host link have a lower priority than the loop. */
-const BESIDE = ['TIMER_IRQ_1', 'HardFault'];
+const BESIDE = ['TIMER_IRQ_1', 'HardFault', 'SWI_IRQ_0'];
 
 /** The chip's RAM, and the reserve in it: an interrupt or two on top of the deepest measured stack. */
 const RAM_BYTES = 264 * 1024;
@@ -65,7 +65,10 @@ const MOST_LONGER = 1.05;
 
 /** What runs from RAM is chosen by the names of functions. With the compiler's other form of names a tick takes as long. */
 function otherNames(outcome) {
-  if (!fs.existsSync(FIRMWARE_V0_NAMES)) return;
+  if (!fs.existsSync(FIRMWARE_V0_NAMES)) {
+    outcome.say('the firmware with the other form of names is not built; not compared');
+    return;
+  }
   const settings = settingsOf(scene('everything', withAxes(2)));
   const [worst, other] = [FIRMWARE, FIRMWARE_V0_NAMES].map((file) => {
     const machine = new Machine({ axes: 2, tickHz: 2000, settings, options: { elf: fs.readFileSync(file) } });

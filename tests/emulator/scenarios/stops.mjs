@@ -6,11 +6,12 @@
 
 import { Cranks } from '../bench/cranks.mjs';
 import { requests } from '../bench/frames.mjs';
+import { scene } from '../bench/host.mjs';
 import { LinkHost } from '../bench/link-host.mjs';
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import { inverted } from '../bench/pins.mjs';
-import { accepted, COUNT, SEED } from '../search/accepted.mjs';
+import { accepted, atMost, COUNT, SEED } from '../search/accepted.mjs';
 import { draw, random } from '../search/draw.mjs';
 
 const MOST_S = 0.02;
@@ -23,8 +24,9 @@ const STATUS_MS = 10;
 const UART_AXES_BELOW = 0.375;
 
 /** Homing, proof of the wiring included, and the time of the run in which the stop comes. */
-const MOST_HOMING_S = 1.5;
+const MOST_HOMING_S = 3;
 const RUN_S = 0.3;
+const LEAST_S = 0.05;
 
 /** Scenes that are drawn for one that runs. */
 const MOST_TRIES = 8;
@@ -34,19 +36,19 @@ export const title = 'Stops: a stop by the host acts within 20 ms, whatever stre
 export function run(outcome) {
   for (const transport of ['usb', 'uart']) {
     const next = random(SEED + (transport === 'usb' ? 0 : 1));
-    const all = Array.from({ length: COUNT }, () => stopped(transport, next));
+    const all = [...fixed(transport, next), ...Array.from({ length: COUNT }, () => stopped(transport, next))];
     const times = all.map(({ seconds }) => seconds);
-    for (const { toml, seconds, share, kind } of all) {
+    for (const { toml, seconds, share, kind, reason } of all) {
       outcome.say(
         `${transport}, ${toml.axes.count} axes at ${toml.control.tick_hz} ticks a second: ${kind === 1 ? 'stop now' : 'stop'} after ${ms(seconds)} ms; ` +
           `${(100 * share).toFixed(0)} % of the samples`,
       );
-      outcome.check(seconds <= MOST_S, `${transport}: a stop acts within ${1000 * MOST_S} ms, not ${ms(seconds)}`);
+      outcome.check(seconds <= MOST_S, `${transport}: a stop acts within ${1000 * MOST_S} ms, not ${ms(seconds)}${reason === undefined ? '' : `: ${reason}`}`);
     }
     const inTime = times.filter((seconds) => seconds <= MOST_S).length;
     const shares = all.map(({ share }) => share).sort((a, b) => a - b);
     outcome.say(
-      `${transport}: ${inTime} of ${COUNT} stops in time, at most ${ms(Math.max(...times))} ms; of the samples ${percent(shares[0])} to ` +
+      `${transport}: ${inTime} of ${all.length} stops in time, at most ${ms(Math.max(...times))} ms; of the samples ${percent(shares[0])} to ` +
         `${percent(shares.at(-1))} arrived, ${percent(shares[shares.length >> 1])} in the median`,
     );
     outcome.figure(`stop by the host over ${transport}, all channels streamed, ms at most`, 1000 * Math.max(...times), 'neither');
@@ -55,6 +57,16 @@ export function run(outcome) {
 
 const ms = (seconds) => (seconds * 1000).toFixed(1);
 const percent = (share) => `${(100 * share).toFixed(0)} %`;
+
+/** The scenes of the longest ticks, over USB: they have too many axes for the UART. */
+function fixed(transport, next) {
+  if (transport !== 'usb') return [];
+  return ['longest-tick', 'missed-deadline'].map((name) => {
+    const { toml } = scene(name);
+    held(toml);
+    return stop(toml, atMost(toml).settings, transport, next);
+  });
+}
 
 /** Draws scenes until one runs, and stops it. Gives { toml, seconds: until the stop acted, share: of the samples, kind: of the stop }. */
 function stopped(transport, next) {
@@ -66,6 +78,8 @@ function stopped(transport, next) {
     }, held);
     const result = stop(drawn.toml, settings, transport, next);
     if (result.seconds !== undefined) return result;
+    // The machine may not suit the scene. What the board is to blame for must not be drawn again.
+    if (/overrun|missed|underrun|watchdog/.test(result.reason)) return { toml: drawn.toml, seconds: Infinity, share: 0, kind: 0, reason: result.reason };
     reasons.push(result.reason);
   }
   throw new Error(`of ${MOST_TRIES} scenes none runs:\n${reasons.join('\n')}`);
@@ -86,8 +100,10 @@ function stop(toml, settings, transport, next) {
   host.ask(requests.stream(ALL_CHANNELS, 1));
   host.ask(requests.streamStatus(STATUS_MS));
   host.ask(requests.arm());
+  const number = host.number;
   host.send(requests.start());
   const began = machine.begins();
+  host.until(() => host.reply?.number === number, 1, 'the start has no reply');
   new Cranks(machine.board, toml); // replaces the record of edges
   const entered = (states) => log(machine.board).map((line) => line.match(/tick (\d+): (\w+), phase/)).filter((match) => match && states.includes(match[2]));
   for (let seconds = 0; entered(['Run', 'Fault']).length === 0; seconds += 0.05) {
@@ -98,7 +114,7 @@ function stop(toml, settings, transport, next) {
   if (entered(['Fault']).length > 0) return { reason: log(machine.board).find((line) => /fault:/.test(line)) };
   const before = received(host);
   const from = machine.board.cycle;
-  machine.run(RUN_S * next());
+  machine.run(LEAST_S + RUN_S * next());
   const share = (received(host) - before) / ((machine.board.cycle - from) / machine.tick);
   const kind = Math.floor(2 * next());
   const sent = machine.board.cycle;

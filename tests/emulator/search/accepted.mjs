@@ -23,7 +23,7 @@ export function accepted(genomeOf, change = () => {}) {
     const drawn = sceneOf(genome);
     change(drawn.toml);
     for (let { toml } = drawn; ; toml = lower(toml, 0.8)) {
-      const converted = atMost(toml);
+      const converted = atRate(toml, genome.rate);
       if (converted.settings) return { genome, drawn: { ...drawn, toml }, ...converted };
       refusals.push(converted.refused.split('\n')[0]);
       // Which level a mechanism reaches at the greatest speed is the host's to say.
@@ -31,6 +31,21 @@ export function accepted(genomeOf, change = () => {}) {
     }
   }
   throw new Error(`of ${MOST_TRIES} scenes none is accepted:\n${[...new Set(refusals)].join('\n')}`);
+}
+
+/** Rates of which a tick has whole microseconds. */
+const RATES = [500, 625, 800, 1000, 1250, 1600, 2000, 2500, 3125, 4000, 5000, 6250, 8000, 10_000];
+
+/** Share of the scenes at the highest rate that the board accepts. At lower ones a tick has more edges. */
+const AT_HIGHEST = 0.7;
+
+/** Sets the highest rate that the board accepts, or a lower one; gives the settings and the bound, or the refusal. */
+function atRate(toml, at) {
+  const highest = atMost(toml);
+  if (highest.settings === undefined || at < AT_HIGHEST) return highest;
+  const lower = RATES.filter((hz) => hz <= toml.control.tick_hz);
+  toml.control.tick_hz = lower[Math.floor(((at - AT_HIGHEST) / (1 - AT_HIGHEST)) * lower.length)];
+  return convert({ text: stringify(toml) });
 }
 
 /** Sets the highest rate that the board accepts; gives the settings and the bound, or the refusal. */

@@ -13,6 +13,9 @@ const MOST_STEP_HZ = 900_000;
 /** Steps per turn that a drawn crank has at most. */
 const MOST_STEPS = 25_600;
 
+/** Axes that leave the pins of the UART free. */
+const UART_AXES = 4;
+
 /** Share of the cams whose axes follow tables. */
 const TABLE_SHARE = 0.6;
 
@@ -29,7 +32,7 @@ export function random(seed) {
 
 const NAMES = [
   'kind', 'axes', 'speed', 'steps', 'stepPattern', 'gears', 'sensors', 'width', 'bands', 'bandPlace', 'acceleration', 'jerk', 'stopLimits', 'homing', 'trims',
-  'trimRate', 'offsets', 'gain', 'slips', 'slipRate', 'prove', 'program', 'level', 'ramp', 'shape', 'reversed', 'drive', 'park', 'indexUs', 'link', 'override', 'followers', 'settle', 'limits',
+  'trimRate', 'offsets', 'gain', 'slips', 'slipRate', 'prove', 'program', 'level', 'ramp', 'shape', 'reversed', 'drive', 'park', 'indexUs', 'link', 'override', 'followers', 'settle', 'limits', 'rate',
 ];
 
 /** A genome: a number from 0 to 1 for each property. */
@@ -52,7 +55,7 @@ const more = (at, number) => (at * (number * 7.31 + 13.7)) % 1;
 
 /**
  * The scene of a genome, with what the bench plays beside it: { toml, transport: 'usb', 'uart' or null, slips: steps a second of each
- * crank, override: thousandths or null, numbers: for what else is drawn }.
+ * crank, override: thousandths or null }.
  */
 export function sceneOf(genome) {
   const g = genome;
@@ -88,7 +91,7 @@ export function sceneOf(genome) {
       drive: pick(['stepper', 'stepper', 'pulse-servo'], g.drive),
       steps_per_turn: steps,
       trim_limit_deg: 30,
-      trim_rate_deg_per_s: round(logBetween(5, 200, g.trimRate), 1),
+      trim_rate_deg_per_s: round(logBetween(5, 360, g.trimRate), 1),
       index_width_deg: pick([0, 0, round(between(2, 40, g.width), 1)], g.width),
     },
     axis,
@@ -100,7 +103,8 @@ export function sceneOf(genome) {
   const slips = axis.map((_, number) => (g.gain < 0.35 && g.slips < 0.5 ? 0 : Math.round(between(-1, 1, more(g.slips, number)) * logBetween(20, 600, g.slipRate))));
   return {
     toml,
-    transport: pick([null, 'usb', 'usb', 'uart'], g.link),
+    // The pins of the UART are those of the fifth axis.
+    transport: pick([null, 'usb', 'usb', axes > UART_AXES ? 'usb' : 'uart'], g.link),
     slips: slips.map((rate, number) => (more(g.slips, number + 7) < 0.5 ? rate : 0)),
     override: g.override < 0.5 ? null : Math.round(between(300, 1000, more(g.override, 1))),
   };

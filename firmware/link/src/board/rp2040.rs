@@ -21,9 +21,8 @@ const CHUNK_EDGES: f64 = 64.0;
 const FRACTION_CYCLES: u32 = 220;
 /// Cycles of a follower other than the master's own turns, for each plan.
 const FOLLOWER_CYCLES: u32 = 620;
-/// Cycles of the interrupt that preempts the loop when channels are done with their words: of one, and more for each axis.
-const CHANNELS_CYCLES: u32 = 140;
-const CHANNEL_CYCLES: u32 = 30;
+/// Cycles of the interrupt that preempts the loop when an axis's channel is done with its words.
+const CHANNEL_CYCLES: u32 = 170;
 /// Cycles by which the loop's interrupt may begin after the deadline, as link, log and sampler block interrupts (`tests/emulator/run link`).
 const LATE_CYCLES: u32 = 900;
 /// Cycles of the witnesses of single faults (`tests/emulator/run single-faults`: at most 150), and of lending the telemetry to the sampler.
@@ -97,32 +96,16 @@ impl Board for Rp2040 {
         let fixed = TICK_CYCLES
             + LATE_CYCLES
             + WITNESS_CYCLES
-            + CHANNELS_CYCLES
             + axes * (AXIS_CYCLES + CHANNEL_CYCLES)
             + offsets.unwrap_or(0);
-        f64::from(fixed) + plans_cycles(settings, tick_hz)
+        let plans = settings.axes.iter();
+        let plans = plans.map(|axis| plan_cycles(settings, axis, tick_hz));
+        f64::from(fixed) + plans.sum::<f64>()
     }
 }
 
-/// Cycles of all step plans of a tick. Axes with equal followers and steps share one, and one axis at a time is apart from its group, while
-/// its phase offset moves.
-fn plans_cycles(settings: &Settings, tick_hz: u32) -> f64 {
-    let (mut all, mut apart) = (0.0, 0.0_f64);
-    for (number, axis) in settings.axes.iter().enumerate() {
-        let shares = |other: &AxisSettings| {
-            other.follower == axis.follower
-                && other.steps_per_crank_turn() == axis.steps_per_crank_turn()
-        };
-        let cycles = plan_cycles(settings, axis, tick_hz);
-        if settings.axes.iter().take(number).any(shares) {
-            apart = apart.max(cycles);
-        } else {
-            all += cycles;
-        }
-    }
-    all + apart
-}
-
+/// Cycles of an axis's step plan. Axes with equal motion share one, but each may have its own in the end: an axis whose phase offset has
+/// moved joins its group again only at the same place within a step.
 fn plan_cycles(settings: &Settings, axis: &AxisSettings, tick_hz: u32) -> f64 {
     let steps_per_turn = axis.steps_per_crank_turn();
     let follower_hz = settings.limits.speed_hz * axis.follower.most_ratio(&settings.cams);
