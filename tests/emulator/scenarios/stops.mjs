@@ -78,7 +78,7 @@ function stopped(transport, next) {
     }, held);
     const result = stop(drawn.toml, settings, transport, next);
     if (result.seconds !== undefined) return result;
-    // The machine may not suit the scene. What the board is to blame for must not be drawn again.
+    // The machine may not suit the scene. What the board did wrong must not be drawn again.
     if (/overrun|missed|underrun|watchdog/.test(result.reason)) return { toml: drawn.toml, seconds: Infinity, share: 0, kind: 0, reason: result.reason };
     reasons.push(result.reason);
   }
