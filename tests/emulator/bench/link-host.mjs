@@ -6,6 +6,9 @@ import { CYCLES_PER_S } from './machine.mjs';
 
 /** Time limits on the board's clock: for the configuration of USB, and for a reply. */
 const READY_S = 1;
+
+/** Time from the loop's first ticks to a UART that is set up, which no line shows. */
+const SET_UP_S = 0.01;
 const REPLY_S = 2;
 
 /** Bytes of a file in one request. */
@@ -43,6 +46,7 @@ export class LinkHost {
   /** Waits for the line, and identifies. */
   connect() {
     this.until(() => this.link.ready, READY_S, 'the line is not there');
+    this.machine.run(SET_UP_S);
     this.link.open();
     this.link.send([0]);
     return this.ask(requests.identify());

@@ -12,7 +12,7 @@ import { Snapshot } from '../board/snapshot.mjs';
 export const title = 'Settings in use: a flipped bit, and the drives are off';
 
 /** Ticks of a round of the check for a machine without bands and cam tables (docs/loop.md). A bit is found in the round after it at last. */
-const roundOf = ({ axes, toml }) => 75 + 11 * axes + 3 * toml.program.length;
+const roundOf = ({ axes, toml }) => 76 + 11 * axes + 4 * toml.program.length;
 
 /** Time from the end of the drives to the first ticks after the restart. */
 const RESTARTED_S = 0.2;

@@ -78,14 +78,15 @@ macro_rules! parts {
         })*
 
         /// Parts in the order in which they are checked: those of the program, and those of the settings.
-        static PARTS: [Part; 37] = [$($name),*];
+        static PARTS: [Part; 38] = [$($name),*];
     };
 }
 
 parts! {
     levels: |c, i, sum| slice(sum, |sum| c.program.hash_slice(i, 0, sum)),
     holds: |c, i, sum| slice(sum, |sum| c.program.hash_slice(i, 1, sum)),
-    ends: |c, i, sum| slice(sum, |sum| c.program.hash_slice(i, 2, sum)),
+    ramp_parts: |c, i, sum| slice(sum, |sum| c.program.hash_slice(i, 2, sum)),
+    ends: |c, i, sum| slice(sum, |sum| c.program.hash_end(i, sum)),
     lengths: |c, i, sum| single(i, sum, |sum| c.program.lengths().hash(sum)),
     machine: |c, i, sum| single(i, sum, |sum| c.hash_machine(0, sum)),
     mechanism: |c, i, sum| single(i, sum, |sum| c.hash_machine(1, sum)),
@@ -124,7 +125,7 @@ parts! {
 const _: () = assert!(MAX_CAMS == 2, "a cam table has two parts");
 
 /// Number of parts of the program.
-const OF_PROGRAM: usize = 4;
+const OF_PROGRAM: usize = 5;
 
 /// Sum with a slice, if there is one.
 #[inline(always)]

@@ -62,10 +62,10 @@ impl Program {
         }
     }
 
-    /// Hashes one of three slices of an entry and its end. Returns false for the entry after the last.
+    /// Hashes one of three slices of an entry. Returns false for the entry after the last.
     #[inline(always)]
     pub(crate) fn hash_slice(&self, index: usize, slice: usize, hasher: &mut impl Hasher) -> bool {
-        let Self { entries, ends } = self;
+        let Self { entries, ends: _ } = self;
         // Beyond their capacity there are none, even if their number is wrong.
         if index >= CAPACITY {
             return false;
@@ -78,12 +78,22 @@ impl Program {
             Entry::Repeat { first, times } if slice == 0 => (first, times).hash(hasher),
             Entry::Repeat { .. } => {}
         }
-        match slice {
-            0 => {}
-            1 => core::mem::discriminant(entry).hash(hasher),
-            _ => ends.get(index).hash(hasher),
+        if slice == 1 {
+            core::mem::discriminant(entry).hash(hasher);
         }
         true
+    }
+
+    /// Hashes the end of an entry. Returns false for the entry after the last.
+    #[inline(always)]
+    pub(crate) fn hash_end(&self, index: usize, hasher: &mut impl Hasher) -> bool {
+        match self.ends.get(index) {
+            Some(end) if index < CAPACITY => {
+                end.hash(hasher);
+                true
+            }
+            _ => false,
+        }
     }
 
     /// Numbers of entries and of their ends, which are equal.

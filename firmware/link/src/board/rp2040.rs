@@ -11,7 +11,7 @@ use super::{Board, Unfit};
 /// Cycles of a tick without its axes: interrupt and loop, inputs, states and events, the plan of a stop, report, hand-over.
 const TICK_CYCLES: u32 = 16_300;
 /// Cycles that each axis adds to these: the edges of its index line, its pulse confirmed and processed, its timeout, hand-over.
-const AXIS_CYCLES: u32 = 1_150;
+const AXIS_CYCLES: u32 = 1_400;
 /// Cycles of a step plan without its chunks.
 const PLAN_CYCLES: u32 = 700;
 /// Cycles that each chunk of a plan's edges adds. The planner processes a chunk at once.
@@ -24,7 +24,7 @@ const FOLLOWER_CYCLES: u32 = 620;
 /// Cycles of the interrupt that preempts the loop when an axis's channel is done with its words.
 const CHANNEL_CYCLES: u32 = 170;
 /// Cycles by which the loop's interrupt may begin after the deadline, as link, log and sampler block interrupts (`tests/emulator/run link`).
-const LATE_CYCLES: u32 = 900;
+const LATE_CYCLES: u32 = 1_500;
 /// Cycles of the witnesses of single faults (`tests/emulator/run single-faults`: at most 150), and of lending the telemetry to the sampler.
 const WITNESS_CYCLES: u32 = 200;
 
