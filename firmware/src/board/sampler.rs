@@ -15,7 +15,7 @@ use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use heapless::spsc::Producer;
 
-/// What a sample contains besides the telemetry.
+/// Part of a sample that is not in the telemetry.
 #[derive(Clone, Copy)]
 pub struct Label {
     /// Number of the tick.

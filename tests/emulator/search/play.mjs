@@ -120,19 +120,16 @@ class BusyHost extends LinkHost {
   }
 }
 
-/** Measures ticks: the longest one, and the longest of each part. `bound`, `period` in cycles. */
+/** Measures ticks: the longest one, and the longest of each part. `bound` in cycles. */
 class Meter {
   constructor(bound) {
     this.bound = bound;
-    this.ticks = 0;
     this.worst = { cycles: 0 };
     this.above = [];
     this.parts = new Float64Array(NAMES.length);
     this.plan = 0;
-    this.plans = 0;
     this.late = 0;
     this.preempted = 0;
-    this.sum = 0;
   }
 
   take(machine, parts, began, what) {
@@ -143,15 +140,12 @@ class Meter {
       const from = began + Math.floor((entry - began + SOONER) / tick) * tick;
       const cycles = end - from;
       const late = entry - from;
-      this.ticks += 1;
-      this.sum += own;
       this.late = Math.max(this.late, late);
       this.preempted = Math.max(this.preempted, end - entry - own);
       const call = calls.get(entry);
       call?.cycles.forEach((spent, part) => {
         this.parts[part] = Math.max(this.parts[part], spent);
       });
-      this.plans = Math.max(this.plans, call?.plans ?? 0);
       const found = { cycles, number: Math.round((from - began) / tick), what, parts: call?.cycles, plans: call?.plans };
       if (call?.plans) this.plan = Math.max(this.plan, call.cycles[PLAN] / call.plans);
       if (cycles > this.worst.cycles) this.worst = found;

@@ -48,7 +48,7 @@ impl Coupling {
         })
     }
 
-    /// What no tick changes.
+    /// Constants, which no tick changes.
     pub(crate) fn constants(&self) -> impl Hash + use<> {
         let Self {
             gain,

@@ -197,7 +197,7 @@ pub struct Supervisor {
 }
 
 impl Supervisor {
-    /// What no tick changes.
+    /// Constants, which no tick changes.
     pub(crate) fn constants(&self) -> impl Hash + use<> {
         let Self {
             state: _,

@@ -2,7 +2,8 @@
 //!
 //! A [`Hub`] serves a fixed number of *sessions*, one for each line (USB, UART, a TCP connection). Bytes that arrive go
 //! into [`Hub::receive`], and bytes to send come out of [`Hub::transmit`]. [`Hub::move_one`] moves samples and events from
-//! the loop to the sessions, and [`Hub::check_times`] does what is due. The [`Device`] is the controller as the hub needs it: firmware and simulator each have one.
+//! the loop to the sessions, and [`Hub::check_times`] does what is due. The [`Device`] is the controller as the hub needs it: firmware and
+//! simulator each have one.
 //!
 //! One session has *control* at a time. Requests that change anything need it; a stop needs nothing. Motion needs two
 //! steps: a request that arms, and within [`ARMED_S`] a start, home or jog. The loop itself checks every command again,
@@ -38,9 +39,6 @@ use upload::Upload;
 
 /// Events that the log keeps.
 const EVENTS: usize = 64;
-
-/// Samples and events that are moved before a request is answered, at most. They are few, because a stop may wait behind the request.
-const MOVED_BEFORE_ANSWER: usize = 8;
 
 /// Samples a second for statuses while no stream needs more.
 const STATUS_HZ: u32 = 100;

@@ -4,7 +4,7 @@ use cophase_core::supervisor::Command;
 use cophase_core::units::Turns;
 
 use super::device::{Device, SettingsRefusal};
-use super::{EVENTS, Hub, MOVED_BEFORE_ANSWER};
+use super::{EVENTS, Hub};
 use crate::message::{
     ControlRequest, Counters, EVENTS_IN_REPLY, EventRecord, File, MAX_CHUNK_BYTES,
     MAX_OVERRIDE_PERMILLE, Message, Refusal, ReplyBody, Request, Status, StopKind, VERSION,
@@ -16,6 +16,9 @@ const MAX_EVERY: u16 = 10_000;
 
 /// Period of a stream of statuses, ms.
 const STATUS_MS: core::ops::RangeInclusive<u16> = 10..=1000;
+
+/// Samples and events that are moved before a request is answered, at most. They are few, because a stop may wait behind the request.
+const MOVED_BEFORE_ANSWER: usize = 8;
 
 impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     /// Answers the request of a frame.

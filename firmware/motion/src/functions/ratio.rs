@@ -62,7 +62,7 @@ impl Ratio {
         self.numerator == self.denominator
     }
 
-    /// What never changes: all but the remainder.
+    /// Constants: all but the remainder.
     #[inline(always)]
     pub fn constants(&self) -> impl Hash + use<> {
         let Self {

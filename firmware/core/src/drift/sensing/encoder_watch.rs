@@ -100,7 +100,7 @@ const WINDOW_TICKS: u8 = 4;
 const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {
-    /// What no tick changes.
+    /// Constants, which no tick changes.
     pub(in crate::drift) fn constants(&self) -> impl Hash + use<> {
         let Self {
             reversed,
