@@ -16,6 +16,9 @@ const MOST_STEPS = 25_600;
 /** Axes that leave the pins of the UART free. */
 const UART_AXES = 4;
 
+/** Share of the scenes that home slowly, so that their branches are in homing. */
+const SLOW_HOMING_SHARE = 0.15;
+
 /** Share of the cams whose axes follow tables. */
 const TABLE_SHARE = 0.6;
 
@@ -176,7 +179,8 @@ function limitsOf(g, speed) {
     acceleration_hz_per_s: acceleration,
     jerk_hz_per_s2: jerk,
     ...(scale === 1 ? {} : { stop_acceleration_hz_per_s: scale * acceleration, stop_jerk_hz_per_s2: scale * jerk }),
-    homing_speed_hz: round(between(8, 10, g.homing), 2),
+    // In slow homing, trims that move fast leave their group before the machine runs.
+    homing_speed_hz: round(g.homing < SLOW_HOMING_SHARE ? logBetween(0.1, 2, g.homing / SLOW_HOMING_SHARE) : between(8, 10, g.homing), 2),
     ...(band.length === 0 ? {} : { band }),
   };
 }
