@@ -5,6 +5,7 @@ mod explain;
 mod nearest;
 mod others;
 mod place;
+mod repair;
 
 use std::io::Read;
 use std::path::Path;
@@ -118,13 +119,15 @@ impl BuiltIn {
 /// The text is not TOML, or has keys that no scene has.
 pub fn parse(text: &str) -> Result<Scene, SceneError> {
     let deserializer = toml::Deserializer::parse(text).map_err(|error| {
-        let line = error.span().map(|span| place::line_at(text, span.start));
-        let source = line.and_then(|line| text.lines().nth(line - 1));
-        let key = line.map(|line| place::key_on_line(text, line));
-        let key = key.unwrap_or_default();
-        let problem = not_toml(&key, error.message(), source.unwrap_or_default());
+        let at = error.span().map_or(0, |span| span.start.min(text.len()));
+        let repaired = repair::repair(text, at);
+        let at = repaired.as_ref().map_or(at, |repaired| repaired.begin);
+        let line = place::line_at(text, at);
+        let source = text.lines().nth(line - 1).unwrap_or_default();
+        let key = place::key_on_line(text, line);
+        let problem = not_toml(&key, error.message(), source, repaired);
         SceneError {
-            line,
+            line: Some(line),
             ..SceneError::at(key, problem)
         }
     })?;

@@ -43,6 +43,8 @@ pub(super) fn axis_of(table: &Table, path: &str) -> Option<u8> {
 pub(super) fn key_on_line(text: &str, line: usize) -> String {
     let mut headings: Vec<String> = Vec::new();
     let mut table = String::new();
+    // The key of a list that goes on over several lines.
+    let mut list = String::new();
     for (number, line_text) in (1..=line).zip(text.lines()) {
         let line_text = line_text.trim_start_matches('\u{feff}').trim();
         if let Some(list) = between(line_text, "[[", "]]").filter(|name| bare(name)) {
@@ -52,18 +54,27 @@ pub(super) fn key_on_line(text: &str, line: usize) -> String {
         } else if let Some(name) = between(line_text, "[", "]").filter(|name| bare(name)) {
             table = name.to_owned();
         } else if number == line {
-            let key = line_text
-                .split(|c: char| c == '=' || c == ':' || c.is_whitespace())
-                .next()
-                .unwrap_or_default();
-            return match (bare(key), table.is_empty()) {
-                (true, true) => key.to_owned(),
-                (true, false) => format!("{table}.{key}"),
-                (false, _) => table,
+            let key = key_before(line_text).unwrap_or(&list);
+            return match (key.is_empty(), table.is_empty()) {
+                (true, _) => table,
+                (false, true) => key.to_owned(),
+                (false, false) => format!("{table}.{key}"),
             };
+        } else if line_text.ends_with('[') {
+            key_before(line_text)
+                .unwrap_or_default()
+                .clone_into(&mut list);
+        } else if line_text.starts_with(']') {
+            list.clear();
         }
     }
     table
+}
+
+/// Returns the key with which a line begins.
+fn key_before(line: &str) -> Option<&str> {
+    let is_end = |c: char| c == '=' || c == ':' || c.is_whitespace();
+    line.split(is_end).next().filter(|key| bare(key))
 }
 
 fn between<'a>(line: &'a str, open: &str, close: &str) -> Option<&'a str> {
@@ -193,6 +204,7 @@ mod tests {
         assert_eq!(key_on_line(&broken, 1), "name");
         assert_eq!(key_on_line(&broken, 4), "limits.speed_hz");
         assert_eq!(key_on_line(&broken, 12), "axis[1].number");
+        assert_eq!(key_on_line(&broken, 6), "limits.band");
         assert_eq!(key_on_line("{\"a\": 1}", 1), "");
     }
 

@@ -3,10 +3,14 @@
 use cophase_core::settings::Problem;
 
 use super::nearest::nearest;
-use super::place::{bare, example, home_of};
+use super::place::{example, example_value, home_of};
+use super::repair::{QUOTES, Repaired, repair_value};
 
 /// Longest piece of a file that a message repeats, in characters.
 const MOST_QUOTED: usize = 48;
+
+/// Longest line that a message proposes, in characters.
+const MOST_REPAIRED: usize = 160;
 
 /// Tables that occur once in a scene.
 const TABLES: [&str; 9] = [
@@ -27,7 +31,12 @@ const LISTS: [&str; 9] = [
 ];
 
 /// Returns the problem of a line that is not TOML. `key` is the key on it, if it can be recognised.
-pub(super) fn not_toml(key: &str, message: &str, source: &str) -> String {
+pub(super) fn not_toml(
+    key: &str,
+    message: &str,
+    source: &str,
+    repaired: Option<Repaired>,
+) -> String {
     let message = one_line(message);
     let source = source.trim_start_matches('\u{feff}').trim();
     if message.starts_with("duplicate key") {
@@ -41,42 +50,33 @@ pub(super) fn not_toml(key: &str, message: &str, source: &str) -> String {
         return "lists and tables are nested too deep; a program's blocks go 8 deep at most"
             .to_owned();
     }
-    let right = meant(source).unwrap_or_else(|| {
-        "write `key = value`, a line each, under `[table]` headings: text in quotes, numbers without units".to_owned()
-    });
-    format!("is not TOML, at `{}`: {message}; {right}", quoted(source))
-}
-
-/// Returns the correct form of a line that follows the syntax of another language.
-fn meant(line: &str) -> Option<String> {
-    if line.starts_with("//") || line.starts_with(';') {
-        return Some("a comment begins with #".to_owned());
-    }
-    let Some((key, value)) = line.split_once('=') else {
-        let (key, value) = line.split_once(':')?;
-        let (key, value) = (key.trim(), value.trim());
-        return bare(key).then(|| format!("write `{} = {}`", quoted(key), quoted(value)));
+    let quoted_source = quoted(source, MOST_QUOTED);
+    let is_text = example_value(key).is_none_or(|value| value.is_str());
+    let meant = repaired.filter(|repaired| is_text || repaired.rules != [QUOTES]);
+    let Some(Repaired { rules, line, .. }) = meant else {
+        let has_no_value = source
+            .split('#')
+            .next()
+            .unwrap_or_default()
+            .trim_end()
+            .ends_with('=');
+        let problem = match message.as_str() {
+            _ if has_no_value => "the value is missing",
+            // What the reader tries last says nothing about what was meant.
+            message if message.contains("literal string") => "there is no value that TOML knows",
+            message => message,
+        };
+        let form = match example(key) {
+            Some(example) => format!("the form is `{}`", quoted(&example, MOST_REPAIRED)),
+            None => "write `key = value`, a line each, under `[table]` headings: text in quotes, numbers without units".to_owned(),
+        };
+        return format!("is not TOML, at `{quoted_source}`: {problem}; {form}");
     };
-    let value = value.trim();
-    let before = value.split("//").next().unwrap_or_default().trim();
-    if before.len() < value.len() {
-        return Some(format!(
-            "a comment begins with #: write `{} = {}  # …`",
-            quoted(key.trim()),
-            quoted(before)
-        ));
-    }
-    if let Some(value) = value.strip_suffix([';', ',']) {
-        let (key, value) = (quoted(key.trim()), quoted(value.trim_end()));
-        return Some(format!(
-            "nothing ends a line but its end: write `{key} = {value}`"
-        ));
-    }
-    let number = value.split('#').next().unwrap_or_default().trim();
-    let (whole, fraction) = number.split_once(',')?;
-    let point = format!("{}.{}", whole.trim(), fraction.trim());
-    let is_number = point.parse::<f64>().is_ok();
-    is_number.then(|| format!("a number has a decimal point: write {point}"))
+    let rules = rules.join("; ");
+    let right = line.map_or(String::new(), |line| {
+        format!(": write `{}`", quoted(&line, MOST_REPAIRED))
+    });
+    format!("is not TOML, at `{quoted_source}`: {rules}{right}")
 }
 
 /// Returns key and sentence for a message of serde; `written` is its text in the file.
@@ -87,7 +87,7 @@ pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, Stri
     let message = one_line(message);
     let path: String = path
         .split('.')
-        .map(|step| quoted(&one_line(step)))
+        .map(|step| short(&one_line(step)))
         .collect::<Vec<_>>()
         .join(".");
     let path = path.as_str();
@@ -110,7 +110,7 @@ pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, Stri
         let meant = nearest(unknown, &known).map(|name| format!("did you mean \"{name}\"? "));
         let problem = format!(
             "\"{}\" is none of its values; {}give one of {}",
-            quoted(unknown),
+            short(unknown),
             meant.unwrap_or_default(),
             list(&known)
         );
@@ -144,7 +144,7 @@ fn unknown_key(unknown: &str, known: &[&str]) -> String {
 /// Explains messages such as "invalid type: string "10", expected f64".
 fn wrong_type(path: &str, message: &str, written: &str) -> String {
     let such_as = example(path).map_or(String::new(), |example| format!("; such as `{example}`"));
-    let source = quoted(written);
+    let source = short(written);
     if message == "wanted string or table" {
         let kind = match written.chars().next() {
             Some('[') => "a list",
@@ -197,11 +197,17 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         return format!("is a table, where a list of tables belongs; write [[{path}]]");
     }
     let right = match (kind, written.trim_matches(['"', '\''])) {
-        ("text", inner) if expected_kind == "a number" && inner.parse::<f64>().is_ok() => {
-            format!("; write {inner}, without quotes")
-        }
-        ("text", inner) if whole && inner.parse::<u32>().is_ok() => {
-            format!("; write {inner}, without quotes")
+        ("text", inner) if expected_kind == "a number" || whole => {
+            let number = |text: &str| {
+                text.parse::<f64>()
+                    .is_ok_and(|x| !whole || x.fract() == 0.0)
+            };
+            let inner = repair_value(inner).unwrap_or_else(|| inner.to_owned());
+            if number(&inner) {
+                format!("; write {inner}, without quotes")
+            } else {
+                such_as
+            }
         }
         _ if kind.contains("fraction") && path.ends_with("steps_per_turn") => {
             "; give the motor's own, and its belt or gearbox as gear = [motor turns, crank turns]"
@@ -213,7 +219,7 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
 }
 
 fn join(path: &str, key: &str) -> String {
-    let key = quoted(key);
+    let key = short(key);
     // If serde was inside the key, the path already ends with it.
     if path.is_empty() || path == key {
         key
@@ -233,11 +239,15 @@ fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+fn short(text: &str) -> String {
+    quoted(text, MOST_QUOTED)
+}
+
 /// Returns the first line of a text, shortened if it is long.
-fn quoted(text: &str) -> String {
+fn quoted(text: &str, most: usize) -> String {
     let line = text.lines().next().unwrap_or_default();
-    let cut = line.chars().count() > MOST_QUOTED || line.len() < text.trim_end().len();
-    let mut kept: String = line.chars().take(MOST_QUOTED).collect();
+    let cut = line.chars().count() > most || line.len() < text.trim_end().len();
+    let mut kept: String = line.chars().take(most).collect();
     if cut {
         kept.push('…');
     }
