@@ -17,7 +17,7 @@ use heapless::spsc::Producer;
 use static_cell::StaticCell;
 
 use crate::board::failure::{Failure, fail};
-use crate::board::{alarm, from_ram, lines, log, watchdog, witness};
+use crate::board::{alarm, flash, from_ram, lines, log, watchdog, witness};
 use crate::control::Board;
 use crate::link::{self, FirmwareDevice, Lines, LoopEnd, Running};
 use crate::machine;
@@ -56,16 +56,17 @@ fn main() -> ! {
     let (notes, noted) = report::queue();
     let (loop_end, link_end) = link::queues();
     let running = link::running();
-    let mut flash = p.FLASH;
+    let mut flash_chip = p.FLASH;
+    running.serial = flash::serial(flash_chip.reborrow());
     let made = machine(
-        flash.reborrow(),
+        flash_chip.reborrow(),
         p.WATCHDOG,
         last_state.is_some(),
         notes,
         loop_end,
         running,
     );
-    let device = FirmwareDevice::new(link_end, noted, running, flash);
+    let device = FirmwareDevice::new(link_end, noted, running, flash_chip);
     let lines = Lines {
         usb: p.USB,
         uart: p.UART1,

@@ -115,6 +115,8 @@ pub fn queues() -> (LoopEnd, LinkEnd) {
 
 /// Settings that run, as far as the link needs them.
 pub struct Running {
+    /// Serial number of the board.
+    pub serial: u64,
     name: heapless::String<NAME_BYTES>,
     axes: usize,
     /// Axes that have lines, used or not.
@@ -136,6 +138,7 @@ impl Running {
     /// Creates it for settings that could not be read: the link then serves to store others.
     pub const fn nothing() -> Self {
         Self {
+            serial: 0,
             name: heapless::String::new(),
             axes: 0,
             lines: 0,
@@ -211,6 +214,11 @@ impl FirmwareDevice {
         }
     }
 
+    /// Serial number of the board.
+    pub const fn serial(&self) -> u64 {
+        self.running.serial
+    }
+
     /// Number of axes of the settings, each of which has its lines.
     pub const fn axes_with_lines(&self) -> usize {
         self.running.lines
@@ -247,7 +255,7 @@ impl Device for FirmwareDevice {
         Identity {
             version: VERSION,
             board: name(Rp2040::NAME),
-            serial: 0,
+            serial: self.running.serial,
             firmware: name(env!("CARGO_PKG_VERSION")),
             settings: name(&self.running.name),
             settings_crc: header.map_or(0, |header| header.payload_crc),

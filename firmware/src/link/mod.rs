@@ -52,13 +52,14 @@ pub struct Lines {
 pub fn spawn(spawner: Spawner, device: FirmwareDevice, lines: Lines) {
     static HUB: StaticCell<RefCell<Hub<FirmwareDevice, SESSIONS>>> = StaticCell::new();
     let has_uart = device.axes_with_lines() <= UART_AXES;
+    let serial = device.serial();
     let hub: SharedHub = HUB.init_with(|| RefCell::new(Hub::new(device)));
     for interrupt in [interrupt::USBCTRL_IRQ, interrupt::UART1_IRQ] {
         interrupt.set_priority(Priority::P3);
     }
     spawner.spawn(defmt::unwrap!(keep_times(hub)));
     spawner.spawn(defmt::unwrap!(move_all(hub)));
-    usb::spawn(spawner, hub, lines.usb);
+    usb::spawn(spawner, hub, lines.usb, serial);
     if has_uart {
         uart::spawn(spawner, hub, lines.uart, lines.tx, lines.rx);
     }

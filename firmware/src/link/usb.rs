@@ -1,6 +1,8 @@
 //! USB line: a CDC-ACM serial port.
 
-use cophase_link::line::{USB_ID, USB_PRODUCT};
+use core::fmt::Write;
+
+use cophase_link::line::{USB_ID, USB_PRODUCT, USB_SERIAL_PREFIX};
 use embassy_executor::Spawner;
 use embassy_futures::join::join;
 use embassy_futures::select::{Either, select};
@@ -26,7 +28,8 @@ type Usb = Driver<'static, USB>;
 
 /// Starts the tasks of the line.
 #[cold]
-pub fn spawn(spawner: Spawner, hub: SharedHub, usb: Peri<'static, USB>) {
+pub fn spawn(spawner: Spawner, hub: SharedHub, usb: Peri<'static, USB>, serial: u64) {
+    static SERIAL: StaticCell<heapless::String<32>> = StaticCell::new();
     static CONFIGURATION: ConstStaticCell<[u8; 128]> = ConstStaticCell::new([0; 128]);
     static BOS: ConstStaticCell<[u8; 16]> = ConstStaticCell::new([0; 16]);
     static CONTROL: ConstStaticCell<[u8; 64]> = ConstStaticCell::new([0; 64]);
@@ -34,6 +37,10 @@ pub fn spawn(spawner: Spawner, hub: SharedHub, usb: Peri<'static, USB>) {
     let mut config = Config::new(USB_ID.0, USB_ID.1);
     config.manufacturer = Some("Cophase");
     config.product = Some(USB_PRODUCT);
+    let text = SERIAL.init(heapless::String::new());
+    // There is room for 16 digits.
+    let _ = write!(text, "{USB_SERIAL_PREFIX}{serial:016X}");
+    config.serial_number = Some(text);
     config.max_power = 100;
     let mut builder = Builder::new(
         Driver::new(usb, Interrupts),

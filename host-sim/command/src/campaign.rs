@@ -54,7 +54,7 @@ pub(super) struct CampaignArgs {
     threads: Option<u16>,
     /// Folder for campaign.csv (of a shard: campaign-FROM-TO.csv), campaign.svg and campaign-table.md [default: out/campaign; with --replay,
     /// out/case-K]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Run case K alone, as `cophase run` does, and write its scene.toml too; scene, seed and K define it, and other options of its campaign
     /// may stay

@@ -16,7 +16,7 @@ pub(super) struct ChartArgs {
     /// Name of the chart; `list` lists them all
     name: String,
     /// Folder for NAME.csv and NAME.svg, or NAME-PART.svg for each picture of several
-    #[arg(long, value_name = "DIR", default_value = "out")]
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// Extent of the measurements; the charts of the manual are full
     #[arg(long, value_enum, default_value_t)]

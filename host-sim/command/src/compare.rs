@@ -16,7 +16,7 @@ pub(super) struct CompareArgs {
     /// Another run, to compare with it
     b: PathBuf,
     /// Write compare.svg into this folder: both runs over each other, and their difference
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Largest difference of a column that counts as none, in its unit; `command_turns=1e-6` is for all axes, `edges_ns=100` for
     /// edges [default: ten units of the last place; integers, states and edges must be equal]

@@ -1,5 +1,6 @@
 //! `cophase settings`: converts a scene to a settings file for a board.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -207,6 +208,17 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
     if is_taken && path.file_name().is_some() {
         return Err(format!(
             "-o: {show} is there and is not a plain file; take it away, or give another name"
+        ));
+    }
+    // Firmware is flashed, and settings are loaded; a name that confuses the two would mislead.
+    let is_firmware = |end: &OsStr| {
+        ["hex", "bin", "elf"]
+            .iter()
+            .any(|kind| end.eq_ignore_ascii_case(kind))
+    };
+    if path.extension().is_some_and(is_firmware) {
+        return Err(format!(
+            "-o {show}: settings are no firmware; give my.settings for `cophase link load`, or my.uf2 for drag and drop onto a board"
         ));
     }
     // A mistyped name must not overwrite the scene or another file.

@@ -12,6 +12,8 @@ pub enum Status {
     Fault = 1,
     /// Bad input. Nothing was written.
     BadInput = 2,
+    /// Ctrl-C ended the command: 128 + SIGINT, as shells have it.
+    Interrupted = 130,
 }
 
 /// Reason why a command failed.

@@ -168,6 +168,36 @@ fn a_run_is_held_scaled_resumed_and_stopped() {
 }
 
 /// A request that cannot be met is refused by name, with exit status 2. The machine does not move.
+/// Ctrl-C ends the wait and not the machine.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_wait_states_that_the_machine_goes_on_and_what_stops_it() {
+    use std::io::{BufRead, BufReader};
+
+    let served = Served::new(&scene_holding(1.0, 5.0, 1000.0));
+    let mut waiting = std::process::Command::new(assert_cmd::cargo::cargo_bin("cophase"))
+        .args(["link", "--to", &format!("tcp:127.0.0.1:{}", served.port)])
+        .args(["start", "--yes", "--wait"])
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(waiting.stdout.take().unwrap()).lines();
+    // The machine runs, so the command waits.
+    assert!(lines.any(|line| line.unwrap().contains("run")));
+    let interrupt = std::process::Command::new("kill")
+        .args(["-INT", &waiting.id().to_string()])
+        .status();
+    assert!(interrupt.unwrap().success());
+    let last = lines.last().unwrap().unwrap();
+    assert!(
+        last.contains("The machine goes on") && last.contains("`cophase link stop`"),
+        "{last}"
+    );
+    assert_eq!(waiting.wait().unwrap().code(), Some(130));
+    assert!(served.out(&["monitor", "--for", "0.1"]).contains("run"));
+    served.out(&["stop"]);
+}
+
 #[test]
 fn refusals_name_the_reason() {
     let served = Served::new(&scene(1.0, 5.0));

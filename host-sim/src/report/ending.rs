@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::ops::Range;
 
-use cophase_core::supervisor::{Fault, Reaction, State, reaction};
+use cophase_core::supervisor::{Fault, FaultKind, Reaction, State, reaction};
 
 use super::causes::{causes, causes_in_words};
 use super::words::{fault_words, plural};
@@ -175,14 +175,27 @@ fn alike(checked: &Checked, fault: &Fault) -> String {
         .filter(|kind| *kind != fault.kind.name())
         .collect();
     let in_words = causes_in_words(&causes);
-    match &others[..] {
+    let alike = match &others[..] {
         [] => String::new(),
         [other] => format!(" To the sensors of axis {axis}, {other} looks the same.{in_words}"),
         others => format!(
             " To the sensors of axis {axis}, these look the same: {}.{in_words}",
             others.join(", ")
         ),
+    };
+    alike + &jitter(checked, fault, axis)
+}
+
+/// Returns a sentence about readings that scatter, which no campaign draws as a cause, if they get the name of the fault.
+fn jitter(checked: &Checked, fault: &Fault, axis: usize) -> String {
+    let reads_index = checked.settings.axes[axis].index_turns.is_some();
+    if !reads_index || !matches!(fault.kind, FaultKind::Slip | FaultKind::Runaway) {
+        return String::new();
     }
+    let error_deg = checked.scene.drift.reading_error_deg;
+    format!(
+        " An index sensor whose readings scatter by more than drift.reading_error_deg, {error_deg}°, looks the same as well."
+    )
 }
 
 /// Returns a sentence about a stop that ended at rest: the axes that followed it.

@@ -119,6 +119,15 @@ export class LinkHost {
     this.ask(requests.finishWrite());
   }
 
+  /** Serial number of the board, a BigInt. */
+  serial() {
+    const reader = new Reader(this.ask(requests.identify()));
+    reader.varint(); // the kind of the reply
+    reader.varint(); // version of the protocol
+    reader.take(reader.varint()); // the board's name
+    return reader.bigVarint();
+  }
+
   /** Samples that the controller counted as lost. */
   samplesLost() {
     const reader = new Reader(this.ask(requests.counters()));
@@ -145,6 +154,14 @@ class Reader {
     for (let scale = 1; ; scale *= 128) {
       const byte = this.byte();
       value += (byte & 0x7f) * scale;
+      if (byte < 0x80) return value;
+    }
+  }
+
+  bigVarint() {
+    for (let value = 0n, shift = 0n; ; shift += 7n) {
+      const byte = this.byte();
+      value |= BigInt(byte & 0x7f) << shift;
       if (byte < 0x80) return value;
     }
   }

@@ -122,14 +122,27 @@ function pinList(mask) {
   return [...Array(30).keys()].filter((pin) => (mask >>> pin) & 1).join(', ');
 }
 
-/** The second-stage boot block, copied to RAM, brings XIP back: it enables the SSI in a mode that reads memory. */
+/** Unique number of the flash chip. */
+export const FLASH_ID = [0xe6, 0x61, 0x41, 0x04, 0x03, 0x2b, 0x59, 0x2a];
+
+/**
+ * What rp2040js leaves out: the second-stage boot block, copied to RAM, brings XIP back: it enables the SSI in a mode that reads memory. And the flash chip
+ * has a unique number.
+ */
 function fixSsi(chip) {
   const SSIENR = 0x08;
+  const DR0 = 0x60;
   const TMOD_EEPROM_READ = 3;
+  const READ_UNIQUE_ID = 0x4b;
+  const DUMMY_BYTES = 4;
+  let answer = [];
   const ssi = chip.peripherals[0x18000];
   const stock = ssi.writeUint32.bind(ssi);
+  const stockRead = ssi.readUint32.bind(ssi);
+  ssi.readUint32 = (offset) => (offset === DR0 && answer.length > 0 ? answer.shift() : stockRead(offset));
   ssi.writeUint32 = (offset, value) => {
     stock(offset, value);
+    if (offset === DR0 && (value & 0xff) === READ_UNIQUE_ID) answer = [...new Array(DUMMY_BYTES).fill(0), ...FLASH_ID];
     if (offset === SSIENR && value & 1 && ((ssi.crtlr0 >>> 8) & 3) === TMOD_EEPROM_READ) chip.core.xipOff = false;
   };
 }

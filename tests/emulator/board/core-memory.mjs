@@ -111,6 +111,7 @@ export class MemoryCore extends StockCore {
         break;
       case 1:
         if (this.inFlash(a)) return this.flash8[this.flashOffset(a)];
+        if (isXipRegister(a)) return this.rp2040.readUint8(a);
         break;
       case 0:
         if (a < ROM_SIZE) return this.rom8[a];

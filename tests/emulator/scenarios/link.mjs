@@ -10,6 +10,7 @@ import { Machine, flashWith } from '../bench/machine.mjs';
 import { watchMasked } from '../bench/masked.mjs';
 import { act } from '../bench/play.mjs';
 import { run as play, summary } from '../bench/ticks.mjs';
+import { FLASH_ID } from '../board/chip.mjs';
 import { TIMER_IRQ_1 } from '../board/usage.mjs';
 import { edgesOff } from './parity.mjs';
 
@@ -48,6 +49,8 @@ function programs(outcome) {
     source.boot();
     const first = new LinkHost(source, transport);
     first.connect();
+    const serial = Buffer.from(FLASH_ID).readBigUInt64BE();
+    outcome.check(first.serial() === serial, `${transport}: the serial number is that of the flash chip, ${serial.toString(16)}`);
     const program = first.readFile(PROGRAM);
 
     const other = scene(name, (toml) => { change(toml); otherProgram(toml); });

@@ -153,7 +153,7 @@ pub(super) struct JogArgs {
 #[derive(Debug, Args)]
 pub(super) struct RecordArgs {
     /// Folder for report.json, trace.csv, steps.vcd and scope.svg
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(super) out: PathBuf,
     /// Channels to record, besides the state [default: all]
     #[arg(long, value_name = "CHANNELS", value_enum, value_delimiter = ',')]

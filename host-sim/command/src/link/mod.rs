@@ -5,6 +5,7 @@ mod bring_up;
 pub(crate) mod connection;
 mod measure;
 mod operate;
+mod ports;
 mod record;
 mod session;
 pub(crate) mod show;

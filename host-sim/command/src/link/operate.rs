@@ -10,7 +10,7 @@ use super::Problem;
 use super::args::{Action, LinkArgs, StartArgs};
 use super::connection::{Connection, Incoming, LinkError};
 use super::show::describe;
-use crate::Status;
+use crate::{Status, signals};
 
 /// Time between two requests of a jog: less than half the duration of one request.
 pub(super) const JOG_EVERY: Duration = Duration::from_millis(200);
@@ -132,19 +132,40 @@ fn next_event(link: &mut Connection) -> Result<u32, LinkError> {
     Ok(link.events(0)?.last().map_or(0, |event| event.number + 1))
 }
 
-/// Shows events from a number on until the machine rests again.
+/// Longest time until Ctrl-C is answered.
+const LOOK_EVERY: Duration = Duration::from_millis(200);
+
+/// Time between two requests for events that were lost on the line.
+const EVENTS_EVERY: Duration = Duration::from_secs(1);
+
+/// Shows events from a number on until the machine rests again, or until Ctrl-C.
 fn wait(
     link: &mut Connection,
     identity: &Identity,
     mut next: u32,
     out: &mut impl Write,
 ) -> Result<Status, Problem> {
+    let is_interrupted = signals::catch_interrupt();
+    let mut asked = Instant::now();
     loop {
-        let records = match link.next(Duration::from_secs(1))? {
+        if is_interrupted() {
+            let what = if link.is_simulated() {
+                "The simulated machine ends with this command."
+            } else {
+                "The machine goes on. To stop it, use `cophase link stop`, or its STOP input."
+            };
+            writeln!(out, "{what}")?;
+            return Ok(Status::Interrupted);
+        }
+        let records = match link.next(LOOK_EVERY)? {
             Some(Incoming::Event(record)) if record.number == next => vec![record],
             Some(Incoming::Status(_) | Incoming::Samples(_)) => continue,
+            None if asked.elapsed() < EVENTS_EVERY => continue,
             // An event was lost on the line, or there was none.
-            _ => link.events(next)?,
+            _ => {
+                asked = Instant::now();
+                link.events(next)?
+            }
         };
         for record in records {
             next = record.number + 1;

@@ -10,28 +10,27 @@ use cophase_link::message::{
 };
 use cophase_link::sample::flags;
 use host_sim::report;
-use serialport::SerialPortType;
 
+use super::Problem;
 use super::args::MonitorArgs;
 use super::connection::{Connection, Incoming};
-use super::{Problem, transport};
+use super::ports::{self, Device, Port};
 use crate::{CommandError, Status};
 
 /// Time between two statuses of the monitor, ms.
 const STATUS_MS: u16 = 200;
 
 pub(super) fn list(out: &mut impl Write) -> Result<Status, CommandError> {
-    let ports = transport::ports().map_err(CommandError::Input)?;
+    let ports = ports::ports().map_err(CommandError::Input)?;
     if ports.is_empty() {
         writeln!(out, "There are no serial ports.")?;
     }
-    for (port, is_controller) in ports {
-        let what = match &port.port_type {
-            _ if is_controller => "Cophase controller".to_owned(),
-            SerialPortType::UsbPort(usb) => usb.product.clone().unwrap_or_else(|| "USB".to_owned()),
-            _ => "serial port".to_owned(),
+    for Port { name, device } in ports {
+        let what = match device {
+            Device::Controller(serial) => format!("Cophase controller, serial number {serial}"),
+            Device::SameId(product) | Device::Other(product) => product,
         };
-        writeln!(out, "{:<20} {what}", port.port_name)?;
+        writeln!(out, "{name:<20} {what}")?;
     }
     Ok(Status::Done)
 }

@@ -6,12 +6,13 @@ use std::net::TcpStream;
 use std::time::Duration;
 
 use cophase_link::frame::MAX_FRAME_BYTES;
-use cophase_link::line::{USB_ID, USB_PRODUCT};
 use cophase_link::server::Hub;
 use host_sim::live::SimulatedDevice;
 use host_sim::scene::file::FaultAt;
-use serialport::{SerialPort, SerialPortInfo, SerialPortType};
+use host_sim::scene::load;
+use serialport::SerialPort;
 
+use super::ports;
 use crate::scenes;
 
 /// Longest wait of a read for bytes.
@@ -58,7 +59,7 @@ pub(crate) fn open(
 ) -> Result<Box<dyn Transport>, String> {
     let to = match to {
         Some(to) => to.to_owned(),
-        None => only_port()?,
+        None => ports::only_controller()?,
     };
     if let Some(address) = to.strip_prefix("tcp:") {
         return Ok(Box::new(Tcp::new(address)?));
@@ -70,39 +71,21 @@ pub(crate) fn open(
     }
 }
 
-/// Returns the serial ports, each with true if a controller is connected to it.
-pub(crate) fn ports() -> Result<Vec<(SerialPortInfo, bool)>, String> {
-    let ports = serialport::available_ports().map_err(|e| format!("serial ports: {e}"))?;
-    let is_controller = |port: &SerialPortInfo| match &port.port_type {
-        SerialPortType::UsbPort(usb) => {
-            let named = usb
-                .product
-                .as_deref()
-                .is_none_or(|p| p.contains(USB_PRODUCT));
-            (usb.vid, usb.pid) == USB_ID && named
+/// The way out for a name that is no serial port.
+fn instead_of_port(name: &str) -> String {
+    let kind = name.split(':').next().unwrap_or_default();
+    match load::nearest(kind, &["sim", "tcp"]) {
+        Some("sim") => return "did you mean --to sim, or --to sim:SCENE?".to_owned(),
+        Some(_) => return "did you mean --to tcp:HOST:PORT?".to_owned(),
+        None => {}
+    }
+    let address = name.rsplit_once("://").map_or(name, |(_, rest)| rest);
+    let address = address.split('/').next().unwrap_or_default();
+    match address.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => {
+            format!("for a controller's server at that address, give --to tcp:{address}")
         }
-        _ => false,
-    };
-    let mut ports: Vec<_> = ports
-        .into_iter()
-        .map(|port| (is_controller(&port), port))
-        .collect();
-    ports.sort_by_key(|(is_ours, port)| (!is_ours, port.port_name.clone()));
-    Ok(ports
-        .into_iter()
-        .map(|(is_ours, port)| (port, is_ours))
-        .collect())
-}
-
-fn only_port() -> Result<String, String> {
-    let ours: Vec<String> = ports()?
-        .into_iter()
-        .filter_map(|(port, is_ours)| is_ours.then_some(port.port_name))
-        .collect();
-    match ours.as_slice() {
-        [port] => Ok(port.clone()),
-        [] => Err("no controller is plugged in; connect one by USB, or give --to PORT, --to tcp:HOST:PORT or --to sim".to_owned()),
-        several => Err(format!("{} controllers are plugged in; give --to with one of {}", several.len(), several.join(", "))),
+        _ => "`cophase link list` shows the serial ports".to_owned(),
     }
 }
 
@@ -115,7 +98,7 @@ struct Serial {
 impl Serial {
     fn new(name: String, baud: u32) -> Result<Self, String> {
         let port = open_port(&name, baud)
-            .map_err(|e| format!("--to {name}: {e}; `cophase link list` shows the serial ports"))?;
+            .map_err(|e| format!("--to {name}: {e}; {}", instead_of_port(&name)))?;
         Ok(Self {
             name,
             baud,
@@ -179,6 +162,29 @@ fn quiet(read: io::Result<usize>) -> io::Result<usize> {
 struct Tcp {
     address: String,
     stream: TcpStream,
+    /// The first bytes that arrived.
+    greeting: Vec<u8>,
+}
+
+/// Beginnings of what servers of other protocols send, and what they are.
+const OTHERS: [(&[u8], &str); 2] = [(b"HTTP/", "a web server"), (b"SSH-", "an SSH server")];
+
+impl Tcp {
+    /// Refuses the server of another protocol, whose bytes would be taken for noise.
+    fn check_greeting(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let most = OTHERS.iter().map(|(begin, _)| begin.len()).max();
+        let missing = most.unwrap_or_default().saturating_sub(self.greeting.len());
+        self.greeting.extend(bytes.iter().take(missing));
+        let other = OTHERS
+            .iter()
+            .find(|(begin, _)| self.greeting.starts_with(begin));
+        other.map_or(Ok(()), |(_, what)| {
+            Err(io::Error::other(format!(
+                "{what} is at {}, and no controller; give the port at which the controller's server listens",
+                self.address
+            )))
+        })
+    }
 }
 
 impl Tcp {
@@ -191,6 +197,7 @@ impl Tcp {
         Ok(Self {
             address: address.to_owned(),
             stream,
+            greeting: Vec::new(),
         })
     }
 }
@@ -210,13 +217,18 @@ impl Transport for Tcp {
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         match self.stream.read(buffer) {
             Ok(0) if !buffer.is_empty() => Err(io::ErrorKind::ConnectionAborted.into()),
-            read => quiet(read),
+            read => {
+                let count = quiet(read)?;
+                self.check_greeting(&buffer[..count])?;
+                Ok(count)
+            }
         }
     }
 
     fn reopen(&mut self) -> bool {
         open_stream(&self.address).is_ok_and(|stream| {
             self.stream = stream;
+            self.greeting.clear();
             true
         })
     }
@@ -303,6 +315,55 @@ mod tests {
 
     use super::*;
     use crate::link::connection::{Connection, Incoming};
+
+    #[test]
+    fn a_wrong_address_is_answered_with_the_form_of_the_right_one() {
+        for (to, part) in [
+            ("simu", "did you mean --to sim"),
+            ("sim1:gears", "did you mean --to sim"),
+            ("tpc:localhost:5000", "did you mean --to tcp:HOST:PORT"),
+            ("192.0.2.5:80", "give --to tcp:192.0.2.5:80"),
+            ("[::1]:80", "give --to tcp:[::1]:80"),
+            ("http://localhost:3000/page", "give --to tcp:localhost:3000"),
+            ("/dev/ttyACM99", "`cophase link list`"),
+            ("COM99", "`cophase link list`"),
+        ] {
+            let error = open(Some(to), 0, Faults::OfScene).err().unwrap();
+            assert!(
+                error.starts_with(&format!("--to {to}: ")) && error.contains(part),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_server_of_another_protocol_is_named() {
+        for (greeting, part) in [
+            ("HTTP/1.1 400 Bad Request\r\n\r\n", "a web server is at"),
+            ("SSH-2.0-OpenSSH_9.6\r\n", "an SSH server is at"),
+        ] {
+            let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+            let to = format!("tcp:{}", listener.local_addr().unwrap());
+            let server = std::thread::spawn(move || {
+                let (mut stream, _) = listener.accept().unwrap();
+                // In two pieces, as the first one may be short.
+                for piece in [&greeting[..2], &greeting[2..]] {
+                    stream.write_all(piece.as_bytes()).unwrap();
+                }
+                stream
+            });
+            let mut line = open(Some(&to), 0, Faults::OfScene).unwrap();
+            let mut buffer = [0; 64];
+            let error = loop {
+                match line.receive(&mut buffer) {
+                    Ok(_) => {}
+                    Err(error) => break error.to_string(),
+                }
+            };
+            assert!(error.contains(part), "{error}");
+            drop(server.join());
+        }
+    }
 
     /// If this fails, a host that reads late loses samples. The hub has room for a few frames, so samples must be fetched
     /// one by one.

@@ -37,7 +37,7 @@ pub(super) struct RunArgs {
     #[arg(value_name = "SCENE", default_value = library::FIRST)]
     scene: String,
     /// Folder for report.json, scope.svg, torque.svg and the files of the trace
-    #[arg(long, value_name = "DIR", default_value = "out")]
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// The files of the trace, separated by commas: csv (trace.csv), vcd (steps.vcd), fst (steps.fst, with
     /// steps.gtkw, its layout for GTKWave), mcap (trace.mcap)
