@@ -33,7 +33,8 @@ export class Plot {
     this.#element.className = 'plot';
     this.#element.dataset.plot = config.id;
     this.#element.style.flexGrow = config.share;
-    this.#element.setAttribute('aria-label', `${config.title} over time, ${config.unit}`);
+    const marks = config.marks.flatMap(({ name }) => name ?? []);
+    this.#element.setAttribute('aria-label', [`${config.title} over time, ${config.unit}`, ...marks].join('; '));
     const head = document.createElement('figcaption');
     const title = document.createElement('strong');
     title.textContent = config.title;
@@ -82,7 +83,7 @@ export class Plot {
         legend: { show: false },
         cursor: { show: true, points: { show: false }, drag: { x: true, y: false, setScale: false }, sync: { key: 'time' } },
         select: { show: true },
-        scales: { x: { time: false, auto: false }, y: { range: (_, least, greatest) => range(least, greatest, this.#config.least) } },
+        scales: { x: { time: false, auto: false }, y: { range: (_, least, greatest) => range(least, greatest, this.#config) } },
         axes: [
           { ...axis, size: this.#hasTimes ? 20 : 0, gap: 3, values: (_, ticks) => ticks.map((t) => (this.#hasTimes ? `${+t.toFixed(4)} s` : '')) },
           { ...axis, size: LEFT, gap: 4, values: (_, ticks) => ticks.map((y) => String(+y.toPrecision(6))) },
@@ -99,6 +100,7 @@ export class Plot {
           })),
         ],
         hooks: {
+          drawAxes: [(plot) => this.#drawMarks(plot)],
           draw: [(plot) => this.#drawCursors(plot)],
           setSelect: [(plot) => this.#select(plot)],
         },
@@ -165,6 +167,53 @@ export class Plot {
     this.#view.show(from, to - from);
   }
 
+  /** Draws limits as dashed lines and forbidden bands as areas, behind the curves. An arrow names what is beyond the scale. */
+  #drawMarks(plot) {
+    const { ctx, bbox } = plot;
+    const [right, bottom] = [bbox.left + bbox.width, bbox.top + bbox.height];
+    const y = (value) => Math.min(Math.max(plot.valToPos(value, 'y', true), bbox.top), bottom);
+    const { min, max } = plot.scales.y;
+    const { marks } = this.#config;
+    ctx.save();
+    ctx.fillStyle = color('--warn');
+    ctx.strokeStyle = color('--warn');
+    ctx.lineWidth = devicePixelRatio;
+    ctx.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
+    for (const { from, to } of marks) {
+      ctx.globalAlpha = 0.15;
+      ctx.fillRect(bbox.left, y(to), bbox.width, y(from) - y(to));
+      ctx.globalAlpha = 1;
+      for (const edge of new Set([from, to])) {
+        if (edge < min || edge > max) continue;
+        ctx.beginPath();
+        ctx.moveTo(bbox.left, y(edge));
+        ctx.lineTo(right, y(edge));
+        ctx.stroke();
+      }
+    }
+    const line = 13 * devicePixelRatio;
+    /** Left ends of the labels so far, by the lines of text in which they are. */
+    const lefts = [];
+    ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+    ctx.textAlign = 'right';
+    ctx.setLineDash([]);
+    ctx.lineWidth = 4 * devicePixelRatio;
+    ctx.strokeStyle = color('--panel');
+    for (const { name, from, to } of marks) {
+      if (name === undefined) continue;
+      const label = from > max ? `↑ ${name}` : to < min ? `↓ ${name}` : name;
+      // A label is above the upper edge if there is room, and left of another label.
+      const isAbove = y(to) - line >= bbox.top;
+      const at = y(to) + (isAbove ? -3 * devicePixelRatio : line);
+      const row = Math.round(at / line);
+      const end = Math.min(...[row - 1, row, row + 1].map((near) => lefts[near] ?? right)) - line / 2;
+      ctx.strokeText(label, end, at);
+      ctx.fillText(label, end, at);
+      lefts[row] = end - ctx.measureText(label).width;
+    }
+    ctx.restore();
+  }
+
   #drawCursors(plot) {
     const { ctx, bbox } = plot;
     const marks = [
@@ -191,11 +240,20 @@ export class Plot {
   }
 }
 
-/** Returns the range of the scale: all values with some room, at least ±`side`, and wide enough to keep noise small. */
-function range(least, greatest, side = 0) {
+/** A limit is part of the scale if the values reach this part of it. A limit far beyond would flatten the curves. */
+const NEAR = 1 / 3;
+
+/**
+ * Returns the range of the scale: all values with some room, at least ±`least`, wide enough to keep noise small, and the edges of
+ * limits and bands that are near.
+ */
+function range(least, greatest, { least: side = 0, marks }) {
   if (least === null || greatest === null) {
     return [-Math.max(side, 1), Math.max(side, 1)];
   }
-  const room = Math.max(0.08 * (greatest - least), 0.02 * Math.max(Math.abs(least), Math.abs(greatest)), 0.01);
-  return [Math.min(least - room, -side), Math.max(greatest + room, side)];
+  const size = Math.max(Math.abs(least), Math.abs(greatest));
+  const near = marks.flatMap(({ from, to }) => [from, to]).filter((edge) => Math.abs(edge) * NEAR <= size);
+  const [low, high] = [Math.min(least, ...near), Math.max(greatest, ...near)];
+  const room = Math.max(0.08 * (high - low), 0.02 * Math.max(Math.abs(low), Math.abs(high)), 0.01);
+  return [Math.min(low - room, -side), Math.max(high + room, side)];
 }
