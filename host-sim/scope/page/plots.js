@@ -186,8 +186,9 @@ export class Plot {
       for (const edge of new Set([from, to])) {
         if (edge < min || edge > max) continue;
         ctx.beginPath();
-        ctx.moveTo(bbox.left, y(edge));
-        ctx.lineTo(right, y(edge));
+        const at = Math.round(y(edge)) + 0.5;
+        ctx.moveTo(bbox.left, at);
+        ctx.lineTo(right, at);
         ctx.stroke();
       }
     }
@@ -196,9 +197,6 @@ export class Plot {
     const lefts = [];
     ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
     ctx.textAlign = 'right';
-    ctx.setLineDash([]);
-    ctx.lineWidth = 4 * devicePixelRatio;
-    ctx.strokeStyle = color('--panel');
     for (const { name, from, to } of marks) {
       if (name === undefined) continue;
       const label = from > max ? `↑ ${name}` : to < min ? `↓ ${name}` : name;
@@ -207,9 +205,11 @@ export class Plot {
       const at = y(to) + (isAbove ? -3 * devicePixelRatio : line);
       const row = Math.round(at / line);
       const end = Math.min(...[row - 1, row, row + 1].map((near) => lefts[near] ?? right)) - line / 2;
-      ctx.strokeText(label, end, at);
-      ctx.fillText(label, end, at);
       lefts[row] = end - ctx.measureText(label).width;
+      ctx.fillStyle = color('--panel');
+      ctx.fillRect(lefts[row], at - line + 3 * devicePixelRatio, end - lefts[row], line);
+      ctx.fillStyle = color('--warn');
+      ctx.fillText(label, end, at);
     }
     ctx.restore();
   }
@@ -252,7 +252,7 @@ function range(least, greatest, { least: side = 0, marks }) {
     return [-Math.max(side, 1), Math.max(side, 1)];
   }
   const size = Math.max(Math.abs(least), Math.abs(greatest));
-  const near = marks.flatMap(({ from, to }) => [from, to]).filter((edge) => Math.abs(edge) * NEAR <= size);
+  const near = marks.filter(({ from }) => Math.abs(from) * NEAR <= size).flatMap(({ from, to }) => [from, to]);
   const [low, high] = [Math.min(least, ...near), Math.max(greatest, ...near)];
   const room = Math.max(0.08 * (high - low), 0.02 * Math.max(Math.abs(low), Math.abs(high)), 0.01);
   return [Math.min(low - room, -side), Math.max(high + room, side)];
