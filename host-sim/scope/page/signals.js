@@ -16,7 +16,7 @@ export function unitOf(column) {
 const text = (value) => String(+value.toPrecision(3));
 
 /** A band of values, with its name, or a limit if both edges are equal. */
-const band = (from, to, unit) => ({ name: `forbidden band ${text(from)} to ${text(to)} ${unit}`, from, to });
+const band = (from, to, unit) => ({ name: `band ${text(from)} to ${text(to)} ${unit}`, from, to });
 const limit = (value, name) => ({ name, from: value, to: value });
 
 /** Returns the plots of a machine with a number of axes and with limits, from top to bottom. */
@@ -31,7 +31,7 @@ export function plots(axes, limits) {
       title: 'Amplitude amax',
       unit: 'g',
       share: 3,
-      marks: [limit(g(speed), `limit ${text(g(speed))} g, by the speed`), ...bands('g', g)],
+      marks: [limit(g(speed), `limit ${text(g(speed))} g`), ...bands('g', g)],
       signals: [
         { column: 'amax_requested_mps2', name: 'requested', color: '--trace-requested', dash: [6, 4] },
         { column: 'amax_commanded_mps2', name: 'commanded', color: '--trace-commanded' },
