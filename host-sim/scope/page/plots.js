@@ -101,7 +101,7 @@ export class Plot {
         ],
         hooks: {
           drawAxes: [(plot) => this.#drawMarks(plot)],
-          draw: [(plot) => this.#drawCursors(plot)],
+          draw: [(plot) => this.#drawNames(plot), (plot) => this.#drawCursors(plot)],
           setSelect: [(plot) => this.#select(plot)],
         },
       },
@@ -167,49 +167,56 @@ export class Plot {
     this.#view.show(from, to - from);
   }
 
-  /** Draws limits as dashed lines and forbidden bands as areas, behind the curves. An arrow names what is beyond the scale. */
+  /** Draws limits as dashed lines and forbidden bands as areas, behind the curves. */
   #drawMarks(plot) {
     const { ctx, bbox } = plot;
-    const [right, bottom] = [bbox.left + bbox.width, bbox.top + bbox.height];
-    const y = (value) => Math.min(Math.max(plot.valToPos(value, 'y', true), bbox.top), bottom);
     const { min, max } = plot.scales.y;
-    const { marks } = this.#config;
     ctx.save();
     ctx.fillStyle = color('--warn');
     ctx.strokeStyle = color('--warn');
     ctx.lineWidth = devicePixelRatio;
     ctx.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
-    for (const { from, to } of marks) {
+    for (const { from, to } of this.#config.marks) {
       ctx.globalAlpha = 0.15;
-      ctx.fillRect(bbox.left, y(to), bbox.width, y(from) - y(to));
+      ctx.fillRect(bbox.left, place(plot, to), bbox.width, place(plot, from) - place(plot, to));
       ctx.globalAlpha = 1;
       for (const edge of new Set([from, to])) {
         if (edge < min || edge > max) continue;
+        const y = Math.round(place(plot, edge)) + 0.5;
         ctx.beginPath();
-        const at = Math.round(y(edge)) + 0.5;
-        ctx.moveTo(bbox.left, at);
-        ctx.lineTo(right, at);
+        ctx.moveTo(bbox.left, y);
+        ctx.lineTo(bbox.left + bbox.width, y);
         ctx.stroke();
       }
     }
+    ctx.restore();
+  }
+
+  /** Names the limits and bands, in front of the curves. An arrow names what is beyond the scale. */
+  #drawNames(plot) {
+    const { ctx, bbox } = plot;
+    const { min, max } = plot.scales.y;
     const line = 13 * devicePixelRatio;
-    /** Left ends of the labels so far, by the lines of text in which they are. */
+    /** Left ends of the names so far, by the lines of text in which they are. */
     const lefts = [];
+    ctx.save();
     ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
     ctx.textAlign = 'right';
-    for (const { name, from, to } of marks) {
+    for (const { name, from, to } of this.#config.marks) {
       if (name === undefined) continue;
-      const label = from > max ? `↑ ${name}` : to < min ? `↓ ${name}` : name;
-      // A label is above the upper edge if there is room, and left of another label.
-      const isAbove = y(to) - line >= bbox.top;
-      const at = y(to) + (isAbove ? -3 * devicePixelRatio : line);
-      const row = Math.round(at / line);
-      const end = Math.min(...[row - 1, row, row + 1].map((near) => lefts[near] ?? right)) - line / 2;
-      lefts[row] = end - ctx.measureText(label).width;
+      const text = from > max ? `↑ ${name}` : to < min ? `↓ ${name}` : name;
+      // A name is above the upper edge if there is room, and left of another name.
+      const top = place(plot, to);
+      const y = top - line >= bbox.top ? top - 3 * devicePixelRatio : top + line;
+      const row = Math.round(y / line);
+      const right = Math.min(...[row - 1, row, row + 1].map((near) => lefts[near] ?? bbox.left + bbox.width)) - line / 2;
+      lefts[row] = right - ctx.measureText(text).width;
       ctx.fillStyle = color('--panel');
-      ctx.fillRect(lefts[row], at - line + 3 * devicePixelRatio, end - lefts[row], line);
+      ctx.globalAlpha = 0.8;
+      ctx.fillRect(lefts[row], y - line + 3 * devicePixelRatio, right - lefts[row], line);
+      ctx.globalAlpha = 1;
       ctx.fillStyle = color('--warn');
-      ctx.fillText(label, end, at);
+      ctx.fillText(text, right, y);
     }
     ctx.restore();
   }
@@ -238,6 +245,12 @@ export class Plot {
     }
     ctx.restore();
   }
+}
+
+/** Returns the place of a value on the canvas; that of the nearer end of the scale if it is beyond. */
+function place(plot, value) {
+  const { top, height } = plot.bbox;
+  return Math.min(Math.max(plot.valToPos(value, 'y', true), top), top + height);
 }
 
 /** A limit is part of the scale if the values reach this part of it. A limit far beyond would flatten the curves. */

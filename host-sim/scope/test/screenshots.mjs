@@ -36,6 +36,8 @@ export async function screenshots(chrome) {
       check(`docs/scope-${theme}.png is written`, true);
     }
     await page.click('#theme');
+    // The top of the page stays in view, and would cover a part of the editor.
+    await page.evaluate(() => { document.getElementById('top').hidden = true; });
     const editor = join(ROOT, 'docs/scope-editor.png');
     await page.locator('#editor').screenshot({ path: editor });
     check('docs/scope-editor.png is written', true);
