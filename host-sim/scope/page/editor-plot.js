@@ -185,7 +185,8 @@ function limit({ limit: value, isDrawn, scale, y, top }, right, unit) {
   if (!value) return [];
   const text = `limit ${digits(value)} ${unit}${isDrawn ? '' : ' (beyond)'}`;
   const at = isDrawn ? y(value) : top;
-  const words = label(right - 4, at + 13, text, 'pe-limit-text', 'end');
+  // The name of a limit that is not drawn is above the panel, where no curve is.
+  const words = label(right - 4, isDrawn ? at + 13 : at - 4, text, 'pe-limit-text', 'end');
   if (!isDrawn || value > scale) return [words];
   return [svg('line', { x1: LEFT, x2: right, y1: at, y2: at, class: 'pe-limit' }), words];
 }
