@@ -32,7 +32,7 @@ pub(super) enum Report<'a> {
         columns: &'a [String],
         /// Names of the states. The index is the number of the state.
         states: [&'static str; State::ALL.len()],
-        limits: Limits,
+        limits: Box<Limits>,
         /// Text of the scene for the editor.
         text: &'a str,
     },
@@ -150,7 +150,7 @@ impl<'a> Report<'a> {
             axes: identity.axes.into(),
             columns: columns.names(),
             states: State::ALL.map(State::name),
-            limits: Limits::new(settings),
+            limits: Box::new(Limits::new(settings)),
             text,
         }
     }
