@@ -64,7 +64,7 @@ def check_refusals(text):
 
 def check_sayings(text):
     """Checks that the sources contain the messages that the tables quote."""
-    sources = '\n'.join((pages.ROOT / name).read_text() for name in pages.tracked('host-sim/*.rs', 'firmware/*.rs'))
+    sources = '\n'.join((pages.ROOT / name).read_text() for name in pages.tracked('host-sim/*.rs', 'firmware/*.rs', 'host-sim/scope/page/*.js'))
     sources = re.sub(r'\\\n\s*', '', sources)  # a string continues after a backslash
     problems, says = [], False
     for line in text.splitlines():

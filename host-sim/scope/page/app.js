@@ -1,7 +1,8 @@
 // The page: makes all parts, and passes them the messages of the server.
 
 import { Circle, Level } from './circle.js';
-import { Controls, REASONS } from './controls.js';
+import { Contact } from './contact.js';
+import { Controls, STOP_THERE, reasonAgainst } from './controls.js';
 import { Cursors } from './cursors.js';
 import { createEditor } from './editor.js';
 import { wireFaults } from './faults.js';
@@ -30,16 +31,16 @@ const message = (text, isError) => {
 const socket = new Socket({
   report: (report) => REPORTS[report.type]?.(report),
   batch: (batch) => parts?.history.add(batch),
-  closed: () => {
-    find('connection').textContent = 'server gone';
-    find('connection').className = 'bad';
-    document.body.classList.add('offline');
-  },
+  closed: () => contact.lose('server'),
 });
 const controls = new Controls(document.body, socket, message);
+const contact = new Contact(showContact);
 
 const REPORTS = {
-  hello: begin,
+  hello: (hello) => {
+    if (parts === undefined) begin(hello);
+    else parts.hello = hello;
+  },
   status: showStatus,
   event: (event) => {
     parts.timeline.add(event);
@@ -51,19 +52,44 @@ const REPORTS = {
     parts.timeline.clear();
     parts.view.resume();
   },
-  line: ({ error }) => {
-    find('connection').textContent = error === null ? 'connected' : 'line lost';
-    find('connection').className = error === null ? 'good' : 'bad';
-    message(error ?? 'the controller is there again', error !== null);
-  },
+  // The next status shows that the line is there again.
+  line: ({ error }) => error !== null && contact.lose('line', error),
 };
+
+/** Shows that contact is lost, or that it is there again. */
+function showContact(loss) {
+  document.body.classList.toggle('lost', loss !== undefined);
+  const banner = find('lost');
+  banner.hidden = loss === undefined;
+  find('connection').className = loss === undefined ? 'good' : 'bad';
+  if (loss === undefined) {
+    const { hello } = parts;
+    find('machine').textContent = `${hello.settings} · ${hello.axes} axes · ${hello.tick_hz} ticks/s · ${hello.board}`;
+    find('connection').title = `This page is ${hello.name}.`;
+    find('connection').textContent = hello.simulated ? 'simulated' : 'connected';
+    return;
+  }
+  find('connection').textContent = 'no contact';
+  showKnown({ status: undefined, passesStop: loss.passesStop });
+  const { what, since, problem, remedy } = loss;
+  const lines = [
+    `${what} since ${since.toLocaleTimeString([], { hour12: false })}${problem === undefined ? '' : `: ${problem}`}.`,
+    `The machine may be moving. ${STOP_THERE}`,
+    remedy,
+  ];
+  banner.replaceChildren(...lines.map((text, i) => {
+    const line = document.createElement(i === 1 ? 'strong' : 'span');
+    line.textContent = text;
+    return line;
+  }));
+}
 
 function begin(hello) {
   const { axes } = hello;
   const history = new History(hello.columns, hello.tick_hz);
   const view = new View(history);
   const trigger = new Trigger(history, view);
-  const configs = plots(axes);
+  const configs = plots(axes, hello.limits);
   parts = {
     hello,
     history,
@@ -73,27 +99,25 @@ function begin(hello) {
     timeline: new Timeline(find('timeline'), find('event-list'), view, hello.states),
     circle: new Circle(find('circle'), find('needle-scale'), axes),
     level: hello.limits.tilt_mrad === null ? undefined : new Level(find('level'), find('tilt-value'), hello.limits.tilt_mrad),
-    cursors: new Cursors(find('cursors'), view, axes),
+    cursors: new Cursors(find('cursors'), view, configs),
     toolbar: new Toolbar(document, view, trigger, configs),
+    editor: createEditor(find('editor'), { text: hello.text, onLoad: load }),
   };
   find('level').closest('figure').hidden = parts.level === undefined; // A machine without a platform tilts nothing.
-  find('connection').title = `This page is ${hello.name}.`;
-  find('machine').textContent = `${hello.settings} · ${axes} axes · ${hello.tick_hz} ticks/s · ${hello.board}`;
-  find('connection').textContent = hello.simulated ? 'simulated' : 'connected';
-  find('connection').className = 'good';
   if (hello.simulated) {
     find('faults').hidden = false;
     wireFaults(find('faults'), axes, (fault) => controls.act('inject', { fault }));
   }
-  createEditor(find('editor'), { text: hello.text, onLoad: load });
   view.onChange(() => parts.cursors.update());
   wireTheme(find('theme'), () => redrawn((plot) => plot.build()));
-  new ResizeObserver(() => redrawn((plot) => plot.resize())).observe(find('plots'));
+  const resized = new ResizeObserver(() => redrawn((plot) => plot.resize()));
+  for (const canvas of [...parts.plots.map((plot) => plot.canvas), find('timeline')]) resized.observe(canvas);
   wireSaving();
-  const keys = keyTable();
-  wireKeys(keys);
-  listKeys(find('help').querySelector('tbody'), keys);
-  find('help-button').addEventListener('click', () => find('help').showModal());
+  const keys = viewKeys();
+  wireKeys(() => controls.act('stop-now'), keys, find('help'));
+  listKeys(find('help').querySelector('tbody'), [...STOP_KEYS, ...keys]);
+  // Nothing is modal: the stop can always be pressed.
+  find('help-button').addEventListener('click', () => find('help').show());
   requestAnimationFrame(draw);
 }
 
@@ -110,14 +134,31 @@ async function load(text) {
 }
 
 function showStatus(status) {
-  controls.update(status);
+  contact.status();
+  showKnown({ status, passesStop: true });
+}
+
+/** Shows the status; without contact, there is none. */
+function showKnown(known) {
+  const { status } = known;
+  controls.update(known);
   const badge = find('state');
-  badge.textContent = status.holding ? `${status.state}, held` : status.state;
-  badge.dataset.state = status.state;
+  badge.dataset.state = status?.state ?? 'unknown';
+  badge.textContent = status?.holding ? `${status.state}, held` : badge.dataset.state;
+  parts?.editor.refuse(reasonAgainst('load', known));
   // The reason why the machine cannot start, while it is at rest.
-  const missing = ['idle', 'parked'].includes(status.state) ? REASONS.start(status) : undefined;
+  const missing = ['idle', 'parked'].includes(status?.state) ? reasonAgainst('start', known) : undefined;
   find('hint').textContent = missing === undefined ? '' : `To start: ${missing}.`;
-  const notes = [
+  find('flags').textContent = status === undefined ? '' : notes(status).filter(Boolean).join(' · ');
+  showFault(status);
+  if (status === undefined) return;
+  const { lost_samples: lost, dropped_samples: dropped, dropped_reports: reports } = status;
+  find('losses').textContent = `lost ${lost} · dropped ${dropped + reports}`;
+  find('losses').className = lost + dropped + reports > 0 ? 'bad' : '';
+}
+
+function notes(status) {
+  return [
     status.armed && 'armed',
     status.drives ? 'drives on' : 'drives off',
     !status.enable && 'enable open',
@@ -125,16 +166,16 @@ function showStatus(status) {
     status.control === 'other' && `${status.owner ?? 'another host'} has control`,
     status.browsers > 1 && `${status.browsers} pages`,
   ];
-  find('flags').textContent = notes.filter(Boolean).join(' · ');
-  const { lost_samples: lost, dropped_samples: dropped, dropped_reports: reports } = status;
-  find('losses').textContent = `lost ${lost} · dropped ${dropped + reports}`;
-  find('losses').className = lost + dropped + reports > 0 ? 'bad' : '';
+}
+
+function showFault(status) {
   const fault = find('fault');
-  fault.hidden = status.fault === null;
-  // An alert is read aloud when its text changes.
-  const holds = status.drives && status.state === 'fault';
+  const name = status?.fault ?? null;
+  fault.hidden = name === null;
+  const holds = status?.drives && status.state === 'fault';
   const next = holds ? 'the drives hold; a reset switches them off' : 'reset it to go on';
-  const text = status.fault === null ? '' : `${status.fault} — ${next}`;
+  const text = name === null ? '' : `${name} — ${next}`;
+  // An alert is read aloud when its text changes.
   if (fault.textContent !== text) {
     fault.textContent = text;
   }
@@ -149,19 +190,15 @@ function wireSaving() {
   find('save-vcd').addEventListener('click', save(vcd, 'scope.vcd', 'text/plain'));
 }
 
-function keyTable() {
+/** The keys that stop the machine, as the help lists them. */
+const STOP_KEYS = [
+  { key: ' ', text: 'stop now, whatever has the focus' },
+  { key: 'Esc', text: 'in the text of the editor: stop now; else: close this list' },
+];
+
+function viewKeys() {
   const { view, toolbar } = parts;
   return [
-    { key: ' ', text: 'stop now', down: () => controls.act('stop-now') },
-    { key: 's', text: 'stop at the parking phase', down: () => controls.act('stop') },
-    { key: 'c', text: 'take or release control', down: () => controls.act('control') },
-    { key: 'a', text: 'arm or disarm', down: () => controls.act('arm') },
-    { key: 'g', text: 'start (go)', down: () => controls.act('start') },
-    { key: 'h', text: 'hold', down: () => controls.act('hold') },
-    { key: 'r', text: 'resume', down: () => controls.act('resume') },
-    { key: 'o', text: 'home', down: () => controls.act('home') },
-    { key: 'j', text: 'jog while it is held', down: () => controls.beginJog(), up: () => controls.endJog() },
-    { key: 'x', text: 'reset a fault', down: () => controls.act('reset') },
     { key: 'p', text: 'pause or go on', down: () => toolbar.togglePause() },
     { key: '+', text: 'zoom in', repeats: true, down: () => view.zoom(-1) },
     { key: '-', text: 'zoom out', repeats: true, down: () => view.zoom(1) },
@@ -171,7 +208,7 @@ function keyTable() {
     { key: '2', text: 'cursor B in the middle', down: () => view.setCursor(1, (view.from + view.to) / 2) },
     { key: '0', text: 'clear the cursors', down: () => toolbar.clearCursors() },
     { key: 't', text: 'switch the theme', down: () => find('theme').click() },
-    { key: '?', text: 'show this list', down: () => find('help').showModal() },
+    { key: '?', text: 'show this list', down: () => find('help').show() },
   ];
 }
 

@@ -100,7 +100,7 @@ export class Level {
     make(svg, 'circle', { r: 40, class: 'mount' });
     make(svg, 'line', { x1: -80, x2: 80, y1: 0, y2: 0, class: 'mark' });
     make(svg, 'line', { y1: -80, y2: 80, x1: 0, x2: 0, class: 'mark' });
-    make(svg, 'text', { y: 74, class: 'limit-name' }, `limit ${+limit.toPrecision(3)} mrad`);
+    make(svg, 'text', { y: 60, class: 'limit-name' }, `limit ${+limit.toPrecision(3)} mrad`);
     this.#bubble = make(svg, 'circle', { r: 12, class: 'bubble' });
   }
 

@@ -25,8 +25,10 @@ function needsArm(status) {
   return needsInputs(status) ?? (status.armed ? undefined : 'arm first');
 }
 
-/** Reason why an action is not possible in a status; `undefined` if it is. The controller checks everything again. */
-export const REASONS = {
+/** Where to stop the machine if this page cannot. */
+export const STOP_THERE = 'Use the STOP input or the emergency stop at the machine.';
+
+const REASONS = {
   control: (status) => (status.control === 'other' ? needsControl(status) : undefined),
   arm: (status) => needsControl(status) ?? needsState(AT_REST, status) ?? needsInputs(status),
   start: (status) => needsControl(status) ?? needsState(AT_REST, status) ?? needsArm(status),
@@ -41,14 +43,25 @@ export const REASONS = {
   load: (status) => needsControl(status) ?? needsState(AT_REST, status),
   inject: (status) => needsControl(status),
   restart: (status) => needsControl(status) ?? (status.drives ? 'the drives are on: stop the machine, and reset a fault' : undefined),
-  stop: () => undefined,
-  'stop-now': () => undefined,
 };
+
+const isStop = (action) => action === 'stop' || action === 'stop-now';
+
+/**
+ * Returns the reason why an action is not possible in a status; `undefined` if it is. The controller checks everything again.
+ * Without contact there is no status. A stop is possible in every status, and is tried if it may reach the controller.
+ *
+ * @param {{ status?: object, passesStop: boolean }} known
+ */
+export function reasonAgainst(action, { status, passesStop }) {
+  if (isStop(action)) return passesStop ? undefined : `this page cannot reach the controller. ${STOP_THERE}`;
+  return status === undefined ? 'there is no contact with the controller' : REASONS[action](status);
+}
 
 export class Controls {
   #root;
   #socket;
-  #status;
+  #known = { status: undefined, passesStop: false };
   #message;
   #jogging;
 
@@ -68,33 +81,41 @@ export class Controls {
         button.addEventListener('click', () => this.act(button.dataset.action));
       }
     }
+    root.addEventListener('keydown', (event) => this.#guardKeys(event));
     const slider = root.querySelector('input[data-action=override]');
     slider.addEventListener('input', () => {
       this.sliderMoved = performance.now();
       this.#showOverride(slider.value);
       this.act('override');
     });
+    this.update(this.#known);
   }
 
-  /** Shows the controls that are possible. */
-  update(status) {
-    this.#status = status;
+  /**
+   * Shows the controls that are possible.
+   *
+   * @param {{ status?: object, passesStop: boolean }} known The status; none without contact.
+   */
+  update(known) {
+    this.#known = known;
+    const { status } = known;
+    if (status === undefined) this.endJog();
     for (const control of this.#root.querySelectorAll('[data-action]')) {
-      const reason = REASONS[control.dataset.action]?.(status);
+      const reason = reasonAgainst(control.dataset.action, known);
       // A control that is not possible keeps its focus, and shows the reason when it is used.
       control.setAttribute('aria-disabled', String(reason !== undefined && !this.#jogging));
       control.title = reason === undefined ? (control.dataset.title ?? '') : `Not now: ${reason}`;
     }
     const control = this.#root.querySelector('[data-action=control]');
-    const hasControl = status.control === 'you';
+    const hasControl = status?.control === 'you';
     control.textContent = hasControl ? 'Release' : 'Take control';
     control.setAttribute('aria-pressed', String(hasControl));
     control.dataset.title = hasControl ? 'This page has control' : 'One page commands; the others watch';
     const arm = this.#root.querySelector('[data-action=arm]');
-    arm.textContent = status.armed ? 'Armed' : 'Arm';
-    arm.setAttribute('aria-pressed', String(status.armed));
+    arm.textContent = status?.armed ? 'Armed' : 'Arm';
+    arm.setAttribute('aria-pressed', String(Boolean(status?.armed)));
     // The slider follows the machine, except while a user moves it.
-    if (performance.now() - (this.sliderMoved ?? -1e4) > 1000) {
+    if (status !== undefined && performance.now() - (this.sliderMoved ?? -1e4) > 1000) {
       const percent = status.override_permille / 10;
       this.#root.querySelector('input[data-action=override]').value = percent;
       this.#showOverride(percent);
@@ -107,10 +128,13 @@ export class Controls {
 
   /** Carries out an action by its name, if it is possible. */
   async act(action, fields = {}) {
-    const reason = this.#status ? REASONS[action]?.(this.#status) : 'there is no status of the controller yet';
+    const reason = reasonAgainst(action, this.#known);
     if (reason !== undefined) {
       this.#message(`${action}: ${reason}`, true);
       return false;
+    }
+    if (this.#known.status === undefined) {
+      this.#message(`${action}: sent, without contact to the controller. ${STOP_THERE}`, true);
     }
     try {
       await this.#request(action, fields);
@@ -126,9 +150,9 @@ export class Controls {
     const socket = this.#socket;
     switch (action) {
       case 'control':
-        return socket.request(this.#status.control === 'you' ? 'release-control' : 'take-control');
+        return socket.request(this.#known.status.control === 'you' ? 'release-control' : 'take-control');
       case 'arm':
-        return socket.request(this.#status.armed ? 'disarm' : 'arm');
+        return socket.request(this.#known.status.armed ? 'disarm' : 'arm');
       case 'stop':
         return socket.request('stop', { now: false });
       case 'stop-now':
@@ -142,17 +166,45 @@ export class Controls {
     }
   }
 
-  /** A jog lasts while its button or key is held. */
+  /**
+   * A control takes a click, or Ctrl and a key while it has the focus. So no single key moves the machine, or changes its motion.
+   * A stop takes Enter alone.
+   */
+  #guardKeys(event) {
+    const { key, target } = event;
+    const control = target.closest('[data-action], form#faults');
+    if (!control || isStop(control.dataset.action)) return;
+    const isSlider = target.matches('input[type=range]');
+    const isPress = key === 'Enter' && !target.matches('select');
+    const steps = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10, Home: -Infinity, End: Infinity };
+    if (!isPress && !(isSlider && key in steps)) return;
+    event.preventDefault();
+    if (event.repeat) return;
+    if (!event.ctrlKey && !event.metaKey) {
+      this.#message(`hold Ctrl as well: Ctrl+${key.replace('Arrow', '')}`, true);
+    } else if (isSlider && key in steps) {
+      const { min, max, value } = target;
+      target.value = Math.min(Math.max(Number(value) + steps[key], min), max);
+      target.dispatchEvent(new Event('input'));
+    } else if (control.dataset.action === 'jog') {
+      this.beginJog();
+    } else {
+      (control.matches('form') ? control.querySelector('[type=submit]') : control).click();
+    }
+  }
+
+  /** A jog lasts while its button, or Ctrl+Enter on it, is held. */
   #wireJog(button) {
     const end = () => this.endJog();
     button.addEventListener('pointerdown', () => this.beginJog());
-    for (const type of ['pointerup', 'pointerleave', 'pointercancel', 'blur']) {
+    for (const type of ['pointerup', 'pointerleave', 'pointercancel', 'blur', 'keyup']) {
       button.addEventListener(type, end);
     }
-    button.addEventListener('keydown', (event) => {
-      if (event.key === 'Enter' && !event.repeat) this.beginJog();
-    });
-    button.addEventListener('keyup', end);
+    // A long touch opens a menu.
+    button.addEventListener('contextmenu', (event) => event.preventDefault());
+    // The page receives no event for a key or a button that is released in another window.
+    addEventListener('blur', end);
+    document.addEventListener('visibilitychange', end);
   }
 
   async beginJog() {

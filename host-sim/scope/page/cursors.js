@@ -1,6 +1,6 @@
 // Tables of the values at both cursors, with their difference and unit.
 
-import { plots, unitOf } from './signals.js';
+import { unitOf } from './signals.js';
 
 const HEAD = ['signal', 'A', 'B', 'B − A', 'unit'];
 
@@ -9,10 +9,11 @@ export class Cursors {
   #view;
   #plots;
 
-  constructor(element, view, axes) {
+  /** @param {object[]} plots Plots, as `plots` of signals.js returns them. */
+  constructor(element, view, plots) {
     this.#element = element;
     this.#view = view;
-    this.#plots = plots(axes);
+    this.#plots = plots;
   }
 
   update() {

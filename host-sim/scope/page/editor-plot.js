@@ -1,6 +1,6 @@
 // Plot of a preview: amplitude and speed against time, the limits, the states, and the times at which a limit takes effect.
 //
-// It is one SVG with a fixed coordinate system, scaled by the browser. A row of the preview is a column of the plot: curves are
+// It is one SVG, with a coordinate for each pixel up to a width of 900. The browser scales a wider one. A row of the preview is a column of the plot: curves are
 // areas between the smallest and the largest value, with an outline, so that no spike is lost.
 
 import { svg } from './html.js';
@@ -11,7 +11,7 @@ const GRAVITY = 9.80665;
 const TURN = 2 * Math.PI;
 
 /** Coordinates of the drawing. */
-const WIDTH = 900;
+const WIDTHS = { min: 320, max: 900 };
 const LEFT = 104;
 const RIGHT = 12;
 const PANELS = [
@@ -48,6 +48,13 @@ export class Plot {
     element.addEventListener('pointermove', (event) => this.#point(event));
     element.addEventListener('pointerleave', () => this.#moveTo(null));
     element.addEventListener('keydown', (event) => this.#key(event));
+    new ResizeObserver(() => {
+      if (this.#drawing && this.#drawing.width !== this.#width) this.draw(this.#drawing.rows, this.#drawing.limits);
+    }).observe(element);
+  }
+
+  get #width() {
+    return Math.min(Math.max(this.#element.clientWidth, WIDTHS.min), WIDTHS.max);
   }
 
   /** True while the text has mistakes. The plot is then that of the last text without mistakes. */
@@ -59,44 +66,46 @@ export class Plot {
   draw(rows, limits) {
     if (rows.length === 0) return;
     const end_s = rows.last_s(rows.length - 1);
-    const x = (t_s) => LEFT + ((WIDTH - LEFT - RIGHT) * t_s) / end_s;
+    const width = this.#width;
+    const right = width - RIGHT;
+    const x = (t_s) => LEFT + ((right - LEFT) * t_s) / end_s;
     const bands = (limits?.bands_rad_s ?? []).map((band) => band.map((edge) => edge / TURN));
     const amplitude = panel(PANELS[0], Math.max(greatest(rows, 'requested_mps2'), greatest(rows, 'commanded_mps2')) / GRAVITY, limits && limits.amax_mps2 / GRAVITY);
     const speed = panel(PANELS[1], Math.max(greatest(rows, 'speed_rad_s') / TURN, ...bands.map(([, to]) => to)), limits && limits.speed_rad_s / TURN);
-    const clip = { x: LEFT, width: WIDTH - LEFT - RIGHT };
+    const clip = { x: LEFT, width: right - LEFT };
     const picture = svg(
       'svg',
-      { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: 'img', 'aria-label': 'Amplitude and speed against time' },
+      { viewBox: `0 0 ${width} ${HEIGHT}`, role: 'img', 'aria-label': 'Amplitude and speed against time' },
       ...bands.map(([from, to]) =>
         svg('rect', { ...clip, y: speed.y(to), height: speed.y(from) - speed.y(to), class: 'pe-band' }),
       ),
       ...bands.map(([from, to]) => label(LEFT + 4, speed.y((from + to) / 2) + 4, `band ${digits(from)} to ${digits(to)} rev/s`, 'pe-limit-text')),
-      ...frame(amplitude),
-      ...frame(speed),
-      ...limit(amplitude, 'g at the greatest speed'),
-      ...limit(speed, 'rev/s'),
+      ...frame(amplitude, right),
+      ...frame(speed, right),
+      ...limit(amplitude, right, 'g at the greatest speed'),
+      ...limit(speed, right, 'rev/s'),
       curve(rows, 'requested_mps2', GRAVITY, x, amplitude, 'pe-requested'),
       curve(rows, 'commanded_mps2', GRAVITY, x, amplitude, 'pe-commanded'),
       curve(rows, 'speed_rad_s', TURN, x, speed, 'pe-speed'),
       ...states(rows, x),
       ...LANES.flatMap((lane, i) => lanes(rows, x, lane, LANES_TOP + i * LANE)),
-      ...timeAxis(end_s, x),
+      ...timeAxis(end_s, x, right),
       ...legend(),
     );
     this.#cursor = svg('line', { y1: PANELS[0].top, y2: AXIS_TOP, class: 'pe-cursor', visibility: 'hidden' });
     picture.append(this.#cursor);
     this.#element.querySelector('svg')?.remove();
     this.#element.prepend(picture);
-    this.#drawing = { rows, x, picture, row: null };
+    this.#drawing = { rows, limits, width, x, picture, row: null };
   }
 
   #point(event) {
     if (!this.#drawing) return;
     this.#readout.removeAttribute('aria-live');
-    const { rows, picture } = this.#drawing;
+    const { rows, picture, width } = this.#drawing;
     const box = picture.getBoundingClientRect();
-    const at = ((event.clientX - box.left) / box.width) * WIDTH;
-    const part = (at - LEFT) / (WIDTH - LEFT - RIGHT);
+    const at = ((event.clientX - box.left) / box.width) * width;
+    const part = (at - LEFT) / (width - LEFT - RIGHT);
     const t_s = part * rows.last_s(rows.length - 1);
     this.#moveTo(part < 0 || part > 1 ? null : rowAt(rows, t_s));
   }
@@ -161,9 +170,9 @@ function label(x, y, text, className = '', anchor = 'start') {
   return svg('text', { x, y, class: className, 'text-anchor': anchor }, text);
 }
 
-function frame({ label: name, top, height, scale, y }) {
+function frame({ label: name, top, height, scale, y }, right) {
   const lines = ticks(scale, 4).flatMap((value) => [
-    svg('line', { x1: LEFT, x2: WIDTH - RIGHT, y1: y(value), y2: y(value), class: 'pe-grid' }),
+    svg('line', { x1: LEFT, x2: right, y1: y(value), y2: y(value), class: 'pe-grid' }),
     label(LEFT - 6, y(value) + 4, digits(value), '', 'end'),
   ]);
   const middle = top + height / 2;
@@ -172,13 +181,14 @@ function frame({ label: name, top, height, scale, y }) {
   return [...lines, title];
 }
 
-function limit({ limit: value, isDrawn, scale, y, top }, unit) {
+function limit({ limit: value, isDrawn, scale, y, top }, right, unit) {
   if (!value) return [];
   const text = `limit ${digits(value)} ${unit}${isDrawn ? '' : ' (beyond)'}`;
   const at = isDrawn ? y(value) : top;
-  const words = label(WIDTH - RIGHT - 4, at + 13, text, 'pe-limit-text', 'end');
+  // The name of a limit that is not drawn is above the panel, where no curve is.
+  const words = label(right - 4, isDrawn ? at + 13 : at - 4, text, 'pe-limit-text', 'end');
   if (!isDrawn || value > scale) return [words];
-  return [svg('line', { x1: LEFT, x2: WIDTH - RIGHT, y1: at, y2: at, class: 'pe-limit' }), words];
+  return [svg('line', { x1: LEFT, x2: right, y1: at, y2: at, class: 'pe-limit' }), words];
 }
 
 function curve(rows, channel, unit, x, { y }, className) {
@@ -220,12 +230,12 @@ function lanes(rows, x, [channel, words, className], top) {
   return marks.length === 0 ? [] : [...marks, label(LEFT - 6, top + LANE - 3, words, 'pe-lane-text', 'end')];
 }
 
-function timeAxis(end_s, x) {
-  const marks = ticks(end_s, 10).flatMap((t_s) => [
+function timeAxis(end_s, x, right) {
+  const marks = ticks(end_s, Math.round((right - LEFT) / 80)).flatMap((t_s) => [
     svg('line', { x1: x(t_s), x2: x(t_s), y1: PANELS[0].top, y2: AXIS_TOP, class: 'pe-grid' }),
     label(x(t_s), AXIS_TOP + 13, digits(t_s), '', 'middle'),
   ]);
-  return [...marks, label(LEFT + (WIDTH - LEFT - RIGHT) / 2, AXIS_TOP + 30, 'time since power-up, s', 'pe-title', 'middle')];
+  return [...marks, label((LEFT + right) / 2, AXIS_TOP + 30, 'time since power-up, s', 'pe-title', 'middle')];
 }
 
 /** Returns about `count` round numbers from 0 to `most`. */

@@ -45,7 +45,8 @@ export class TextPane {
 
   /** Shows mistakes, each `{ line, text }`, at their lines. */
   mark(mistakes) {
-    this.#mistakes = new Map(mistakes.filter(({ line }) => line !== null).map(({ line, text }) => [line, text]));
+    const located = Map.groupBy(mistakes.filter(({ line }) => line !== null), ({ line }) => line);
+    this.#mistakes = new Map([...located].map(([line, all]) => [line, all.map(({ text }) => text).join(' ◂ ')]));
     this.#parts.area.setAttribute('aria-invalid', String(mistakes.length > 0));
     this.#show();
   }

@@ -14,8 +14,8 @@ const LIST_ID = 'program-mistakes';
  * Makes an editor inside `element`. `text` is the initial scene (TOML). `onLoad(text)` loads a text. It may return a sentence to
  * show, or a promise of one. It throws an error with a sentence if the text is refused.
  *
- * Returns `{ text, setText(text), close() }`. The element receives the event `preview` when a preview is drawn, with
- * `{ answer, rows, ms }` in its `detail`: `ms` is the time since the text changed.
+ * Returns `{ text, setText(text), refuse(reason), close() }`. While there is a reason, nothing can be loaded. The element receives
+ * the event `preview` when a preview is drawn, with `{ answer, rows, ms }` in its `detail`: `ms` is the time since the text changed.
  */
 export function createEditor(element, { text = '', onLoad } = {}) {
   const parts = html(element, 'program-editor', TEMPLATE);
@@ -26,6 +26,7 @@ export function createEditor(element, { text = '', onLoad } = {}) {
   let limits = null;
   let isLoading = false;
   let isValid = false;
+  let refusal;
 
   for (const { name } of EXAMPLES) parts.example.add(new Option(name));
   parts.insert.addEventListener('click', () => insertExample(pane, parts.example.selectedIndex, limits));
@@ -88,8 +89,8 @@ export function createEditor(element, { text = '', onLoad } = {}) {
   }
 
   function updateLoad() {
-    parts.load.disabled = !isValid || isLoading;
-    parts.load.title = isValid ? '' : 'Fix the mistakes first';
+    parts.load.disabled = !isValid || isLoading || refusal !== undefined;
+    parts.load.title = isValid ? (refusal === undefined ? '' : `Not now: ${refusal}`) : 'Fix the mistakes first';
   }
 
   async function load() {
@@ -115,6 +116,11 @@ export function createEditor(element, { text = '', onLoad } = {}) {
     setText(newText) {
       pane.text = newText;
       changed();
+    },
+    refuse(reason) {
+      if (reason === refusal) return;
+      refusal = reason;
+      updateLoad();
     },
     close() {
       previews.close();

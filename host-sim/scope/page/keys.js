@@ -1,37 +1,43 @@
-// Keys. The help shows the same table.
+// Keys. One key acts on the machine: it stops. All others change the view. The help shows the same table.
+
+const isText = (target) => target.matches('textarea, [contenteditable]');
+const isTyping = (target) => isText(target) || target.matches('select, input:not([type=range])');
+
+/** Returns true for the key that stops the machine, whatever has the focus and is open: Space, or Escape where Space is a character. */
+const isStop = ({ key, target }) => key === (isText(target) ? 'Escape' : ' ');
 
 /**
- * @param {Array<{ key: string, text: string, down: (event: KeyboardEvent) => void, up?: () => void }>} keys `key` is that of a
- *   KeyboardEvent.
+ * @param {() => void} stop Stops the machine.
+ * @param {Array<{ key: string, text: string, down: (event: KeyboardEvent) => void, repeats?: boolean }>} keys Keys of the view. `key`
+ *   is that of a KeyboardEvent.
+ * @param {HTMLDialogElement} dialog Escape closes it. While it is open, the keys of the view have no effect.
  */
-export function wireKeys(keys) {
-  const isText = (target) => target.closest('textarea, input:not([type=range], [type=checkbox], [type=radio]), [contenteditable]') !== null;
-  const isTyping = (target) => isText(target) || target.closest('select') !== null;
-  // Space stops the machine, even if a button or a list has the focus. It does not press the button. In a text it is a space.
-  const takes = (event) => (event.key === ' ' ? !isText(event.target) : !isTyping(event.target));
-  // A key that is released together with Shift has another name.
-  const named = (event) => keys.find(({ key }) => key === event.key || key === event.key.toLowerCase());
-  const releaseAll = () => keys.forEach((key) => key.up?.());
+export function wireKeys(stop, keys, dialog) {
   addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || !takes(event)) return;
-    const found = keys.find(({ key }) => key === event.key);
-    if (!found) return;
-    // A slider has its own arrows.
-    if (event.key.startsWith('Arrow') && event.target.matches('input')) return;
+    const act = action(event);
+    if (!act) return;
     event.preventDefault();
     event.stopPropagation();
-    if (!event.repeat || found.repeats) found.down(event);
+    if (!event.repeat || act.repeats) act.down(event);
   }, true);
+  // A button is pressed when Space is released.
   addEventListener('keyup', (event) => {
-    if (event.key === ' ' && takes(event)) event.preventDefault();
-    named(event)?.up?.();
+    if (isStop(event)) event.preventDefault();
   }, true);
-  // The page receives no event for a key that is released in another window.
-  addEventListener('blur', releaseAll);
-  document.addEventListener('visibilitychange', releaseAll);
+
+  function action(event) {
+    if (isStop(event)) return { down: stop };
+    if (event.key === 'Escape' && dialog.open) return { down: () => dialog.close() };
+    // A browser repeats the click of a button while Enter is held.
+    if (event.key === 'Enter' && event.repeat && event.target.matches('button')) return { down: () => {} };
+    if (dialog.open || event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return undefined;
+    // A slider has its own arrows.
+    if (event.key.startsWith('Arrow') && event.target.matches('input')) return undefined;
+    return keys.find(({ key }) => key === event.key);
+  }
 }
 
-/** Lists the keys in a table's body. */
+/** Lists keys, each `{ key, text }`, in a table's body. */
 export function listKeys(body, keys) {
   const names = { ' ': 'Space', ArrowLeft: '←', ArrowRight: '→' };
   body.replaceChildren(...keys.map(({ key, text }) => {

@@ -33,7 +33,8 @@ export class Plot {
     this.#element.className = 'plot';
     this.#element.dataset.plot = config.id;
     this.#element.style.flexGrow = config.share;
-    this.#element.setAttribute('aria-label', `${config.title} over time, ${config.unit}`);
+    const marks = config.marks.flatMap(({ name }) => name ?? []);
+    this.#element.setAttribute('aria-label', [`${config.title} over time, ${config.unit}`, ...marks].join('; '));
     const head = document.createElement('figcaption');
     const title = document.createElement('strong');
     title.textContent = config.title;
@@ -82,7 +83,7 @@ export class Plot {
         legend: { show: false },
         cursor: { show: true, points: { show: false }, drag: { x: true, y: false, setScale: false }, sync: { key: 'time' } },
         select: { show: true },
-        scales: { x: { time: false, auto: false }, y: { range: (_, least, greatest) => range(least, greatest, this.#config.least) } },
+        scales: { x: { time: false, auto: false }, y: { range: (_, least, greatest) => range(least, greatest, this.#config) } },
         axes: [
           { ...axis, size: this.#hasTimes ? 20 : 0, gap: 3, values: (_, ticks) => ticks.map((t) => (this.#hasTimes ? `${+t.toFixed(4)} s` : '')) },
           { ...axis, size: LEFT, gap: 4, values: (_, ticks) => ticks.map((y) => String(+y.toPrecision(6))) },
@@ -99,7 +100,8 @@ export class Plot {
           })),
         ],
         hooks: {
-          draw: [(plot) => this.#drawCursors(plot)],
+          drawAxes: [(plot) => this.#drawMarks(plot)],
+          draw: [(plot) => this.#drawNames(plot), (plot) => this.#drawCursors(plot)],
           setSelect: [(plot) => this.#select(plot)],
         },
       },
@@ -165,6 +167,60 @@ export class Plot {
     this.#view.show(from, to - from);
   }
 
+  /** Draws limits as dashed lines and forbidden bands as areas, behind the curves. */
+  #drawMarks(plot) {
+    const { ctx, bbox } = plot;
+    const { min, max } = plot.scales.y;
+    ctx.save();
+    ctx.fillStyle = color('--warn');
+    ctx.strokeStyle = color('--warn');
+    ctx.lineWidth = devicePixelRatio;
+    ctx.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
+    for (const { from, to } of this.#config.marks) {
+      ctx.globalAlpha = 0.15;
+      ctx.fillRect(bbox.left, place(plot, to), bbox.width, place(plot, from) - place(plot, to));
+      ctx.globalAlpha = 1;
+      for (const edge of new Set([from, to])) {
+        if (edge < min || edge > max) continue;
+        const y = Math.round(place(plot, edge)) + 0.5;
+        ctx.beginPath();
+        ctx.moveTo(bbox.left, y);
+        ctx.lineTo(bbox.left + bbox.width, y);
+        ctx.stroke();
+      }
+    }
+    ctx.restore();
+  }
+
+  /** Names the limits and bands, in front of the curves. An arrow names what is beyond the scale. */
+  #drawNames(plot) {
+    const { ctx, bbox } = plot;
+    const { min, max } = plot.scales.y;
+    const line = 13 * devicePixelRatio;
+    /** Left ends of the names so far, by the lines of text in which they are. */
+    const lefts = [];
+    ctx.save();
+    ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+    ctx.textAlign = 'right';
+    for (const { name, from, to } of this.#config.marks) {
+      if (name === undefined) continue;
+      const text = from > max ? `↑ ${name}` : to < min ? `↓ ${name}` : name;
+      // A name is above the upper edge if there is room, and left of another name.
+      const top = place(plot, to);
+      const y = top - line >= bbox.top ? top - 3 * devicePixelRatio : top + line;
+      const row = Math.round(y / line);
+      const right = Math.min(...[row - 1, row, row + 1].map((near) => lefts[near] ?? bbox.left + bbox.width)) - line / 2;
+      lefts[row] = right - ctx.measureText(text).width;
+      ctx.fillStyle = color('--panel');
+      ctx.globalAlpha = 0.8;
+      ctx.fillRect(lefts[row], y - line + 3 * devicePixelRatio, right - lefts[row], line);
+      ctx.globalAlpha = 1;
+      ctx.fillStyle = color('--warn');
+      ctx.fillText(text, right, y);
+    }
+    ctx.restore();
+  }
+
   #drawCursors(plot) {
     const { ctx, bbox } = plot;
     const marks = [
@@ -191,11 +247,26 @@ export class Plot {
   }
 }
 
-/** Returns the range of the scale: all values with some room, at least ±`side`, and wide enough to keep noise small. */
-function range(least, greatest, side = 0) {
+/** Returns the place of a value on the canvas; that of the nearer end of the scale if it is beyond. */
+function place(plot, value) {
+  const { top, height } = plot.bbox;
+  return Math.min(Math.max(plot.valToPos(value, 'y', true), top), top + height);
+}
+
+/** A limit is part of the scale if the values reach this part of it. A limit far beyond would flatten the curves. */
+const NEAR = 1 / 3;
+
+/**
+ * Returns the range of the scale: all values with some room, at least ±`least`, wide enough to keep noise small, and the edges of
+ * limits and bands that are near.
+ */
+function range(least, greatest, { least: side = 0, marks }) {
   if (least === null || greatest === null) {
     return [-Math.max(side, 1), Math.max(side, 1)];
   }
-  const room = Math.max(0.08 * (greatest - least), 0.02 * Math.max(Math.abs(least), Math.abs(greatest)), 0.01);
-  return [Math.min(least - room, -side), Math.max(greatest + room, side)];
+  const size = Math.max(Math.abs(least), Math.abs(greatest));
+  const near = marks.filter(({ from }) => Math.abs(from) * NEAR <= size).flatMap(({ from, to }) => [from, to]);
+  const [low, high] = [Math.min(least, ...near), Math.max(greatest, ...near)];
+  const room = Math.max(0.08 * (high - low), 0.02 * Math.max(Math.abs(low), Math.abs(high)), 0.01);
+  return [Math.min(low - room, -side), Math.max(high + room, side)];
 }

@@ -2,7 +2,11 @@
 
 const HEADER_WORDS = 4;
 
+/** Time between the end of a connection and the next attempt, ms. */
+const AGAIN_MS = 1000;
+
 export class Socket {
+  #handlers;
   #socket;
   #next = 1;
   #waiting = new Map();
@@ -11,27 +15,34 @@ export class Socket {
    * @param {{ report: (report: object) => void, batch: (batch: object) => void, closed: () => void }} handlers
    */
   constructor(handlers) {
+    this.#handlers = handlers;
+    this.#open();
+  }
+
+  /** Connects to the server, and again whenever the connection ends. */
+  #open() {
     // The token is in the path of the page.
     this.#socket = new WebSocket(new URL('socket', location.href.replace(/^http/, 'ws')));
     this.#socket.binaryType = 'arraybuffer';
     this.#socket.addEventListener('message', ({ data }) => {
       if (typeof data !== 'string') {
-        handlers.batch(decode(data));
+        this.#handlers.batch(decode(data));
         return;
       }
       const report = JSON.parse(data);
       if (report.type === 'reply') {
         this.#answer(report);
       } else {
-        handlers.report(report);
+        this.#handlers.report(report);
       }
     });
     this.#socket.addEventListener('close', () => {
       for (const { reject } of this.#waiting.values()) {
-        reject(new Error('the server is gone; start `cophase scope` again, and open its new address'));
+        reject(new Error('the connection to the server ended before the reply'));
       }
       this.#waiting.clear();
-      handlers.closed();
+      this.#handlers.closed();
+      setTimeout(() => this.#open(), AGAIN_MS);
     });
   }
 

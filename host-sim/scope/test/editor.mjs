@@ -128,6 +128,64 @@ check('a mistake appears at its line, and goes', async () => {
   assert.ok(await page.getByRole('button', { name: 'Load' }).isEnabled());
 });
 
+/** Replaces the first occurrence of a text in the editor, as pasting does. */
+async function paste(page, text, pasted) {
+  await page.evaluate((text) => {
+    const area = document.querySelector('textarea');
+    const at = area.value.indexOf(text);
+    area.focus();
+    area.setSelectionRange(at, at + text.length);
+  }, text);
+  await page.keyboard.insertText(pasted);
+}
+
+/** Text as other programs write it: what it replaces, and what is pasted. */
+const PASTED = [
+  ['amax_g = 15', 'amax_g = \u221215'],
+  ['amax_g = 15', 'amax_g = \u201315'],
+  ['amax_g = 15', 'amax_g =\u00a015'],
+  ['amax_g = 15', 'amax_g = \uff11\uff15'],
+  ['name = "alone"', 'name = \u201calone\u201d'],
+  ['load_kg = 8', 'load_kg = 18 kg'],
+  ['speed_hz = 60', 'speed_hz = 60,5'],
+  ['from_hz = 25, to_hz = 29 }]', 'from_hz = 25, to_hz = 29, }, ]; # \u2028'],
+  ['from_hz = 25, to_hz', 'from_hz = 25,5, to_hz'],
+  ['[{ from_hz = 25', '[{ from_hz = \u221225'],
+];
+
+check('pasted text stays as it is, and its mistake is at its line', async () => {
+  const page = await open();
+  const before = await page.locator('textarea').inputValue();
+  for (const [text, pasted] of PASTED) {
+    const { answer } = await previewAfter(page, () => paste(page, text, pasted));
+    const now = await page.locator('textarea').inputValue();
+    assert.equal(now, before.replace(text, pasted), pasted);
+    const line = now.slice(0, now.indexOf(pasted)).split('\n').length;
+    assert.deepEqual(answer.mistakes.map((mistake) => mistake.line), [line], pasted);
+    const note = page.locator(`.pe-copy .has-mistake[data-line="${line}"]`);
+    assert.equal(await note.textContent(), `${now.split('\n')[line - 1]}  ◂ ${answer.mistakes[0].text}`);
+    assert.equal(await page.locator('.pe-mistakes li').textContent(), `Line ${line} ${answer.mistakes[0].text}`);
+    // No character makes a line of the text higher than its number.
+    const [copy, numbers] = await page.evaluate(() => ['.pe-copy', '.pe-numbers'].map((name) => document.querySelector(name).scrollHeight));
+    assert.ok(Math.abs(copy - numbers) < 20, `${copy} and ${numbers} high`);
+    await previewAfter(page, () => page.locator('textarea').fill(before));
+  }
+});
+
+check('the plot has the width of its place, also on a phone', async () => {
+  const page = await open();
+  for (const width of [400, 1280, 400]) {
+    await page.setViewportSize({ width, height: 800 });
+    await page.waitForFunction(() => {
+      const place = document.querySelector('.pe-plot');
+      const drawn = place.querySelector('svg').viewBox.baseVal.width;
+      return drawn === Math.min(Math.max(place.clientWidth, 320), 900);
+    });
+    const widest = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(widest <= width, `${widest} pixels in a window of ${width}`);
+  }
+});
+
 check('a valid program changes curve and summary', async () => {
   const page = await open();
   const before = await curve(page);

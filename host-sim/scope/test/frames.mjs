@@ -1,7 +1,7 @@
 // Frames a second, long tasks, and processor time a frame, with six axes at 2 kHz.
 
 import { join } from 'node:path';
-import { HERE, check, enabled, open, press, scope, state } from './harness.mjs';
+import { HERE, check, open, run, scope } from './harness.mjs';
 
 const MEASURED_MS = 10_000;
 
@@ -9,12 +9,7 @@ export async function frames(chrome) {
   const server = await scope('--to', `sim:${join(HERE, 'scene.toml')}`);
   try {
     const page = await open(chrome, server.url);
-    await press(page, 'control');
-    await enabled(page, 'arm');
-    await press(page, 'arm');
-    await enabled(page, 'start');
-    await press(page, 'start');
-    await state(page, 'run');
+    await run(page);
     // Processor time of the page's thread, s. It does not contain other processes.
     const session = await page.context().newCDPSession(page);
     await session.send('Performance.enable', { timeDomain: 'threadTicks' });

@@ -35,13 +35,14 @@ export function start(program, args, pattern, options = {}) {
   const stop = () => new Promise((resolve) => {
     if (child.exitCode !== null || child.signalCode !== null) return resolve();
     child.once('exit', () => resolve());
+    child.kill('SIGCONT');
     child.kill('SIGTERM');
     return undefined;
   });
-  return { ready, stop };
+  return { ready, stop, signal: (name) => child.kill(name) };
 }
 
-/** Starts `cophase scope` on a line, and returns the address of its page. */
+/** Starts `cophase scope` on a line, and returns the address of its page. `signal` sends the process a signal. */
 export async function scope(...args) {
   const program = process.env.COPHASE ?? join(ROOT, 'target/debug/cophase');
   if (!existsSync(program)) {
@@ -49,7 +50,7 @@ export async function scope(...args) {
   }
   const server = start(program, ['scope', ...args], /^(http:\/\/\S+)$/);
   const [, url] = await server.ready;
-  return { url, stop: server.stop };
+  return { ...server, url };
 }
 
 /** Starts headless chromium. */
@@ -62,17 +63,37 @@ export async function browser() {
   return chromium.launch({ executablePath, args: ['--no-sandbox', '--disable-gpu'] });
 }
 
-/** Opens the page of the scope, and waits for its controller. Errors of the page are failures. */
-export async function open(chrome, url, options = {}) {
+/**
+ * Opens the page of the scope, and waits for its controller. Errors of the page are failures, except for connections to the server
+ * that a test ends. `prepare` is called before the page is loaded.
+ */
+export async function open(chrome, url, options = {}, prepare = () => {}) {
   const context = await chrome.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   const page = await context.newPage();
   page.on('pageerror', (error) => check('no error of the page', false, error.message));
   page.on('console', (line) => {
-    if (line.type() === 'error') check('no error in the console', false, line.text());
+    const isRefused = /^WebSocket connection to .* failed/.test(line.text());
+    if (line.type() === 'error' && !isRefused) check('no error in the console', false, line.text());
   });
+  await prepare(page);
   await page.goto(url);
   await page.waitForFunction(() => globalThis.cophaseScope?.parts?.history.end > 0);
   return page;
+}
+
+/** Writes a picture to target/scope-pages, for a look at it. */
+export async function picture(page, name) {
+  await page.screenshot({ path: join(ROOT, `target/scope-pages/${name}.png`) });
+}
+
+/** Takes control, arms and starts. */
+export async function run(page) {
+  await press(page, 'control');
+  await enabled(page, 'arm');
+  await press(page, 'arm');
+  await enabled(page, 'start');
+  await press(page, 'start');
+  await state(page, 'run');
 }
 
 /** Waits for a state of the machine. */

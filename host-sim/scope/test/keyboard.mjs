@@ -1,32 +1,141 @@
 // Test of the page without a mouse.
 
-import { check, enabled, state } from './harness.mjs';
+import { check, enabled, press, state } from './harness.mjs';
+
+/** Keys that act on a control, or did so once. */
+const CONTROL_KEYS = ['Enter', 'ArrowUp', 'ArrowRight', 'PageDown', 'Home', ...'acghjorsx'];
 
 export async function keyboard(page) {
   await page.evaluate(() => document.activeElement.blur());
   await everyControlHasAVisibleFocus(page);
-  await page.evaluate(() => document.activeElement.blur());
+  await page.evaluate(() => {
+    // A key sends its request at once.
+    globalThis.requests = [];
+    const { send } = WebSocket.prototype;
+    WebSocket.prototype.send = function record(data) {
+      globalThis.requests.push(JSON.parse(data).request);
+      return send.call(this, data);
+    };
+  });
+  await noSingleKeyMovesTheMachine(page);
+  await aStopKeyActsEverywhere(page);
+  await ctrlEnterPressesControls(page);
+  await viewKeys(page);
+}
 
+/** Returns the requests that an action sends. */
+async function requests(page, action) {
+  await page.evaluate(() => globalThis.requests.splice(0));
+  await action();
+  return page.evaluate(() => globalThis.requests.join());
+}
+
+const blur = (page) => page.evaluate(() => document.activeElement.blur());
+
+/** Presses a key, and holds it: the browser repeats it twice. */
+async function hold(page, key) {
+  for (let i = 0; i < 3; i++) await page.keyboard.down(key);
+  await page.keyboard.up(key);
+}
+
+async function noSingleKeyMovesTheMachine(page) {
   await enabled(page, 'arm');
-  await page.keyboard.press('a');
+  await press(page, 'arm');
   await enabled(page, 'start');
-  await page.keyboard.press('g');
-  await state(page, 'run');
-  check('the keys a and g arm and start', true);
-  await page.keyboard.press('h');
-  await page.waitForFunction(() => /held/.test(document.getElementById('state').textContent));
-  await page.keyboard.press('r');
-  await page.waitForFunction(() => !/held/.test(document.getElementById('state').textContent));
-  check('the keys h and r hold and resume', true);
+  const sent = await requests(page, async () => {
+    await blur(page);
+    for (const key of 'abcdefghijklmnopqrsuvwxyz') await page.keyboard.press(key);
+    await page.keyboard.press('p');
+    await page.keyboard.press('?');
+    for (const key of CONTROL_KEYS) await page.keyboard.press(key);
+    await page.keyboard.press('Escape');
+    const places = page.locator('[data-action]:not(.stop), #faults input');
+    for (const place of await places.all()) {
+      await place.focus();
+      for (const key of CONTROL_KEYS) await page.keyboard.press(key);
+    }
+  });
+  check('no single key acts on a machine that is armed, whatever has the focus or is open', sent === '', sent);
+  check('the machine is still idle', await page.textContent('#state') === 'idle');
+  check('the reason is shown', /Ctrl\+Enter/.test(await page.textContent('#message')), await page.textContent('#message'));
+}
 
-  // Space stops the machine, and does not press the button that has the focus.
-  await page.focus('#theme');
+async function aStopKeyActsEverywhere(page) {
   const theme = await page.evaluate(() => document.documentElement.dataset.theme);
-  await page.keyboard.press('Space');
-  await state(page, 'parked');
+  for (const place of ['#theme', '[data-action=start]', '#trigger-kind', '#faults [name=value]', '#event-list']) {
+    await page.focus(place);
+    check(`Space stops, with the focus on ${place}`, await requests(page, () => page.keyboard.press('Space')) === 'stop');
+  }
   const same = (await page.evaluate(() => document.documentElement.dataset.theme)) === theme;
-  check('Space stops now, whatever has the focus', same);
+  check('Space does not press the button that has the focus', same);
+  await page.focus('#editor textarea');
+  await page.keyboard.press('Control+End');
+  const typed = await requests(page, () => page.keyboard.type(' # gap'));
+  check('keys write in the editor', (await page.inputValue('#editor textarea')).endsWith(' # gap') && typed === '', typed);
+  check('Escape stops, with the focus in the editor', await requests(page, () => page.keyboard.press('Escape')) === 'stop');
+  await blur(page);
+  check('a stop key that is held stops once', await requests(page, () => hold(page, ' ')) === 'stop');
+  await page.keyboard.press('?');
+  check('a key shows the keys', await page.isVisible('#help'));
+  check('Space stops beside the open list of keys', await requests(page, () => page.keyboard.press('Space')) === 'stop');
+  const before = await page.getAttribute('#pause', 'aria-pressed');
+  const other = await requests(page, () => page.keyboard.press('p'));
+  check('no other key acts then', other === '' && await page.getAttribute('#pause', 'aria-pressed') === before);
+  check('Escape closes the list, and does not stop', await requests(page, () => page.keyboard.press('Escape')) === '' && await page.isHidden('#help'));
+}
 
+async function ctrlEnterPressesControls(page) {
+  const ctrl = (key) => async () => {
+    await page.keyboard.down('Control');
+    await hold(page, key);
+    await page.keyboard.up('Control');
+  };
+  await enabled(page, 'arm');
+  await page.focus('[data-action=arm]');
+  const sent = await requests(page, ctrl('Enter'));
+  check('Ctrl+Enter that is held presses a control once', /^(dis)?arm$/.test(sent), sent);
+  if (sent === 'disarm') {
+    await page.waitForSelector('[data-action=arm][aria-pressed=false]');
+    await page.keyboard.press('Control+Enter');
+  }
+  await enabled(page, 'start');
+  await page.focus('[data-action=start]');
+  await page.keyboard.press('Control+Enter');
+  await state(page, 'run');
+  check('Ctrl+Enter arms and starts', true);
+  await page.focus('[data-action=override]');
+  check('Ctrl and an arrow move the slider by a step', await requests(page, ctrl('ArrowRight')) === 'override'
+    && await page.inputValue('[data-action=override]') === '101');
+  await page.keyboard.press('Control+ArrowLeft');
+  await enabled(page, 'hold');
+  await page.focus('[data-action=hold]');
+  await page.keyboard.press('Control+Enter');
+  await page.waitForFunction(() => /held/.test(document.getElementById('state').textContent));
+  await page.focus('[data-action=resume]');
+  await page.keyboard.press('Control+Enter');
+  await page.waitForFunction(() => !/held/.test(document.getElementById('state').textContent));
+  check('Ctrl+Enter holds and resumes', true);
+  await page.focus('[data-action=stop-now]');
+  check('Enter alone stops, once', await requests(page, () => hold(page, 'Enter')) === 'stop');
+  await state(page, 'parked');
+  await enabled(page, 'arm');
+  await press(page, 'arm');
+  await enabled(page, 'jog');
+  await page.focus('[data-action=jog]');
+  const jogs = await requests(page, async () => {
+    await page.keyboard.down('Control');
+    await page.keyboard.down('Enter');
+    await page.waitForFunction(() => globalThis.requests.length > 2);
+    await page.keyboard.up('Enter');
+    await page.keyboard.up('Control');
+  });
+  check('a jog lasts while Ctrl+Enter is held', /^jog(,jog)+$/.test(jogs), jogs);
+  await state(page, 'parked');
+  check('and then ends', await requests(page, () => state(page, 'parked')) === '');
+}
+
+async function viewKeys(page) {
+  await blur(page);
   await page.keyboard.press('p');
   await page.keyboard.press('1');
   await page.keyboard.press('ArrowLeft');
@@ -43,15 +152,6 @@ export async function keyboard(page) {
   check('a key zooms in', Number(await page.inputValue('#span')) < Number(span));
   await page.keyboard.press('-');
   await page.keyboard.press('p');
-  await page.keyboard.press('?');
-  check('a key shows the keys', await page.isVisible('#help'));
-  await page.keyboard.press('Escape');
-
-  // In a text, keys are characters.
-  await page.focus('#editor textarea');
-  await page.keyboard.press('Control+End');
-  await page.keyboard.type(' # gap');
-  check('keys write in the editor', (await page.inputValue('#editor textarea')).endsWith(' # gap'));
 }
 
 async function everyControlHasAVisibleFocus(page) {

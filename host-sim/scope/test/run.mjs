@@ -9,7 +9,7 @@ import { simulated } from './simulated.mjs';
 
 const HELP = `run [SCENARIO]… [--screenshots]
 
-  simulated      edit, load, arm, start, fault, CSV, trigger, keys, themes; against --to sim (default)
+  simulated      edit, load, arm, start, fault, CSV, trigger, keys, sizes, themes, lost contact; against --to sim (default)
   board          edit, load, arm, start, stop; against the firmware in the emulator
   frames         measures frames a second, with six axes at 2 kHz; takes two minutes
   --screenshots  writes the pictures of docs/scope.md

@@ -1,18 +1,13 @@
 // Pictures of docs/scope.md.
 
 import { join } from 'node:path';
-import { ROOT, check, enabled, open, press, scope, state } from './harness.mjs';
+import { ROOT, check, open, run, scope } from './harness.mjs';
 
 export async function screenshots(chrome) {
   const server = await scope('--to', 'sim');
   try {
     const page = await open(chrome, server.url, { colorScheme: 'light' });
-    await press(page, 'control');
-    await enabled(page, 'arm');
-    await press(page, 'arm');
-    await enabled(page, 'start');
-    await press(page, 'start');
-    await state(page, 'run');
+    await run(page);
     const passed = (seconds) => page.waitForFunction((s) => {
       const { history } = globalThis.cophaseScope.parts;
       return history.value('program_s', history.end - 1) > s;
@@ -41,6 +36,8 @@ export async function screenshots(chrome) {
       check(`docs/scope-${theme}.png is written`, true);
     }
     await page.click('#theme');
+    // The top of the page stays in view, and would cover a part of the editor.
+    await page.evaluate(() => { document.getElementById('top').hidden = true; });
     const editor = join(ROOT, 'docs/scope-editor.png');
     await page.locator('#editor').screenshot({ path: editor });
     check('docs/scope-editor.png is written', true);

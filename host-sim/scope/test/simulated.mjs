@@ -2,8 +2,11 @@
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { contact } from './contact.mjs';
 import { HERE, check, drawn, enabled, open, press, scope, state } from './harness.mjs';
 import { keyboard } from './keyboard.mjs';
+import { limitOfTilt, limitsOfSpeed } from './limits.mjs';
+import { sizes } from './sizes.mjs';
 import { themes } from './themes.mjs';
 import { triggers } from './triggers.mjs';
 
@@ -12,16 +15,21 @@ export async function simulated(chrome) {
   try {
     const page = await open(chrome, server.url);
     await programRuns(page);
+    await limitsOfSpeed(page);
     await faultIsNamed(page);
+    await limitOfTilt(page);
     await csvReadsBack(page);
     await faultIsReset(page);
     await triggers(page);
     await keyboard(page);
     await secondPageWatches(chrome, server.url);
+    await page.context().close();
+    await sizes(chrome, server.url);
     await themes(chrome, server.url);
   } finally {
     await server.stop();
   }
+  await contact(chrome);
 }
 
 async function programRuns(page) {

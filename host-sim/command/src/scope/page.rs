@@ -29,6 +29,7 @@ const FILES: &[File] = files![
     "style.css" CSS,
     "app.js" SCRIPT,
     "circle.js" SCRIPT,
+    "contact.js" SCRIPT,
     "controls.js" SCRIPT,
     "cursors.js" SCRIPT,
     "decimation.js" SCRIPT,
@@ -63,4 +64,25 @@ const FILES: &[File] = files![
 pub(super) fn find(path: &str) -> Option<&'static File> {
     let path = if path.is_empty() { "index.html" } else { path };
     FILES.iter().find(|file| file.path == path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If this fails, a part of the page is missing in the binary, and the page does not begin.
+    #[test]
+    fn every_file_of_the_page_is_in_the_binary() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../scope/page");
+        let missing: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap())
+            .filter(|entry| entry.file_type().unwrap().is_file())
+            .map(|entry| entry.file_name().into_string().unwrap())
+            // The editor without a controller is for tests.
+            .filter(|name| !name.starts_with("editor-alone.") && name != "editor.html")
+            .filter(|name| find(name).is_none())
+            .collect();
+        assert_eq!(missing, [""; 0]);
+    }
 }

@@ -1,7 +1,9 @@
 //! Reports to browsers, as JSON. Each has a `type`.
 
+use cophase_core::mechanism::Mechanism;
 use cophase_core::settings::Settings;
 use cophase_core::supervisor::State;
+use cophase_core::units::Turns;
 use cophase_link::message::{Event, EventRecord, Identity, Status, state_name};
 use cophase_link::sample::flags;
 use serde::Serialize;
@@ -30,7 +32,7 @@ pub(super) enum Report<'a> {
         columns: &'a [String],
         /// Names of the states. The index is the number of the state.
         states: [&'static str; State::ALL.len()],
-        limits: Limits,
+        limits: Box<Limits>,
         /// Text of the scene for the editor.
         text: &'a str,
     },
@@ -51,11 +53,40 @@ pub(super) enum Report<'a> {
 
 #[derive(Debug, Serialize)]
 pub(super) struct Limits {
-    speed_hz: f64,
+    speed: Level,
+    /// Lower and upper edge of each forbidden band of speed.
+    bands: Vec<[Level; 2]>,
     /// Limit on the tilt of the platform; none without a platform.
     tilt_mrad: Option<f64>,
-    warp_deg: f64,
-    common_deg: f64,
+}
+
+/// Speed of the master, and the amplitude at this speed.
+#[derive(Debug, Serialize)]
+struct Level {
+    speed_hz: f64,
+    amax_mps2: f64,
+}
+
+impl Limits {
+    fn new(settings: &Settings) -> Self {
+        let mechanism = settings.mechanism();
+        let level = |speed_hz: f64| Level {
+            speed_hz,
+            amax_mps2: mechanism
+                .amax(Turns::saturating_from_num(
+                    speed_hz / f64::from(settings.tick_hz),
+                ))
+                .to_num(),
+        };
+        let bands = settings.limits.bands.iter();
+        Self {
+            speed: level(settings.limits.speed_hz),
+            bands: bands
+                .map(|band| [band.from_hz, band.to_hz].map(level))
+                .collect(),
+            tilt_mrad: settings.machine.platform().map(|own| own.tilt_limit_mrad),
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -119,12 +150,7 @@ impl<'a> Report<'a> {
             axes: identity.axes.into(),
             columns: columns.names(),
             states: State::ALL.map(State::name),
-            limits: Limits {
-                speed_hz: settings.limits.speed_hz,
-                tilt_mrad: settings.machine.platform().map(|own| own.tilt_limit_mrad),
-                warp_deg: settings.drift.warp_limit_deg,
-                common_deg: settings.drift.common_limit_deg,
-            },
+            limits: Box::new(Limits::new(settings)),
             text,
         }
     }
