@@ -133,7 +133,7 @@ fn next_event(link: &mut Connection) -> Result<u32, LinkError> {
 }
 
 /// Longest time until Ctrl-C is answered.
-const LOOK_EVERY: Duration = Duration::from_millis(200);
+const ANSWER_WITHIN: Duration = Duration::from_millis(200);
 
 /// Time between two requests for events that were lost on the line.
 const EVENTS_EVERY: Duration = Duration::from_secs(1);
@@ -146,24 +146,24 @@ fn wait(
     out: &mut impl Write,
 ) -> Result<Status, Problem> {
     let is_interrupted = signals::catch_interrupt();
-    let mut asked = Instant::now();
+    let mut requested = Instant::now();
     loop {
         if is_interrupted() {
             let what = if link.is_simulated() {
                 "The simulated machine ends with this command."
             } else {
-                "The machine goes on. To stop it, use `cophase link stop`, or its STOP input."
+                "The machine goes on, unless its settings stop it when its host is gone. To stop it, use `cophase link stop`, or its STOP input."
             };
             writeln!(out, "{what}")?;
             return Ok(Status::Interrupted);
         }
-        let records = match link.next(LOOK_EVERY)? {
+        let records = match link.next(ANSWER_WITHIN)? {
             Some(Incoming::Event(record)) if record.number == next => vec![record],
             Some(Incoming::Status(_) | Incoming::Samples(_)) => continue,
-            None if asked.elapsed() < EVENTS_EVERY => continue,
+            None if requested.elapsed() < EVENTS_EVERY => continue,
             // An event was lost on the line, or there was none.
             _ => {
-                asked = Instant::now();
+                requested = Instant::now();
                 link.events(next)?
             }
         };
