@@ -8,6 +8,7 @@ mod operate;
 mod record;
 mod session;
 pub(crate) mod show;
+pub(crate) mod stops;
 pub(crate) mod transport;
 pub(crate) mod write;
 
