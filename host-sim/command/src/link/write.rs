@@ -7,6 +7,7 @@ use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
 use cophase_link::message::{File, Identity, Request};
 use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::{MAX_FILE_BYTES, decode, encode};
+use host_sim::input_file;
 
 use super::Problem;
 use super::args::LoadArgs;
@@ -22,8 +23,11 @@ pub(super) fn load(
 ) -> Result<(), Problem> {
     let name = args.scene.display().to_string();
     if args.scene.extension().is_some_and(|end| end == "settings") {
-        let file = std::fs::read(&args.scene)
-            .map_err(|e| LinkError::Input(format!("{name}: {e}; give a file that is there")))?;
+        let file = input_file::read(&args.scene, MAX_FILE_BYTES as u64).map_err(|e| {
+            LinkError::Input(format!(
+                "{name}: {e}; give a file that `cophase settings` wrote"
+            ))
+        })?;
         cophase_link::verify(&file).map_err(|e| LinkError::Input(format!("{name}: {e}")))?;
         return store(link, identity, &name, &file, out);
     }

@@ -33,7 +33,7 @@ pub(super) fn settings(
             to_hz: band.to_hz,
         })
         .collect();
-    let numbers = 0..scene.axes.count.min(MAX_AXES);
+    let numbers = 0..scene.axes.count;
     let trim_deg = |i| scene.overrides(i).map_or(0.0, |own| own.trim_deg);
     Settings {
         name: short_name(&scene.name),
