@@ -497,8 +497,8 @@ impl Connection {
     /// Sends what does not wait for the reply to a request: a stop; and a frame if there was none for a while, as settings may require
     /// that the host that started the machine stays connected.
     fn attend(&mut self) -> Result<(), LinkError> {
-        let under_way = self.sent_stop.as_ref().map(|stop| stop.kind);
-        if let Some((number, kind)) = self.stops.take(under_way) {
+        let sent_kind = self.sent_stop.as_ref().map(|stop| stop.kind);
+        if let Some((number, kind)) = self.stops.take(sent_kind) {
             let sent = Instant::now();
             let frames = vec![self.send("stop", &Request::Stop(kind))?];
             self.sent_stop = Some(SentStop {

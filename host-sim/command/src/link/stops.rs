@@ -47,9 +47,9 @@ impl Stops {
     }
 
     /// Takes the stops that are due, if they are stronger than the one under way.
-    pub(super) fn take(&self, under_way: Option<StopKind>) -> Option<(u64, StopKind)> {
+    pub(super) fn take(&self, sent: Option<StopKind>) -> Option<(u64, StopKind)> {
         let mut inner = self.lock();
-        let is_stronger = inner.due.is_some() && stronger(under_way, inner.due) != under_way;
+        let is_stronger = inner.due.is_some() && stronger(sent, inner.due) != sent;
         let kind = inner.due.take_if(|_| is_stronger)?;
         Some((inner.requested, kind))
     }
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_stronger_stop_overtakes_the_one_under_way() {
+    fn only_a_stronger_stop_overtakes_the_one_that_was_sent() {
         let stops = Stops::default();
         stops.request(StopKind::AtPhase);
         assert_eq!(stops.take(Some(StopKind::AtPhase)), None);

@@ -13,7 +13,7 @@ use cophase_link::server::EVENTS;
 use super::browsers::{Browser, Browsers};
 use super::columns::{Batch, CHANNELS, Columns};
 use super::report::Report;
-use super::request::Asked;
+use super::request::Pending;
 use super::{ScopeArgs, scene};
 use crate::link::connection::{Connection, Incoming, LinkError};
 use crate::link::write;
@@ -23,7 +23,7 @@ use crate::link::write;
 pub(super) enum Job {
     Joined(Browser),
     Left(u32),
-    Request(Asked),
+    Request(Pending),
 }
 
 /// Time between two statuses of the controller, ms.
@@ -264,13 +264,13 @@ impl Bench {
                     let _ = self.control(ControlRequest::Release);
                 }
             }
-            Job::Request(asked) => {
+            Job::Request(pending) => {
                 let allowed = match &self.lost {
                     Some((error, _)) => Err(error.clone()),
-                    None => asked.order.check(&self.link.stops()),
+                    None => pending.order.check(&self.link.stops()),
                 };
-                let done = allowed.and_then(|()| self.request(asked.browser, &asked.request));
-                asked.answer(done);
+                let done = allowed.and_then(|()| self.request(pending.browser, &pending.request));
+                pending.answer(done);
             }
         }
     }

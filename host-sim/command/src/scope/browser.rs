@@ -14,7 +14,7 @@ use tungstenite::{Error, Message, WebSocket};
 use super::bench::Job;
 use super::browsers::Browser;
 use super::report::Report;
-use super::request::{Asked, Order, Request};
+use super::request::{Order, Pending, Request};
 use crate::link::stops::Stops;
 
 /// Largest number of messages that wait for a browser: about four seconds of samples.
@@ -47,7 +47,7 @@ const TOO_MANY: &str = "too many requests wait; wait for their replies";
 pub(super) struct Desk {
     pub(super) stops: Arc<Stops>,
     pub(super) jobs: Sender<Job>,
-    pub(super) checks: SyncSender<Asked>,
+    pub(super) checks: SyncSender<Pending>,
 }
 
 /// Serves a browser until it leaves.
@@ -69,7 +69,7 @@ pub(super) fn serve(stream: TcpStream, desk: Desk, slot: Arc<()>) -> io::Result<
             id,
             desk,
             waiting: VecDeque::new(),
-            under_way: None,
+            current: None,
             stops: VecDeque::new(),
             replies: VecDeque::new(),
             reports,
@@ -88,7 +88,7 @@ struct Exchange {
     desk: Desk,
     /// Requests that wait for the reply to the one under way, with their numbers.
     waiting: VecDeque<(u64, Request, Order)>,
-    under_way: Option<(u64, Receiver<Result<(), String>>)>,
+    current: Option<(u64, Receiver<Result<(), String>>)>,
     /// Stops without an outcome: the numbers of the request and of the stop, and the end of the wait.
     stops: VecDeque<(u64, u64, Instant)>,
     replies: VecDeque<Message>,
@@ -172,33 +172,33 @@ impl Exchange {
 
     /// Passes the next request on once the one under way has its reply.
     fn follow_requests(&mut self) {
-        if let Some((number, reply)) = &self.under_way {
+        if let Some((number, reply)) = &self.current {
             let number = *number;
             let outcome = match reply.try_recv() {
                 Ok(outcome) => outcome,
                 Err(TryRecvError::Empty) => return,
                 Err(TryRecvError::Disconnected) => Err("the server ends".to_owned()),
             };
-            self.under_way = None;
+            self.current = None;
             self.reply(number, outcome);
         }
         let Some((number, request, order)) = self.waiting.pop_front() else {
             return;
         };
         let (reply, outcome) = sync_channel(1);
-        let asked = Asked {
+        let pending = Pending {
             browser: self.id,
             request,
             order,
             reply,
         };
-        let is_passed = if matches!(asked.request, Request::Load { .. }) {
-            self.desk.checks.try_send(asked).is_ok()
+        let is_passed = if matches!(pending.request, Request::Load { .. }) {
+            self.desk.checks.try_send(pending).is_ok()
         } else {
-            self.desk.jobs.send(Job::Request(asked)).is_ok()
+            self.desk.jobs.send(Job::Request(pending)).is_ok()
         };
         if is_passed {
-            self.under_way = Some((number, outcome));
+            self.current = Some((number, outcome));
         } else {
             let problem = "another program is being checked; load this one again after it";
             self.reply(number, Err(problem.to_owned()));

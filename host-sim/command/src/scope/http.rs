@@ -38,8 +38,8 @@ const PAGES: usize = 16;
 /// Largest number of sockets that are accepted before the strangers have their turn.
 const ACCEPTED: usize = 32;
 
-/// Time between two looks at the strangers.
-const LOOK_EVERY: Duration = Duration::from_millis(1);
+/// Time between two polls of the strangers.
+const POLL_EVERY: Duration = Duration::from_millis(1);
 
 /// Accepts connections for as long as the process lives.
 pub(super) fn serve(listener: &TcpListener, access: &Access, desk: &Desk) {
@@ -70,7 +70,7 @@ pub(super) fn serve(listener: &TcpListener, access: &Access, desk: &Desk) {
                     if error.kind() != io::ErrorKind::WouldBlock {
                         // The process may have no room for another socket.
                         strangers.pop_front();
-                        std::thread::sleep(LOOK_EVERY);
+                        std::thread::sleep(POLL_EVERY);
                     }
                     break;
                 }
@@ -86,7 +86,7 @@ pub(super) fn serve(listener: &TcpListener, access: &Access, desk: &Desk) {
                 Ok(None) | Err(_) => {}
             }
         }
-        std::thread::sleep(LOOK_EVERY);
+        std::thread::sleep(POLL_EVERY);
     }
 }
 

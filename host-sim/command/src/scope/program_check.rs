@@ -6,25 +6,25 @@ use cophase_core::settings::Settings;
 use host_sim::scene::{Checked, load};
 
 use super::bench::Job;
-use super::request::{Asked, Request};
+use super::request::{Pending, Request};
 use crate::link::stops::Stops;
 use crate::link::write;
 
 /// Checks programs as `cophase link load` checks them, and passes those without an error to the bench.
 pub(super) fn run(
-    waiting: &Receiver<Asked>,
+    waiting: &Receiver<Pending>,
     settings: &Settings,
     stops: &Stops,
     jobs: &Sender<Job>,
 ) {
-    for mut asked in waiting {
-        if let Err(error) = asked
+    for mut pending in waiting {
+        if let Err(error) = pending
             .order
             .check(stops)
-            .and_then(|()| check(&mut asked.request, settings))
+            .and_then(|()| check(&mut pending.request, settings))
         {
-            asked.answer(Err(error));
-        } else if jobs.send(Job::Request(asked)).is_err() {
+            pending.answer(Err(error));
+        } else if jobs.send(Job::Request(pending)).is_err() {
             return;
         }
     }

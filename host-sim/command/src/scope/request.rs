@@ -145,7 +145,7 @@ impl Order {
 
 /// Request on its way. Whoever answers it takes it.
 #[derive(Debug)]
-pub(super) struct Asked {
+pub(super) struct Pending {
     /// The browser's number.
     pub(super) browser: u32,
     pub(super) request: Request,
@@ -153,7 +153,7 @@ pub(super) struct Asked {
     pub(super) reply: SyncSender<Result<(), String>>,
 }
 
-impl Asked {
+impl Pending {
     pub(super) fn answer(self, outcome: Result<(), String>) {
         // The browser may have left. Otherwise, there is room for the one reply.
         let _ = self.reply.try_send(outcome);

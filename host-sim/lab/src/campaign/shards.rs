@@ -85,6 +85,10 @@ impl Header {
                 .split_whitespace()
                 .find_map(|field| field.strip_prefix(name)?.strip_prefix('='))
         };
+        let numbers = field("from")?.parse().ok()?..field("to")?.parse().ok()?;
+        let of = field("of")?.parse().ok()?;
+        let is_part = !numbers.is_empty() && numbers.end <= of;
+        is_part.then_some(())?;
         Some(Self {
             version: field("version")?.to_owned(),
             plan: field("plan")?.parse().ok()?,
@@ -94,8 +98,8 @@ impl Header {
                 Some(only) => Some(Selection::parse(only, field("others"))?),
                 None => None,
             },
-            numbers: field("from")?.parse().ok()?..field("to")?.parse().ok()?,
-            of: field("of")?.parse().ok()?,
+            numbers,
+            of,
         })
     }
 
@@ -119,12 +123,12 @@ impl Header {
             None => "all cases".to_owned(),
         };
         let pairs = [
-            ("--runs", &self.of.to_string(), &other.of.to_string()),
             ("version", &self.version, &other.version),
             ("plan", &self.plan.to_string(), &other.plan.to_string()),
             ("seed", &self.seed.to_string(), &other.seed.to_string()),
             ("scene", &self.scene, &other.scene),
             ("--only", &selected(self), &selected(other)),
+            ("--runs", &self.of.to_string(), &other.of.to_string()),
         ];
         let (key, ours, theirs) = pairs.into_iter().find(|(_, ours, theirs)| ours != theirs)?;
         Some(format!("{key} = {theirs}, not {ours}"))
@@ -236,7 +240,7 @@ impl Shard {
             }
             rows.push(row);
         }
-        let cases = header.numbers.end.saturating_sub(header.numbers.start);
+        let cases = header.numbers.end - header.numbers.start;
         if !rows.len().is_multiple_of(2) || rows.len() as u64 / 2 != cases {
             return Err(ShardError(format!(
                 "has {} rows, and its first line states {cases} cases of two; run that range again",

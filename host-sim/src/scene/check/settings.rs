@@ -7,7 +7,6 @@ use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
     LimitSettings, MAX_BANDS, MachineSettings, PulseSettings, Settings, short_name,
 };
-use cophase_core::units::MAX_AXES;
 use cophase_link::board::{Board, Rp2040};
 
 use super::cam_table;
