@@ -145,7 +145,14 @@ fn stop_during(name: &str, flood: impl FnOnce(Arc<Served>) -> Flood) {
     check_stops(name, &served, &mut page);
     // The server serves new pages again, and the owner's page was not disconnected.
     drop(flood);
-    served.browser().wait(|report| report["type"] == "hello");
+    let mut new = loop {
+        match served.try_browser() {
+            Some(new) => break new,
+            // The pages of the flood have just left.
+            None => std::thread::sleep(Duration::from_millis(10)),
+        }
+    };
+    new.wait(|report| report["type"] == "hello");
     owner.wait_for_state(&["parked"]);
 }
 
