@@ -14,6 +14,7 @@ pub mod dynamics;
 pub mod faults;
 pub mod fidelity;
 mod ink;
+pub mod input_file;
 pub mod live;
 pub mod machine;
 pub mod mechanism;

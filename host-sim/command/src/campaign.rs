@@ -15,6 +15,7 @@ use cophase_lab::campaign::selection::Selection;
 use cophase_lab::campaign::shards::{Header, MACHINES, Shard, join};
 use cophase_lab::campaign::tally::Tally;
 use cophase_lab::campaign::{self, picture, table};
+use host_sim::input_file::{self, MAX_TABLE_BYTES};
 use host_sim::trace::RunFiles;
 
 /// Inject one random fault into each of thousands of machines, and compare every reaction with the claims
@@ -157,7 +158,7 @@ fn run_shard(
         .map_err(|error| CommandError::Input(error.to_string()))?;
     bar.finish_and_clear();
     Ok(Shard {
-        header: Header::new(plan, selection, numbers),
+        header: Header::new(plan, selection, numbers, args.runs),
         rows,
     })
 }
@@ -193,7 +194,7 @@ fn print_result(
     let rows = shard.to_text().map_err(|error| input("rows", &error))?;
     let svg = picture::svg(&shard.header, &tally);
     let Range { start, end } = shard.header.numbers;
-    let is_whole = start == 0 && (end == args.runs || !args.join.is_empty());
+    let is_whole = shard.header.is_whole();
     let name = if is_whole {
         "campaign.csv".to_owned()
     } else {
@@ -354,7 +355,7 @@ fn shards(paths: &[PathBuf]) -> Result<Vec<(String, Shard)>, CommandError> {
     }
     let read = |path: PathBuf| {
         let place = path.display().to_string();
-        let text = std::fs::read_to_string(&path).map_err(|error| {
+        let text = input_file::read_text(&path, MAX_TABLE_BYTES).map_err(|error| {
             let problem = format!("{error}; give shards, or a folder with them");
             input(&place, &problem)
         })?;

@@ -27,6 +27,7 @@ mod scope;
 mod settings;
 mod signals;
 mod status;
+mod visible;
 
 pub use signals::clean_up_on_signals;
 pub use status::{CommandError, Status};
@@ -36,6 +37,7 @@ use std::io::{self, Write};
 use clap::{Parser, Subcommand};
 
 use design::{DesignArgs, DesignCommandError};
+use visible::Visible;
 
 const AFTER_HELP: &str = "Folders of output files and output folders are created where they do not exist, by every command.\n\nExit status: 0 done; 1 a run ended in a fault, a simulated motor slipped undetected, no board takes \
                            the settings, two runs part, or a figure or claim does not hold (everything is written); \
@@ -81,7 +83,8 @@ impl Command {
             match refusal::sentence(&error, std::env::args_os()) {
                 None => error.exit(),
                 Some(sentence) => {
-                    eprintln!("cophase: {sentence}");
+                    // If the error cannot be written, the status still reports it.
+                    let _ = writeln!(Visible::new(io::stderr()), "cophase: {sentence}");
                     std::process::exit(Status::BadInput as i32)
                 }
             }
@@ -90,6 +93,7 @@ impl Command {
 
     /// Carries the command out. Prints to `out`, and errors to `err`.
     pub fn carry_out(self, out: &mut impl Write, err: &mut impl Write) -> Status {
+        let (out, err) = (&mut Visible::new(out), &mut Visible::new(err));
         let done = match self.what {
             What::Run(args) => run::run(&args, out, err),
             What::Settings(args) => settings::settings(&args, out),

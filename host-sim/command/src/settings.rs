@@ -12,9 +12,13 @@ use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
 
 use super::output::write_file;
 use super::{CommandError, Status, scenes};
+use host_sim::input_file::{self, Unreadable};
 use host_sim::report;
 use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods, Wiring};
 use host_sim::scene::{Checked, Scene, entry};
+
+/// Largest size of a settings file in any of its formats, bytes.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// Addresses of both slots. A file in one slot only would be superseded by a later file in the other slot.
 const SLOT_ADDRESSES: [u32; 2] = [FLASH_ADDRESS + SLOT_A_OFFSET, FLASH_ADDRESS + SLOT_B_OFFSET];
@@ -222,9 +226,11 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
         ));
     }
     // A mistyped name must not overwrite the scene or another file.
-    if let Ok(there) = fs::read(path)
-        && !(there.starts_with(&MAGIC) || uf2::is_uf2(&there))
-    {
+    let is_other = match input_file::read(path, MAX_BYTES) {
+        Ok(there) => !(there.starts_with(&MAGIC) || uf2::is_uf2(&there)),
+        Err(error) => matches!(error, Unreadable::TooLarge(_)),
+    };
+    if is_other {
         return Err(format!(
             "-o: {show} is there and is no settings file; take it away, or give another name, such as my.settings"
         ));

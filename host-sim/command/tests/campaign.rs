@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use assert_cmd::Command;
+use cophase_lab::campaign::shards::Shard;
 use tempfile::TempDir;
 
 fn cophase(arguments: &[&str]) -> Output {
@@ -77,6 +78,51 @@ fn shards(folder: &TempDir) -> [PathBuf; 2] {
     ["campaign-0-2.csv", "campaign-2-4.csv"].map(|name| folder.path().join(name))
 }
 
+/// Returns a changed shard with the checksum that belongs to it.
+fn sealed(text: &str) -> String {
+    let (line, rows) = text.split_once('\n').unwrap();
+    let (line, _) = line.split_once(" crc32=").unwrap();
+    let sum = cophase_link::checksum(format!("{line}{rows}").as_bytes());
+    format!("{line} crc32={sum:08x}\n{rows}")
+}
+
+/// If this fails, the figures omit the cases at one end without any message.
+#[test]
+fn a_missing_first_or_last_shard_is_named() {
+    let folder = folder();
+    let [first, second] = shards(&folder);
+    let said = refused(&join(&[&second]));
+    assert!(
+        said.contains("campaign-2-4.csv") && said.contains("--from 0 --to 2"),
+        "{said}"
+    );
+    let said = refused(&join(&[&first]));
+    assert!(
+        said.contains("campaign-0-2.csv") && said.contains("--from 2 --to 4"),
+        "{said}"
+    );
+}
+
+/// If this fails, a file that a disk or a transfer has damaged changes the figures.
+#[test]
+fn damage_of_any_single_byte_of_a_shard_is_refused() {
+    let folder = folder();
+    let [first, _] = shards(&folder);
+    let bytes = fs::read(&first).unwrap();
+    let parse = |bytes: &[u8]| Shard::parse(std::str::from_utf8(bytes).ok()?).ok();
+    assert!(parse(&bytes).is_some());
+    for at in 0..bytes.len() {
+        for other in [bytes[at] ^ 1, b'0', b'9', b' ', b'\n', b'A', b',', 0xFF] {
+            let mut damaged = bytes.clone();
+            damaged[at] = other;
+            assert!(
+                damaged == bytes || parse(&damaged).is_none(),
+                "byte {at} as {other}"
+            );
+        }
+    }
+}
+
 fn join(paths: &[&Path]) -> Output {
     let out = folder();
     let place = out.path().join("joined");
@@ -106,8 +152,9 @@ fn shards_that_do_not_fit_are_refused_and_named() {
     );
 
     let rows = fs::read_to_string(&second).unwrap();
+    let with = |what: &str, other: &str| sealed(&rows.replace(what, other));
     let third = folder.path().join("third.csv");
-    fs::write(&third, rows.replace("from=2 to=4", "from=3 to=5")).unwrap();
+    fs::write(&third, with("from=2 to=4 of=4", "from=3 to=5 of=5")).unwrap();
     let said = refused(&join(&[&first, &third]));
     assert!(
         said.contains("line 3: here the faulty run of case 3 should be"),
@@ -132,9 +179,10 @@ fn shards_that_do_not_fit_are_refused_and_named() {
             "scene=0badcafe",
             "scene = 0badcafe, not machines",
         ),
+        ("of=4", "of=5", "--runs = 5, not 4"),
     ] {
         let file = folder.path().join("other.csv");
-        fs::write(&file, rows.replace(what, other)).unwrap();
+        fs::write(&file, with(what, other)).unwrap();
         let said = refused(&join(&[&first, &file]));
         assert!(said.contains(reported), "{said}");
     }
@@ -143,7 +191,10 @@ fn shards_that_do_not_fit_are_refused_and_named() {
     let cut: Vec<_> = rows.lines().take(4).collect();
     fs::write(&short, cut.join("\n")).unwrap();
     let said = refused(&join(&[&first, &short]));
-    assert!(said.contains("has 2 of the 4 rows"), "{said}");
+    assert!(
+        said.contains("short.csv") && said.contains("damaged or truncated"),
+        "{said}"
+    );
 
     let said = refused(&join(&[Path::new(env!("CARGO_MANIFEST_DIR"))]));
     assert!(said.contains("no campaign-FROM-TO.csv"), "{said}");
@@ -284,7 +335,7 @@ fn chosen_strata_have_the_rows_of_a_plain_campaign() {
     // Tests a row that no such campaign has, and a shard of all cases.
     let shard = parts.path().join("campaign-0-6.csv");
     let rows = fs::read_to_string(&shard).unwrap();
-    let fewer = rows.replace(" others=9", "");
+    let fewer = sealed(&rows.replace(" others=9", ""));
     fs::write(&shard, fewer).unwrap();
     let said = refused(&join(&[&shard]));
     assert!(

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::CompareError;
 use super::run::Run;
+use crate::input_file::{self, MAX_TABLE_BYTES};
 use crate::report::describe;
 use crate::sim::events::EventKind;
 
@@ -57,7 +58,11 @@ impl Event {
 impl Events {
     pub(super) fn read(path: &Path) -> Result<Self, CompareError> {
         let wrong = |problem: String| CompareError::new(path, problem);
-        let text = std::fs::read(path).map_err(|e| wrong(e.to_string()))?;
+        let text = input_file::read(path, MAX_TABLE_BYTES).map_err(|e| {
+            wrong(format!(
+                "{e}; give the folder of a run, or its trace.csv alone"
+            ))
+        })?;
         let report: Report = serde_json::from_slice(&text).map_err(|e| {
             wrong(format!(
                 "{e}; write the run again, or give its trace.csv alone"

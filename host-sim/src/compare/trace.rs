@@ -1,12 +1,12 @@
 //! `trace.csv`, read back column by column.
 
-use std::io::Read;
 use std::path::Path;
 
 use super::column::is_held;
 use super::error::CompareError;
 use super::points::Place;
 use super::run::Origin;
+use crate::input_file::{self, MAX_TABLE_BYTES};
 
 /// Values of a column, one per row.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,15 +37,12 @@ impl Trace {
     /// # Errors
     /// The file cannot be read, has no rows, is cut off, or has a field that is not a number.
     pub fn read(path: &Path) -> Result<Self, CompareError> {
-        let mut text = String::new();
-        let mut file = std::fs::File::open(path).map_err(|e| {
+        let text = input_file::read_text(path, MAX_TABLE_BYTES).map_err(|e| {
             CompareError::new(
                 path,
                 format!("{e}; give the folder of a run, or its trace.csv"),
             )
         })?;
-        file.read_to_string(&mut text)
-            .map_err(|e| CompareError::new(path, format!("{e}; give a trace.csv")))?;
         Self::parse(path, &text)
     }
 

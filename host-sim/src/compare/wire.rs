@@ -1,13 +1,13 @@
 //! Wires of `steps.vcd`, read back.
 
 use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use vcd::{Command, IdCode, ScopeItem, TimescaleUnit, Value};
 
 use super::error::CompareError;
+use crate::input_file::{self, MAX_TABLE_BYTES};
 
 /// Levels of a wire over a window.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl Wires {
                 format!("{problem}; write the run again, or give its trace.csv alone"),
             )
         };
-        let file = File::open(path).map_err(|e| wrong(e.to_string()))?;
+        let file = input_file::open(path, MAX_TABLE_BYTES).map_err(|e| wrong(e.to_string()))?;
         let mut parser = vcd::Parser::new(BufReader::new(file));
         let header = parser.parse_header().map_err(|e| wrong(e.to_string()))?;
         if header.timescale != Some((1, TimescaleUnit::NS)) {

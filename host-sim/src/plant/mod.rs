@@ -33,6 +33,12 @@ pub trait Table: Debug {
     /// Name of the table in the scene file.
     fn key(&self) -> &'static str;
 
+    /// Its plant's name with the article, for messages: "a screen".
+    fn plant_name(&self) -> &'static str;
+
+    /// Supported numbers of axes. The scene's number is checked before [`Self::fill`] and [`Self::make`].
+    fn axes(&self) -> RangeInclusive<usize>;
+
     /// True if the axes follow cam tables, which [`Self::fill`] adds.
     fn axes_follow_tables(&self) -> bool {
         false
@@ -134,9 +140,6 @@ pub trait Plant: Debug + Send + Sync {
 
     /// Drawing with its symbols, as SVG text.
     fn draw(&self) -> String;
-
-    /// Supported numbers of axes.
-    fn axes(&self) -> RangeInclusive<usize>;
 
     /// Supported model levels, the lowest first.
     fn levels(&self) -> &'static [Fidelity];

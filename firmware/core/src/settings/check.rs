@@ -10,7 +10,13 @@ impl Settings {
     #[cold]
     pub fn check(&self) -> Result<(), SettingsError> {
         inside("axes.count", self.axes.len() as f64, 1.0, MAX_AXES as f64)?;
-        inside("control.tick_hz", f64::from(self.tick_hz), 500.0, 10_000.0)?;
+        let (min, max) = (*TICK_HZ.start(), *TICK_HZ.end());
+        inside(
+            "control.tick_hz",
+            self.tick_hz.into(),
+            min.into(),
+            max.into(),
+        )?;
         if 1_000_000 % self.tick_hz != 0 {
             return Err(SettingsError::new(
                 "control.tick_hz",

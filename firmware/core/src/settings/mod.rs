@@ -33,6 +33,9 @@ use crate::units::MAX_AXES;
 /// Longest name of a machine, bytes of UTF-8.
 pub const NAME_BYTES: usize = 32;
 
+/// Tick rates, Hz. A tick is also a whole number of microseconds.
+pub const TICK_HZ: core::ops::RangeInclusive<u32> = 500..=10_000;
+
 /// Settings of one machine's control loop: limits, axes and program.
 ///
 /// The values are unchecked, as they may come from a memory chip. [`crate::controller::Controller::configure`] checks
@@ -42,7 +45,7 @@ pub const NAME_BYTES: usize = 32;
 pub struct Settings {
     /// Name of the machine, for logs; see [`short_name`].
     pub name: heapless::String<NAME_BYTES>,
-    /// Tick rate, Hz, 500 to 10,000; a tick is a whole number of microseconds.
+    /// Tick rate, Hz: one of [`TICK_HZ`] with a tick of whole microseconds.
     pub tick_hz: u32,
     /// Cycles of the board's step clock per second; a tick is 2048 to 262,143 whole cycles. It is not part of a settings file: the program
     /// that runs the settings sets it from its board.

@@ -38,7 +38,7 @@ use session::Session;
 use upload::Upload;
 
 /// Events that the log keeps.
-const EVENTS: usize = 64;
+pub const EVENTS: usize = 64;
 
 /// Samples a second for statuses while no stream needs more.
 const STATUS_HZ: u32 = 100;

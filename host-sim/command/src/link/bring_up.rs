@@ -139,7 +139,7 @@ fn reaches(link: &mut Connection, goal: State) -> Result<bool, LinkError> {
             }
         }
     }
-    Err(LinkError::NoReply("bring-up"))
+    Err(LinkError::no_reply("bring-up", &Request::Home))
 }
 
 /// Reports why the axis did not turn on.

@@ -2,20 +2,27 @@
 
 use std::collections::VecDeque;
 use std::io;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use cophase_core::settings::TICK_HZ;
 use cophase_core::supervisor::State;
+use cophase_core::units::MAX_AXES;
 use cophase_link::Condition;
+use cophase_link::MAX_FILE_BYTES;
 use cophase_link::client::Client;
 use cophase_link::frame::{FrameCounts, MAX_FRAME_BYTES};
 use cophase_link::message::{
     ControlRequest, Counters, EventRecord, File, Identity, Inputs, Message, Refusal, ReplyBody,
-    Request, Status, VERSION,
+    Request, Status, StopKind, VERSION,
 };
+use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::sample::{Sample, unpack};
+use cophase_link::server::EVENTS;
 use host_sim::report;
 use host_sim::scene::file::FaultAt;
 
+use super::stops::Stops;
 use super::transport::Transport;
 
 /// Longest wait for a reply. A flash erase takes up to 0.4 s.
@@ -23,6 +30,16 @@ const REPLY_WAIT: Duration = Duration::from_millis(1500);
 
 /// Longest time without a frame while the host waits for messages: half of the shortest host timeout that settings may have.
 const ALIVE_EVERY: Duration = Duration::from_millis(50);
+
+/// Time after which a stop without a reply is sent again.
+const STOP_AGAIN: Duration = Duration::from_millis(250);
+
+/// Number of times that a stop is sent.
+const STOP_TIMES: usize = 6;
+
+/// Largest number of samples, and of other messages, that wait to be taken. Both exceed those that arrive while a reply is awaited.
+const MAX_WAITING_SAMPLES: usize = 1 << 16;
+const MAX_WAITING_MESSAGES: usize = 1 << 13;
 
 /// Number of times that a request without an effect is sent again.
 const RETRIES: u32 = 2;
@@ -46,12 +63,29 @@ pub(crate) enum LinkError {
         refusal: Box<Refusal>,
         remedy: String,
     },
-    #[error("{0}: no reply; check that the port is that of a controller, and the baud rate")]
-    NoReply(&'static str),
+    #[error("{request}: no reply; {unknown}")]
+    NoReply {
+        request: &'static str,
+        /// Effect that the request may have had, and how to find out.
+        unknown: &'static str,
+    },
     #[error(
         "{0}: the controller sent another reply than requested; use the `cophase` of the firmware's version"
     )]
     Unexpected(&'static str),
+    #[error("{request}: the line is lost: {error}; connect the controller again; {unknown}")]
+    LostReply {
+        request: &'static str,
+        error: io::Error,
+        unknown: &'static str,
+    },
+    #[error(
+        "{request}: the controller sent {problem}; use the `cophase` of the firmware's version, or connect another controller"
+    )]
+    Wrong {
+        request: &'static str,
+        problem: String,
+    },
     #[error("the line is lost: {0}; connect the controller again")]
     Line(#[from] io::Error),
     #[error("{0}")]
@@ -59,6 +93,22 @@ pub(crate) enum LinkError {
 }
 
 impl LinkError {
+    /// Creates the error of a request without a reply.
+    pub(super) const fn no_reply(name: &'static str, request: &Request<'_>) -> Self {
+        Self::NoReply {
+            request: name,
+            unknown: unknown(request),
+        }
+    }
+
+    /// Returns true if the controller cannot be reached, or does not answer.
+    pub(crate) const fn is_of_line(&self) -> bool {
+        matches!(
+            self,
+            Self::NoReply { .. } | Self::LostReply { .. } | Self::Line(_)
+        )
+    }
+
     /// Adds the remedy to a refusal that depends on the state of the machine.
     fn with_remedy(self, condition: Condition) -> Self {
         match self {
@@ -88,6 +138,62 @@ fn remedy(condition: Condition) -> String {
     }
 }
 
+/// Returns the effect that a request without a reply may have had, and how to find out.
+const fn unknown(request: &Request<'_>) -> &'static str {
+    match request {
+        Request::Identify { .. }
+        | Request::Read { .. }
+        | Request::Counters
+        | Request::Events { .. }
+        | Request::Inputs => {
+            "nothing has changed; check that the port is that of a controller, and the baud rate"
+        }
+        Request::Stream { .. } | Request::StreamStatus { .. } => {
+            "the controller may send messages or not; repeat the command"
+        }
+        Request::BeginWrite { .. } | Request::Write { .. } => {
+            "the file is incomplete, so the former one remains; load it again"
+        }
+        Request::FinishWrite => {
+            "the file may be stored; `cophase link identify` shows the CRC-32 of the program, and after `cophase link restart` that of the settings"
+        }
+        Request::Restart | Request::OnlyAxis(_) => {
+            "the controller may have restarted; `cophase link identify` shows whether it answers, and which axes run"
+        }
+        Request::Control(_) => {
+            "this host may have control; `cophase link monitor` shows who has it"
+        }
+        Request::Arm => {
+            "the machine may be armed for 30 s; `cophase link monitor` shows whether it is"
+        }
+        Request::Disarm => {
+            "the machine may still be armed for 30 s; `cophase link monitor` shows whether it is"
+        }
+        Request::Start | Request::Home | Request::Jog => {
+            "the machine may be running; `cophase link monitor` shows its state, `cophase link stop` or its STOP ends the motion"
+        }
+        Request::Stop(_) => {
+            "the machine may still be running; press its STOP, and `cophase link monitor` shows its state"
+        }
+        Request::Hold | Request::Resume => {
+            "the program may be on hold or not; `cophase link monitor` shows it"
+        }
+        Request::Reset => {
+            "the fault may have ended; `cophase link monitor` shows the machine's state"
+        }
+        Request::Override { .. } => {
+            "the override may have changed; `cophase link monitor` shows it"
+        }
+        Request::ResetPeak => "the largest phase errors may have been reset; repeat the command",
+        Request::Unlock => {
+            "bring-up may be unlocked for 10 minutes; `cophase link restart` ends it"
+        }
+        Request::Output { .. } => {
+            "the output may be active for 1 s; keep clear of the machine until then"
+        }
+    }
+}
+
 /// Message that is not a reply.
 #[derive(Clone, Debug)]
 pub(crate) enum Incoming {
@@ -112,12 +218,26 @@ pub(crate) struct Connection {
     /// Axes of the controller, as it identified itself.
     axes: usize,
     incoming: VecDeque<Incoming>,
+    /// Number of samples in `incoming`.
+    waiting_samples: usize,
+    stops: Arc<Stops>,
+    sent_stop: Option<SentStop>,
     /// Time of the last frame that was sent.
     sent: Instant,
     /// Number of the request whose reply is awaited. Other requests only show that this host is connected.
     awaited: Option<u16>,
     /// Reply to the awaited request, once it has arrived.
     reply: Option<Result<Reply, Refusal>>,
+}
+
+/// Stop whose reply is awaited, beside that to another request.
+struct SentStop {
+    /// Number of the last stop that it carries out.
+    number: u64,
+    kind: StopKind,
+    /// Numbers of its frames. A reply to any of them is the reply.
+    frames: Vec<u16>,
+    sent: Instant,
 }
 
 impl Connection {
@@ -127,10 +247,18 @@ impl Connection {
             client: Client::new(),
             axes: 0,
             incoming: VecDeque::new(),
+            waiting_samples: 0,
+            stops: Arc::default(),
+            sent_stop: None,
             sent: Instant::now(),
             awaited: None,
             reply: None,
         }
+    }
+
+    /// Returns the stops, which any thread may request.
+    pub(crate) fn stops(&self) -> Arc<Stops> {
+        self.stops.clone()
     }
 
     pub(crate) fn is_simulated(&self) -> bool {
@@ -147,6 +275,7 @@ impl Connection {
         self.transport.send(&[0])?;
         match self.request("identify", &Request::Identify { version: VERSION }, RETRIES)? {
             Reply::Identity(identity) => {
+                let identity = checked(identity)?;
                 self.axes = identity.axes.into();
                 Ok(identity)
             }
@@ -209,30 +338,64 @@ impl Connection {
 
     /// Returns the events from a number on that the controller still has.
     pub(crate) fn events(&mut self, first: u32) -> Result<Vec<EventRecord>, LinkError> {
+        const REQUEST: &str = "log";
         let mut all: Vec<EventRecord> = Vec::new();
-        loop {
-            let from = all.last().map_or(first, |event| event.number + 1);
-            match self.request("log", &Request::Events { from }, RETRIES)? {
-                Reply::Events(events) if events.is_empty() => return Ok(all),
-                Reply::Events(events) => all.extend(events),
-                _ => return Err(LinkError::Unexpected("log")),
+        let mut from = first;
+        // Events that happen meanwhile come as messages. A controller that always has one more does not keep the host here.
+        while all.len() < EVENTS {
+            let Reply::Events(events) =
+                self.request(REQUEST, &Request::Events { from }, RETRIES)?
+            else {
+                return Err(LinkError::Unexpected(REQUEST));
+            };
+            if events.is_empty() {
+                break;
+            }
+            for event in events {
+                if event.number < from {
+                    return Err(LinkError::Wrong {
+                        request: REQUEST,
+                        problem: format!(
+                            "event {} came where event {from} or a later one was requested",
+                            event.number
+                        ),
+                    });
+                }
+                from = event.number.saturating_add(1);
+                all.push(event);
             }
         }
+        Ok(all)
     }
 
     pub(crate) fn read_file(&mut self, file: File) -> Result<Vec<u8>, LinkError> {
+        const REQUEST: &str = "read";
+        let max = match file {
+            File::Settings => MAX_FILE_BYTES,
+            File::Program => MAX_PROGRAM_BYTES,
+        };
         let mut all = Vec::new();
         loop {
             let offset = all.len() as u32;
-            match self.request("read", &Request::Read { file, offset }, RETRIES)? {
-                Reply::Chunk { length, bytes } => {
-                    let is_last = bytes.is_empty() || offset + bytes.len() as u32 >= length;
-                    all.extend(bytes);
-                    if is_last {
-                        return Ok(all);
-                    }
-                }
-                _ => return Err(LinkError::Unexpected("read")),
+            let Reply::Chunk { length, bytes } =
+                self.request(REQUEST, &Request::Read { file, offset }, RETRIES)?
+            else {
+                return Err(LinkError::Unexpected(REQUEST));
+            };
+            all.extend(&bytes);
+            let wrong = |problem: String| {
+                let request = REQUEST;
+                Err(LinkError::Wrong { request, problem })
+            };
+            let whole = length as usize;
+            if whole > max {
+                return wrong(format!("a file of {length} bytes; the longest has {max}"));
+            }
+            if all.len() > whole || bytes.is_empty() && all.len() < whole {
+                return wrong(format!("{} bytes of a file of {length} bytes", all.len()));
+            }
+            if all.len() == whole {
+                return Ok(all);
             }
         }
     }
@@ -266,11 +429,15 @@ impl Connection {
         self.command("restart", request)?;
         let end = Instant::now() + RESTART_WAIT;
         loop {
-            std::thread::sleep(RESTART_EVERY);
+            let next = Instant::now() + RESTART_EVERY;
+            if self.wait(RESTART_EVERY).is_err() {
+                // A line that is lost does not wait.
+                std::thread::sleep(next.saturating_duration_since(Instant::now()));
+            }
             let identity = if self.reopen() {
                 self.identify()
             } else {
-                Err(LinkError::NoReply("restart"))
+                Err(LinkError::no_reply("restart", request))
             };
             // The controller may answer once more before it restarts. Its line may be lost then.
             let is_over = identity
@@ -280,7 +447,7 @@ impl Connection {
                 return identity;
             }
             if Instant::now() > end {
-                return Err(LinkError::NoReply("restart"));
+                return Err(LinkError::no_reply("restart", request));
             }
         }
     }
@@ -292,6 +459,10 @@ impl Connection {
         self.awaited = None;
         self.reply = None;
         self.incoming.clear();
+        self.waiting_samples = 0;
+        if let Some(stop) = self.sent_stop.take() {
+            self.stops.put_back(stop.kind);
+        }
         self.transport.reopen()
     }
 
@@ -299,13 +470,16 @@ impl Connection {
     pub(crate) fn next(&mut self, within: Duration) -> Result<Option<Incoming>, LinkError> {
         let end = Instant::now() + within;
         loop {
+            self.attend()?;
             if let Some(incoming) = self.incoming.pop_front() {
+                if let Incoming::Samples(samples) = &incoming {
+                    self.waiting_samples -= samples.len();
+                }
                 return Ok(Some(incoming));
             }
             if Instant::now() >= end {
                 return Ok(None);
             }
-            self.keep_alive()?;
             self.read()?;
         }
     }
@@ -314,18 +488,75 @@ impl Connection {
     pub(super) fn wait(&mut self, time: Duration) -> Result<(), LinkError> {
         let end = Instant::now() + time;
         while Instant::now() < end {
-            self.keep_alive()?;
+            self.attend()?;
             self.read()?;
         }
         Ok(())
     }
 
-    /// Sends a frame if there was none for a while: settings may require that the host that started the machine stays connected.
-    fn keep_alive(&mut self) -> Result<(), LinkError> {
+    /// Sends what does not wait for the reply to a request: a stop; and a frame if there was none for a while, as settings may require
+    /// that the host that started the machine stays connected.
+    fn attend(&mut self) -> Result<(), LinkError> {
+        let sent_kind = self.sent_stop.as_ref().map(|stop| stop.kind);
+        if let Some((number, kind)) = self.stops.take(sent_kind) {
+            let sent = Instant::now();
+            let frames = vec![self.send("stop", &Request::Stop(kind))?];
+            self.sent_stop = Some(SentStop {
+                number,
+                kind,
+                frames,
+                sent,
+            });
+        } else if let Some(mut stop) = self
+            .sent_stop
+            .take_if(|stop| stop.sent.elapsed() >= STOP_AGAIN)
+        {
+            let request = Request::Stop(stop.kind);
+            if stop.frames.len() < STOP_TIMES {
+                stop.frames.push(self.send("stop", &request)?);
+                stop.sent = Instant::now();
+                self.sent_stop = Some(stop);
+            } else {
+                let error = LinkError::no_reply("stop", &request);
+                self.stops.end(stop.number, Err(error.to_string()));
+            }
+        }
         if self.sent.elapsed() >= ALIVE_EVERY {
             self.send("alive", &Request::Counters)?;
         }
         Ok(())
+    }
+
+    /// Ends the stop under way if this is its reply, and not that to a frame that only shows that this host is connected.
+    fn end_stop(&mut self, to: u16, refusal: Option<&Refusal>) {
+        let ended = self.sent_stop.take_if(|stop| stop.frames.contains(&to));
+        let Some(stop) = ended else {
+            return;
+        };
+        let outcome = refusal.map_or(Ok(()), |refusal| {
+            let refused = LinkError::Refused {
+                request: "stop",
+                refusal: Box::new(refusal.clone()),
+            };
+            let condition = Request::Stop(stop.kind).condition();
+            Err(refused.with_remedy(condition).to_string())
+        });
+        self.stops.end(stop.number, outcome);
+    }
+
+    /// Keeps a message until it is taken. A message for which there is no room is lost: samples and events have numbers, so that
+    /// the gap is seen.
+    fn keep(&mut self, incoming: Incoming) {
+        let samples = match &incoming {
+            Incoming::Samples(samples) => samples.len(),
+            _ => 0,
+        };
+        let has_room = self.incoming.len() < MAX_WAITING_MESSAGES
+            && self.waiting_samples + samples <= MAX_WAITING_SAMPLES;
+        if has_room {
+            self.waiting_samples += samples;
+            self.incoming.push_back(incoming);
+        }
     }
 
     /// Sends a request, and returns its number.
@@ -347,21 +578,37 @@ impl Connection {
         retries: u32,
     ) -> Result<Reply, LinkError> {
         for _ in 0..=retries {
-            let number = self.send(name, request)?;
-            self.awaited = Some(number);
-            let end = Instant::now() + REPLY_WAIT;
-            while Instant::now() < end {
-                if let Some(reply) = self.reply.take() {
-                    return reply.map_err(|refusal| LinkError::Refused {
-                        request: name,
-                        refusal: Box::new(refusal),
-                    });
-                }
-                self.keep_alive()?;
-                self.read()?;
+            let reply = self.exchange(name, request).map_err(|error| match error {
+                LinkError::Line(error) => LinkError::LostReply {
+                    request: name,
+                    error,
+                    unknown: unknown(request),
+                },
+                other => other,
+            })?;
+            if let Some(reply) = reply {
+                return reply.map_err(|refusal| LinkError::Refused {
+                    request: name,
+                    refusal: Box::new(refusal),
+                });
             }
         }
-        Err(LinkError::NoReply(name))
+        Err(LinkError::no_reply(name, request))
+    }
+
+    /// Sends a request, and waits for its reply. There may be none.
+    fn exchange(
+        &mut self,
+        name: &'static str,
+        request: &Request<'_>,
+    ) -> Result<Option<Result<Reply, Refusal>>, LinkError> {
+        self.awaited = Some(self.send(name, request)?);
+        let end = Instant::now() + REPLY_WAIT;
+        while self.reply.is_none() && Instant::now() < end {
+            self.attend()?;
+            self.read()?;
+        }
+        Ok(self.reply.take())
     }
 
     /// Reads the bytes that have arrived, and handles their messages.
@@ -372,37 +619,82 @@ impl Connection {
             let Some(message) = self.client.push(byte) else {
                 continue;
             };
-            match message {
-                Message::Reply { to, .. } if self.awaited != Some(to) => {}
-                Message::Reply { body, .. } => {
-                    let body = body.map(|body| match body {
-                        ReplyBody::Done => Reply::Done,
-                        ReplyBody::Identity(identity) => Reply::Identity(identity),
-                        ReplyBody::Chunk { length, bytes } => Reply::Chunk {
-                            length,
-                            bytes: bytes.to_vec(),
-                        },
-                        ReplyBody::Counters(counters) => Reply::Counters(counters),
-                        ReplyBody::Events(events) => Reply::Events(events.to_vec()),
-                        ReplyBody::Inputs(inputs) => Reply::Inputs(inputs),
-                    });
+            match Received::new(message, self.axes) {
+                Received::Reply { to, body } if self.awaited == Some(to) => {
                     self.awaited = None;
                     self.reply = Some(body);
                 }
-                Message::Status(status) => self.incoming.push_back(Incoming::Status(status)),
-                Message::Event(event) => self.incoming.push_back(Incoming::Event(event)),
-                Message::Samples {
-                    tick,
-                    every,
-                    channels,
-                    packet,
-                    ..
-                } => {
-                    let samples = unpack(tick, every, channels, self.axes, packet).collect();
-                    self.incoming.push_back(Incoming::Samples(samples));
-                }
+                Received::Reply { to, body } => self.end_stop(to, body.err().as_ref()),
+                Received::Incoming(incoming) => self.keep(incoming),
             }
         }
         Ok(())
     }
+}
+
+/// Message that owns its bytes.
+enum Received {
+    Reply {
+        to: u16,
+        body: Result<Reply, Refusal>,
+    },
+    Incoming(Incoming),
+}
+
+impl Received {
+    fn new(message: Message<'_>, axes: usize) -> Self {
+        Self::Incoming(match message {
+            Message::Reply { to, body } => {
+                let body = body.map(|body| match body {
+                    ReplyBody::Done => Reply::Done,
+                    ReplyBody::Identity(identity) => Reply::Identity(identity),
+                    ReplyBody::Chunk { length, bytes } => Reply::Chunk {
+                        length,
+                        bytes: bytes.to_vec(),
+                    },
+                    ReplyBody::Counters(counters) => Reply::Counters(counters),
+                    ReplyBody::Events(events) => Reply::Events(events.to_vec()),
+                    ReplyBody::Inputs(inputs) => Reply::Inputs(inputs),
+                });
+                return Self::Reply { to, body };
+            }
+            Message::Status(status) => Incoming::Status(status),
+            Message::Event(event) => Incoming::Event(event),
+            Message::Samples {
+                tick,
+                every,
+                channels,
+                packet,
+                ..
+            } => Incoming::Samples(unpack(tick, every, channels, axes, packet).collect()),
+        })
+    }
+}
+
+/// Checks the numbers of an identity that others depend on.
+fn checked(identity: Identity) -> Result<Identity, LinkError> {
+    let Identity {
+        version,
+        axes,
+        tick_hz,
+        can_run,
+        only_axis,
+        ..
+    } = identity;
+    // A controller that refused its settings still takes other ones, and may have no axes.
+    let min_axes = usize::from(can_run);
+    let problem = if version != VERSION {
+        format!("protocol version {version}, not {VERSION}")
+    } else if !(min_axes..=MAX_AXES).contains(&usize::from(axes)) {
+        format!("{axes} axes, outside {min_axes} to {MAX_AXES}")
+    } else if can_run && !TICK_HZ.contains(&tick_hz) {
+        let (min, max) = (TICK_HZ.start(), TICK_HZ.end());
+        format!("a tick rate of {tick_hz} Hz, outside {min} to {max}")
+    } else if only_axis.is_some_and(|axis| usize::from(axis) >= MAX_AXES) {
+        format!("{} as its only axis", only_axis.unwrap_or_default())
+    } else {
+        return Ok(identity);
+    };
+    let request = "identify";
+    Err(LinkError::Wrong { request, problem })
 }

@@ -9,6 +9,7 @@ mod ports;
 mod record;
 mod session;
 pub(crate) mod show;
+pub(crate) mod stops;
 pub(crate) mod transport;
 pub(crate) mod write;
 

@@ -140,7 +140,7 @@ pub(super) fn record(
     let (counters, lost_line) = match recorded.and_then(|()| session.end(link, next)) {
         Ok(counters) => (counters, None),
         // The samples before the loss are still recorded.
-        Err(Problem::Link(error @ (LinkError::Line(_) | LinkError::NoReply(_)))) => {
+        Err(Problem::Link(error)) if error.is_of_line() => {
             (Counters::default(), Some(error.to_string()))
         }
         Err(problem) => return Err(problem),

@@ -75,7 +75,11 @@ impl<W: Write + Seek + 'static> Session<W> {
         let end = Instant::now() + FIRST_WITHIN;
         while self.recording.last().is_none() {
             if Instant::now() >= end {
-                return Err(LinkError::NoReply("record").into());
+                let stream = Request::Stream {
+                    channels: 0,
+                    every: 1,
+                };
+                return Err(LinkError::no_reply("record", &stream).into());
             }
             if let Some(incoming) = link.next(Duration::from_millis(20))? {
                 self.take(incoming)?;

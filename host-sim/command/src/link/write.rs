@@ -7,6 +7,7 @@ use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
 use cophase_link::message::{File, Identity, Request};
 use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::{MAX_FILE_BYTES, decode, encode};
+use host_sim::input_file;
 
 use super::Problem;
 use super::args::LoadArgs;
@@ -22,8 +23,11 @@ pub(super) fn load(
 ) -> Result<(), Problem> {
     let name = args.scene.display().to_string();
     if args.scene.extension().is_some_and(|end| end == "settings") {
-        let file = std::fs::read(&args.scene)
-            .map_err(|e| LinkError::Input(format!("{name}: {e}; give a file that is there")))?;
+        let file = input_file::read(&args.scene, MAX_FILE_BYTES as u64).map_err(|e| {
+            LinkError::Input(format!(
+                "{name}: {e}; give a file that `cophase settings` wrote"
+            ))
+        })?;
         cophase_link::verify(&file).map_err(|e| LinkError::Input(format!("{name}: {e}")))?;
         return store(link, identity, &name, &file, out);
     }
@@ -34,7 +38,8 @@ pub(super) fn load(
             .map_err(|e| LinkError::Input(format!("{name}: {e}")))?;
         return store(link, identity, &name, file, out);
     }
-    let file = program_file(link, identity, &name, &checked.settings)?;
+    let present = settings(link)?;
+    let file = program_file(&name, &checked.settings, &present)?;
     link.take_control(false)?;
     link.write_file(File::Program, &file)?;
     let entries = checked.settings.program.len();
@@ -48,12 +53,11 @@ pub(super) fn load(
 
 /// Encodes the program of a scene, after a check that it was made for the machine of the controller.
 pub(crate) fn program_file(
-    link: &mut Connection,
-    identity: &Identity,
     name: &str,
     scene: &Settings,
+    present: &Settings,
 ) -> Result<Vec<u8>, LinkError> {
-    compare(name, scene, &settings(link)?, identity)?;
+    compare(name, scene, present)?;
     let mut buffer = [0; MAX_PROGRAM_BYTES];
     cophase_link::program::encode(scene, &mut buffer)
         .map(<[u8]>::to_vec)
@@ -67,12 +71,7 @@ pub(crate) fn settings(link: &mut Connection) -> Result<Settings, LinkError> {
 }
 
 /// Checks that a program was made for the machine of the controller.
-fn compare(
-    name: &str,
-    scene: &Settings,
-    present: &Settings,
-    identity: &Identity,
-) -> Result<(), LinkError> {
+fn compare(name: &str, scene: &Settings, present: &Settings) -> Result<(), LinkError> {
     let differs = [
         ("machine", scene.machine != present.machine),
         ("limits", scene.limits != present.limits),
@@ -84,7 +83,7 @@ fn compare(
         Some((key, _)) => Err(LinkError::Input(format!(
             "{name}: {key} differs from the controller's settings ({}); give --settings to load all settings, \
              or a scene of that machine",
-            identity.settings
+            present.name
         ))),
     }
 }

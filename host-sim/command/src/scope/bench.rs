@@ -5,33 +5,25 @@ use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
 use cophase_core::settings::Settings;
-use cophase_link::message::{Control, ControlRequest, Identity, Request as LinkRequest, Status};
+use cophase_link::message::{
+    Control, ControlRequest, EventRecord, Identity, Request as LinkRequest, Status,
+};
+use cophase_link::server::EVENTS;
 
 use super::browsers::{Browser, Browsers};
 use super::columns::{Batch, CHANNELS, Columns};
 use super::report::Report;
-use super::request::{Numbered, Request};
+use super::request::Pending;
 use super::{ScopeArgs, scene};
 use crate::link::connection::{Connection, Incoming, LinkError};
 use crate::link::write;
 
-/// Job from a browser.
+/// Job from a browser. Few wait at the same time: a browser has one request under way, and its place is taken until it has left.
 #[derive(Debug)]
 pub(super) enum Job {
     Joined(Browser),
     Left(u32),
-    /// A request in JSON.
-    Request(u32, String),
-}
-
-impl Job {
-    /// Returns true if the job stops the machine.
-    fn is_stop(&self) -> bool {
-        let Self::Request(_, text) = self else {
-            return false;
-        };
-        matches!(serde_json::from_str(text), Ok(Request::Stop { .. }))
-    }
+    Request(Pending),
 }
 
 /// Time between two statuses of the controller, ms.
@@ -40,20 +32,27 @@ const STATUS_MS: u16 = 50;
 /// Longest time for which samples wait to be sent: a frame of the page.
 const BATCH: Duration = Duration::from_millis(16);
 
+/// Longest wait for a message of the controller, after which the browsers have their turn.
+const TURN: Duration = Duration::from_millis(2);
+
 /// Time between two attempts to reach a controller that was lost.
 const REOPEN: Duration = Duration::from_millis(500);
 
 pub(super) struct Bench {
     pub(super) link: Connection,
     pub(super) identity: Identity,
-    settings: Settings,
+    pub(super) settings: Settings,
     columns: Columns,
     batch: Batch,
     every: u16,
     pub(super) text: String,
     pub(super) browsers: Browsers,
+    /// Latest events since the restart, for browsers that join.
+    events: VecDeque<EventRecord>,
     /// Number of the first event since the restart.
-    pub(super) first_event: u32,
+    first_event: u32,
+    /// Line that is lost, with the reason and the time of the next attempt to open it again.
+    lost: Option<(String, Instant)>,
     next_tick: Option<u32>,
     lost_samples: u64,
     sent: Instant,
@@ -71,7 +70,9 @@ impl Bench {
             every: args.every,
             text,
             browsers: Browsers::default(),
+            events: VecDeque::new(),
             first_event: 0,
+            lost: None,
             next_tick: None,
             lost_samples: 0,
             sent: Instant::now(),
@@ -89,29 +90,26 @@ impl Bench {
         self.link.repeatable("status", &statuses)?;
         let (channels, every) = (CHANNELS, self.every);
         let samples = LinkRequest::Stream { channels, every };
-        self.link.repeatable("samples", &samples)
+        self.link.repeatable("samples", &samples)?;
+        for record in self.link.events(self.first_event)? {
+            self.report_event(record);
+        }
+        Ok(())
     }
 
-    /// Passes messages on in both directions, until there can be no more browsers.
+    /// Passes messages on in both directions, until there can be no more browsers. A turn takes one job and the messages of one read, so
+    /// that neither side keeps the other waiting.
     pub(super) fn run(&mut self, jobs: &Receiver<Job>) -> Result<(), LinkError> {
         loop {
-            // A stop does not wait behind other requests.
-            let mut waiting = VecDeque::new();
-            loop {
-                match jobs.try_recv() {
-                    Ok(job) if job.is_stop() => self.carry_out(job),
-                    Ok(job) => waiting.push_back(job),
-                    Err(TryRecvError::Disconnected) => return Ok(()),
-                    Err(TryRecvError::Empty) => match waiting.pop_front() {
-                        Some(job) => self.carry_out(job),
-                        None => break,
-                    },
-                }
+            match jobs.try_recv() {
+                Ok(job) => self.carry_out(job),
+                Err(TryRecvError::Empty) => {}
+                Err(TryRecvError::Disconnected) => return Ok(()),
             }
-            match self.link.next(Duration::from_millis(2)) {
-                Ok(Some(incoming)) => self.pass_on(incoming),
-                Ok(None) => {}
-                Err(error) => self.reach_again(&error)?,
+            if self.lost.is_some() {
+                self.reach_again()?;
+            } else if let Err(error) = self.take_messages() {
+                self.lose(&error);
             }
             if self.sent.elapsed() >= BATCH {
                 self.send_batch();
@@ -119,27 +117,56 @@ impl Bench {
         }
     }
 
-    /// Handles a lost line: ends control, and waits for the same controller.
-    fn reach_again(&mut self, error: &LinkError) -> Result<(), LinkError> {
-        self.browsers.set_owner(None);
-        let error = Some(error.to_string());
-        self.browsers.report(&Report::Line { error });
-        while !self.link.reopen() {
-            std::thread::sleep(REOPEN);
+    fn take_messages(&mut self) -> Result<(), LinkError> {
+        let mut wait = TURN;
+        while let Some(incoming) = self.link.next(wait)? {
+            self.pass_on(incoming);
+            wait = Duration::ZERO;
         }
-        let identity = loop {
-            match self.link.identify() {
-                Ok(identity) => break identity,
-                // The controller has a line, but does not answer yet, or the line is lost again.
-                Err(LinkError::NoReply(_) | LinkError::Line(_)) => {
-                    std::thread::sleep(REOPEN);
-                    while !self.link.reopen() {
-                        std::thread::sleep(REOPEN);
-                    }
-                }
-                Err(error) => return Err(error),
-            }
+        Ok(())
+    }
+
+    /// Handles a lost line: ends control, and reports the reason.
+    fn lose(&mut self, error: &LinkError) {
+        self.browsers.set_owner(None);
+        let error = error.to_string();
+        self.browsers.report(&Report::Line {
+            error: Some(error.clone()),
+        });
+        self.lost = Some((error, Instant::now()));
+    }
+
+    /// Waits for the same controller, with an attempt from time to time.
+    fn reach_again(&mut self) -> Result<(), LinkError> {
+        let Some((error, next)) = &mut self.lost else {
+            return Ok(());
         };
+        self.link
+            .stops()
+            .fail(&format!("stop: {error}; press the STOP of the machine"));
+        if Instant::now() < *next {
+            std::thread::sleep(TURN);
+            return Ok(());
+        }
+        *next = Instant::now() + REOPEN;
+        if !self.link.reopen() {
+            return Ok(());
+        }
+        match self.resume() {
+            Ok(()) => {
+                self.lost = None;
+                self.browsers.report(&Report::Line { error: None });
+                Ok(())
+            }
+            // The controller has a line, but does not answer yet, or the line is lost again.
+            Err(error) if error.is_of_line() => Ok(()),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Begins again with a controller whose line was lost.
+    fn resume(&mut self) -> Result<(), LinkError> {
+        let identity = self.link.identify()?;
         if (&identity.board, identity.serial) != (&self.identity.board, self.identity.serial)
             || identity.settings_crc != self.identity.settings_crc
         {
@@ -147,12 +174,16 @@ impl Bench {
             return Err(LinkError::Input(problem.to_owned()));
         }
         if identity.restarts != self.identity.restarts || !self.link.is_simulated() {
-            self.first_event = 0;
-            self.browsers.report(&Report::Restarted);
+            self.forget(0);
         }
-        self.begin_again(identity)?;
-        self.browsers.report(&Report::Line { error: None });
-        Ok(())
+        self.begin_again(identity)
+    }
+
+    /// Forgets the events before a restart, after which the first one has this number.
+    pub(super) fn forget(&mut self, first_event: u32) {
+        self.first_event = first_event;
+        self.events.clear();
+        self.browsers.report(&Report::Restarted);
     }
 
     /// Begins the streams of a controller that identified itself again.
@@ -180,11 +211,21 @@ impl Bench {
                 }
             }
             Incoming::Status(status) => self.report_status(&status),
-            Incoming::Event(record) => {
-                let tick_hz = self.identity.tick_hz;
-                self.browsers.report(&Report::event(&record, tick_hz));
-            }
+            Incoming::Event(record) => self.report_event(record),
         }
+    }
+
+    /// Passes an event on, unless it came before, as a message or from the log.
+    fn report_event(&mut self, record: EventRecord) {
+        if self.events.contains(&record) {
+            return;
+        }
+        self.browsers
+            .report(&Report::event(&record, self.identity.tick_hz));
+        if self.events.len() == EVENTS {
+            self.events.pop_front();
+        }
+        self.events.push_back(record);
     }
 
     fn report_status(&mut self, status: &Status) {
@@ -210,7 +251,7 @@ impl Bench {
     pub(super) fn send_batch(&mut self) {
         self.sent = Instant::now();
         if let Some((bytes, count)) = self.batch.take() {
-            self.browsers.samples(&bytes, count);
+            self.browsers.samples(bytes, count);
         }
     }
 
@@ -218,24 +259,18 @@ impl Bench {
         match job {
             Job::Joined(browser) => self.welcome(browser),
             Job::Left(id) => {
-                if self.browsers.leave(id) {
+                if self.browsers.leave(id) && self.lost.is_none() {
                     // If the line is lost, control ends by itself.
                     let _ = self.control(ControlRequest::Release);
                 }
             }
-            Job::Request(id, text) => {
-                // The reply to an invalid request has its number, too.
-                let number = serde_json::from_str(&text).map_or(0, |Numbered { id }| id);
-                let done = match serde_json::from_str(&text) {
-                    Ok(request) => self.request(id, &request),
-                    Err(error) => Err(format!("the request is not understood: {error}")),
+            Job::Request(pending) => {
+                let allowed = match &self.lost {
+                    Some((error, _)) => Err(error.clone()),
+                    None => pending.order.check(&self.link.stops()),
                 };
-                if let Some(browser) = self.browsers.find(id) {
-                    browser.report(&Report::Reply {
-                        id: number,
-                        error: done.err(),
-                    });
-                }
+                let done = allowed.and_then(|()| self.request(pending.browser, &pending.request));
+                pending.answer(done);
             }
         }
     }
@@ -253,9 +288,12 @@ impl Bench {
             self.link.is_simulated(),
             &self.text,
         ));
-        // If they cannot be read, the page shows later events only.
-        for record in self.link.events(self.first_event).unwrap_or_default() {
-            browser.report(&Report::event(&record, self.identity.tick_hz));
+        for record in &self.events {
+            browser.report(&Report::event(record, self.identity.tick_hz));
+        }
+        if let Some((error, _)) = &self.lost {
+            let error = Some(error.clone());
+            browser.report(&Report::Line { error });
         }
         self.browsers.join(browser);
     }

@@ -1,6 +1,7 @@
 //! All browsers, and the one that has control.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::SyncSender;
 
@@ -13,18 +14,21 @@ pub(super) struct Browser {
     pub(super) id: u32,
     address: SocketAddr,
     queue: SyncSender<Message>,
+    /// The place among the pages, free again once the bench has forgotten the browser.
+    _slot: Arc<()>,
     /// Numbers of samples and of reports that found no room in the queue.
     pub(super) dropped_samples: u64,
     pub(super) dropped_reports: u64,
 }
 
 impl Browser {
-    pub(super) fn new(address: SocketAddr, queue: SyncSender<Message>) -> Self {
+    pub(super) fn new(address: SocketAddr, queue: SyncSender<Message>, slot: Arc<()>) -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(1);
         Self {
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             address,
             queue,
+            _slot: slot,
             dropped_samples: 0,
             dropped_reports: 0,
         }
@@ -36,12 +40,16 @@ impl Browser {
     }
 
     pub(super) fn report(&mut self, report: &impl Serialize) {
-        // All keys of a report are valid in JSON.
-        let text = serde_json::to_string(report).unwrap_or_default();
-        if self.queue.try_send(Message::text(text)).is_err() {
+        if self.queue.try_send(message(report)).is_err() {
             self.dropped_reports += 1;
         }
     }
+}
+
+/// Returns a report as a message.
+pub(super) fn message(report: &impl Serialize) -> Message {
+    // All keys of a report are valid in JSON.
+    Message::text(serde_json::to_string(report).unwrap_or_default())
 }
 
 #[derive(Debug, Default)]
@@ -62,10 +70,6 @@ impl Browsers {
         self.owner.take_if(|owner| *owner == id).is_some()
     }
 
-    pub(super) fn find(&mut self, id: u32) -> Option<&mut Browser> {
-        self.all.iter_mut().find(|browser| browser.id == id)
-    }
-
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Browser> {
         self.all.iter_mut()
     }
@@ -76,14 +80,17 @@ impl Browsers {
 
     /// Sends a report to all.
     pub(super) fn report(&mut self, report: &impl Serialize) {
+        let message = message(report);
         for browser in &mut self.all {
-            browser.report(report);
+            if browser.queue.try_send(message.clone()).is_err() {
+                browser.dropped_reports += 1;
+            }
         }
     }
 
     /// Sends a batch of samples to all browsers, and counts the samples that find no room.
-    pub(super) fn samples(&mut self, batch: &[u8], count: u64) {
-        let message = Message::binary(batch.to_vec());
+    pub(super) fn samples(&mut self, batch: Vec<u8>, count: u64) {
+        let message = Message::binary(batch);
         for browser in &mut self.all {
             if browser.queue.try_send(message.clone()).is_err() {
                 browser.dropped_samples += count;
@@ -134,10 +141,10 @@ mod tests {
         let (fast, waiting) = sync_channel(8);
         let mut browsers = Browsers::default();
         for queue in [slow, fast] {
-            browsers.join(Browser::new(address, queue));
+            browsers.join(Browser::new(address, queue, Arc::default()));
         }
         for count in [10, 20, 30] {
-            browsers.samples(&[0], count);
+            browsers.samples(vec![0], count);
         }
         browsers.report(&"status");
         let dropped: Vec<_> = browsers

@@ -1,15 +1,12 @@
 //! Requests of browsers: the browsers that may make each request, and its form on the link.
 
-use cophase_link::message::{ControlRequest, File, Request as LinkRequest, StopKind};
+use cophase_link::message::{ControlRequest, File, Request as LinkRequest};
 use host_sim::scene::file::FaultAt;
-use host_sim::scene::{Checked, load};
 use serde_json::Value;
 
 use super::bench::Bench;
-use super::report::Report;
 use super::request::Request;
 use crate::link::connection::{Connection, LinkError};
-use crate::link::write;
 
 impl Bench {
     /// Restarts the controller. The browser that commanded it keeps control.
@@ -18,8 +15,8 @@ impl Bench {
         let identity = self.link.restart(&self.identity, &LinkRequest::Restart)?;
         // A board begins a new log. The hub of a simulated controller continues its log.
         let last = self.link.events(0)?.last().map(|event| event.number + 1);
-        self.first_event = last.filter(|_| self.link.is_simulated()).unwrap_or(0);
-        self.browsers.report(&Report::Restarted);
+        let first = last.filter(|_| self.link.is_simulated()).unwrap_or(0);
+        self.forget(first);
         self.begin_again(identity)?;
         self.control(ControlRequest::Take)
     }
@@ -29,22 +26,10 @@ impl Bench {
             .repeatable("control", &LinkRequest::Control(request))
     }
 
-    /// Carries out a request of a browser.
+    /// Carries out a request of a browser. A stop passes no bench.
     pub(super) fn request(&mut self, id: u32, request: &Request) -> Result<(), String> {
         let text = |error: LinkError| error.to_string();
         match request {
-            // Every browser may stop the machine, also without control.
-            Request::Stop { now } => {
-                let kind = if *now {
-                    StopKind::Now
-                } else {
-                    StopKind::AtPhase
-                };
-                return self
-                    .link
-                    .repeatable("stop", &LinkRequest::Stop(kind))
-                    .map_err(text);
-            }
             Request::TakeControl => {
                 if self.browsers.owner().is_some() {
                     self.browsers.check_control(id)?;
@@ -76,22 +61,12 @@ impl Bench {
                 link.repeatable(name, &LinkRequest::Override { permille })
             }
             Request::Restart => self.restart(),
-            Request::Load { text } => self.load(text),
+            Request::Load { text, program } => link
+                .write_file(File::Program, program)
+                .map(|()| text.clone_into(&mut self.text)),
             Request::Inject { fault } => inject(link, fault),
         }
         .map_err(text)
-    }
-
-    /// Loads the program of a scene, checked as `cophase link load` checks it.
-    fn load(&mut self, text: &str) -> Result<(), LinkError> {
-        const NAME: &str = "the program";
-        let checked = load::parse(text)
-            .and_then(Checked::new)
-            .map_err(|error| LinkError::Input(error.in_file(NAME).to_string()))?;
-        let file = write::program_file(&mut self.link, &self.identity, NAME, &checked.settings)?;
-        self.link.write_file(File::Program, &file)?;
-        text.clone_into(&mut self.text);
-        Ok(())
     }
 }
 

@@ -1,135 +1,270 @@
 //! Requests of browsers: files of the page, and the upgrade to a WebSocket.
+//!
+//! A socket that has not shown the token yet is a *stranger*. Strangers have no thread and no memory of their own here: one thread looks
+//! at all of them in turn, and the oldest one makes room for a new one. Files and pages have their own limits.
 
+use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
 use tungstenite::handshake::derive_accept_key;
 
 use super::access::{Access, Credentials};
-use super::bench::Job;
-use super::{browser, page};
+use super::browser::{self, Desk};
+use super::page;
 
-/// Greatest length of a request's head, bytes.
+/// Largest length of a request's head, bytes.
 const HEAD_BYTES: usize = 8192;
 
-/// Greatest number of headers of a request.
+/// Largest number of headers of a request.
 const HEADERS: usize = 64;
 
-/// Longest wait for the request of a browser, and for the end of the answer.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// Longest wait for the head of a request.
+const HEAD_WITHIN: Duration = Duration::from_secs(5);
 
-/// Greatest number of connections at the same time.
-const CONNECTIONS: usize = 64;
+/// Longest time for the transfer of a file.
+const FILE_WITHIN: Duration = Duration::from_secs(30);
+
+/// Longest wait of a write to a socket.
+const WRITE_WITHIN: Duration = Duration::from_secs(2);
+
+/// Largest numbers of strangers, of files in transfer, and of open pages.
+const STRANGERS: usize = 128;
+const FILES: usize = 32;
+const PAGES: usize = 16;
+
+/// Largest number of sockets that are accepted before the strangers have their turn.
+const ACCEPTED: usize = 32;
+
+/// Time between two polls of the strangers.
+const POLL_EVERY: Duration = Duration::from_millis(1);
 
 /// Accepts connections for as long as the process lives.
-pub(super) fn serve(listener: &TcpListener, access: &Arc<Access>, jobs: &Sender<Job>) {
-    let open = Arc::new(AtomicUsize::new(0));
-    for stream in listener.incoming().flatten() {
-        // A browser that gets no answer tries again.
-        if open.load(Ordering::Relaxed) >= CONNECTIONS {
-            continue;
+pub(super) fn serve(listener: &TcpListener, access: &Access, desk: &Desk) {
+    let mut strangers: VecDeque<(TcpStream, Instant)> = VecDeque::new();
+    let mut door = Door {
+        access,
+        desk,
+        files: Arc::new(()),
+        pages: Arc::new(()),
+    };
+    loop {
+        for _ in 0..ACCEPTED {
+            // Without a stranger, the thread sleeps until one comes.
+            let accepted = listener
+                .set_nonblocking(!strangers.is_empty())
+                .and_then(|()| listener.accept());
+            match accepted {
+                Ok((stream, _)) => {
+                    if stream.set_nonblocking(true).is_err() {
+                        continue;
+                    }
+                    if strangers.len() == STRANGERS {
+                        strangers.pop_front();
+                    }
+                    strangers.push_back((stream, Instant::now() + HEAD_WITHIN));
+                }
+                Err(error) => {
+                    if error.kind() != io::ErrorKind::WouldBlock {
+                        // The process may have no room for another socket.
+                        strangers.pop_front();
+                        std::thread::sleep(POLL_EVERY);
+                    }
+                    break;
+                }
+            }
         }
-        open.fetch_add(1, Ordering::Relaxed);
-        let (access, jobs, open) = (access.clone(), jobs.clone(), open.clone());
-        std::thread::spawn(move || {
-            // The browser has left, and nothing remains to be done for it.
-            let _ = answer(stream, &access, &jobs);
-            open.fetch_sub(1, Ordering::Relaxed);
-        });
+        for _ in 0..strangers.len() {
+            let Some((mut stream, end)) = strangers.pop_front() else {
+                break;
+            };
+            match read_head(&mut stream) {
+                Ok(Some(head)) => door.answer(stream, &head),
+                Ok(None) if Instant::now() < end => strangers.push_back((stream, end)),
+                Ok(None) | Err(_) => {}
+            }
+        }
+        std::thread::sleep(POLL_EVERY);
     }
 }
 
-/// Answers one request; a socket stays until either side closes it.
-fn answer(mut stream: TcpStream, access: &Access, jobs: &Sender<Job>) -> io::Result<()> {
-    stream.set_nodelay(true)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let head = read_head(&mut stream)?;
-    let mut headers = [httparse::EMPTY_HEADER; HEADERS];
-    let mut request = httparse::Request::new(&mut headers);
-    let parsed = request.parse(&head);
-    let (true, Some(path)) = (parsed.is_ok(), request.path) else {
-        return refuse(&mut stream, "400 Bad Request", "no HTTP request");
+/// Reads up to the empty line, once it has arrived. A request for a file has no body, and the bytes that follow belong to the socket.
+fn read_head(stream: &mut TcpStream) -> io::Result<Option<Vec<u8>>> {
+    let mut head = [0; HEAD_BYTES];
+    let count = match stream.peek(&mut head) {
+        Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+        Ok(count) => count,
+        Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(None),
+        Err(error) => return Err(error),
     };
-    let header = |name: &str| {
-        let mut same = request
-            .headers
-            .iter()
-            .filter(|header| header.name.eq_ignore_ascii_case(name));
-        // A browser could read a repeated header in another way than this server.
-        let (value, twice) = (same.next(), same.next());
-        value
-            .filter(|_| twice.is_none())
-            .and_then(|header| std::str::from_utf8(header.value).ok())
-    };
-    let is_given = |name: &str| {
-        request
-            .headers
-            .iter()
-            .any(|header| header.name.eq_ignore_ascii_case(name))
-    };
-    let credentials = Credentials {
-        path,
-        host: header("host"),
-        // An unreadable origin is not the origin of this server.
-        origin: header("origin").or_else(|| is_given("origin").then_some("")),
-    };
-    let file = match access.check(&credentials) {
-        Ok(file) => file,
-        Err(denied) => return refuse(&mut stream, "403 Forbidden", &denied.to_string()),
-    };
-    if request.method != Some("GET") {
-        return refuse(&mut stream, "405 Method Not Allowed", "give GET");
+    const END: &[u8] = b"\r\n\r\n";
+    match head[..count].windows(END.len()).position(|end| end == END) {
+        Some(at) => {
+            let mut head = vec![0; at + END.len()];
+            stream.read_exact(&mut head)?;
+            Ok(Some(head))
+        }
+        None if count == HEAD_BYTES => Err(io::ErrorKind::InvalidData.into()),
+        None => Ok(None),
     }
-    if file == "socket" {
-        let upgrade =
-            header("upgrade").is_some_and(|value| value.eq_ignore_ascii_case("websocket"));
-        let (true, Some(key)) = (upgrade, header("sec-websocket-key")) else {
-            return refuse(&mut stream, "426 Upgrade Required", "this is a WebSocket");
+}
+
+/// What a socket needs to come in.
+struct Door<'a> {
+    access: &'a Access,
+    desk: &'a Desk,
+    /// Places of files and pages. Each that is taken is one more reference.
+    files: Arc<()>,
+    pages: Arc<()>,
+}
+
+impl Door<'_> {
+    /// Answers one request. A file and a page get a thread.
+    fn answer(&mut self, mut stream: TcpStream, head: &[u8]) {
+        let refusal = match self.admit(head) {
+            Ok(Admitted::File(file, place)) => {
+                let policy = policy(self.access);
+                return spawn(move || {
+                    let _place = place;
+                    let head = head_of("200 OK", file.content_type, &policy, file.bytes.len());
+                    let mut write = || {
+                        begin(&stream)?;
+                        write_within(&mut stream, head.as_bytes())?;
+                        write_within(&mut stream, file.bytes)
+                    };
+                    // The browser has left, and nothing remains to be done for it.
+                    let _ = write();
+                });
+            }
+            Ok(Admitted::Page(key, place)) => {
+                let desk = self.desk.clone();
+                return spawn(move || {
+                    let upgrade = format!(
+                        "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {}\r\n\r\n",
+                        derive_accept_key(key.as_bytes())
+                    );
+                    let begun = begin(&stream).and_then(|()| stream.write_all(upgrade.as_bytes()));
+                    if begun.is_ok() {
+                        let _ = browser::serve(stream, desk, place);
+                    }
+                });
+            }
+            Err(refusal) => refusal,
         };
-        if credentials.origin.is_none() {
-            return refuse(
-                &mut stream,
-                "403 Forbidden",
-                "a socket needs the page's own origin",
-            );
-        }
-        write!(
-            stream,
-            "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {}\r\n\r\n",
-            derive_accept_key(key.as_bytes())
-        )?;
-        return browser::serve(stream, jobs);
+        let (status, reason) = refusal;
+        let text = format!("{reason}\n");
+        let head = head_of(
+            status,
+            "text/plain; charset=utf-8",
+            "default-src 'none'",
+            text.len(),
+        );
+        // The buffer of a socket that has sent a head only has room for this.
+        let _ = stream.write_all(format!("{head}{text}").as_bytes());
     }
-    match page::find(file) {
-        Some(file) => respond(
-            &mut stream,
-            "200 OK",
-            file.content_type,
-            &policy(access),
-            file.bytes,
-        ),
-        None => refuse(&mut stream, "404 Not Found", "there is no such file"),
+
+    /// Returns what a request may have, or the status and the reason of the refusal.
+    fn admit(&self, head: &[u8]) -> Result<Admitted, (&'static str, String)> {
+        let mut headers = [httparse::EMPTY_HEADER; HEADERS];
+        let mut request = httparse::Request::new(&mut headers);
+        let parsed = request.parse(head);
+        let refuse = |status, reason: &str| Err((status, reason.to_owned()));
+        let (true, Some(path)) = (parsed.is_ok(), request.path) else {
+            return refuse("400 Bad Request", "no HTTP request");
+        };
+        let header = |name: &str| {
+            let mut same = request
+                .headers
+                .iter()
+                .filter(|header| header.name.eq_ignore_ascii_case(name));
+            // A browser could read a repeated header in another way than this server.
+            let (value, twice) = (same.next(), same.next());
+            value
+                .filter(|_| twice.is_none())
+                .and_then(|header| std::str::from_utf8(header.value).ok())
+        };
+        let is_given = |name: &str| {
+            request
+                .headers
+                .iter()
+                .any(|header| header.name.eq_ignore_ascii_case(name))
+        };
+        let credentials = Credentials {
+            path,
+            host: header("host"),
+            // An unreadable origin is not the origin of this server.
+            origin: header("origin").or_else(|| is_given("origin").then_some("")),
+        };
+        let file = match self.access.check(&credentials) {
+            Ok(file) => file,
+            Err(denied) => return refuse("403 Forbidden", &denied.to_string()),
+        };
+        if request.method != Some("GET") {
+            return refuse("405 Method Not Allowed", "give GET");
+        }
+        if file == "socket" {
+            let upgrade =
+                header("upgrade").is_some_and(|value| value.eq_ignore_ascii_case("websocket"));
+            let (true, Some(key)) = (upgrade, header("sec-websocket-key")) else {
+                return refuse("426 Upgrade Required", "this is a WebSocket");
+            };
+            if credentials.origin.is_none() {
+                return refuse("403 Forbidden", "a socket needs the page's own origin");
+            }
+            return match place(&self.pages, PAGES) {
+                Some(place) => Ok(Admitted::Page(key.to_owned(), place)),
+                None => refuse(BUSY, "too many pages are open; close one of them"),
+            };
+        }
+        let Some(file) = page::find(file) else {
+            return refuse("404 Not Found", "there is no such file");
+        };
+        match place(&self.files, FILES) {
+            Some(place) => Ok(Admitted::File(file, place)),
+            None => refuse(BUSY, "too many files are being fetched; try again"),
+        }
     }
 }
 
-/// Reads up to the empty line. A request for a file has no body.
-fn read_head(stream: &mut TcpStream) -> io::Result<Vec<u8>> {
-    let mut head = Vec::new();
-    let end = Instant::now() + PATIENCE;
-    while !head.ends_with(b"\r\n\r\n") {
-        // The head is read byte by byte, because the following bytes belong to the socket. A head is short.
-        let mut byte = [0];
-        if head.len() == HEAD_BYTES || Instant::now() > end || stream.read(&mut byte)? == 0 {
-            return Err(io::ErrorKind::InvalidData.into());
+const BUSY: &str = "503 Service Unavailable";
+
+/// Request that is answered, with its place.
+enum Admitted {
+    File(&'static page::File, Arc<()>),
+    /// A page, with the key of its socket.
+    Page(String, Arc<()>),
+}
+
+/// Takes one of so many places, if one is free.
+fn place(places: &Arc<()>, max: usize) -> Option<Arc<()>> {
+    (Arc::strong_count(places) <= max).then(|| places.clone())
+}
+
+/// Runs a task on a thread of its own. Without a thread, its socket is closed.
+fn spawn(task: impl FnOnce() + Send + 'static) {
+    let _ = std::thread::Builder::new().spawn(task);
+}
+
+/// Prepares a socket for a thread that waits for it.
+fn begin(stream: &TcpStream) -> io::Result<()> {
+    stream.set_nonblocking(false)?;
+    stream.set_nodelay(true)?;
+    stream.set_write_timeout(Some(WRITE_WITHIN))
+}
+
+/// Writes bytes to a browser that takes them within a time.
+fn write_within(stream: &mut TcpStream, mut bytes: &[u8]) -> io::Result<()> {
+    let end = Instant::now() + FILE_WITHIN;
+    while !bytes.is_empty() {
+        let count = stream.write(bytes)?;
+        bytes = &bytes[count..];
+        if Instant::now() > end {
+            return Err(io::ErrorKind::TimedOut.into());
         }
-        head.push(byte[0]);
     }
-    Ok(head)
+    Ok(())
 }
 
 /// Returns the Content-Security-Policy of the page: own files and the own socket only. The editor compiles the core from
@@ -143,31 +278,11 @@ fn policy(access: &Access) -> String {
     )
 }
 
-fn refuse(stream: &mut TcpStream, status: &str, why: &str) -> io::Result<()> {
-    let text = format!("{why}\n");
-    respond(
-        stream,
-        status,
-        "text/plain; charset=utf-8",
-        "default-src 'none'",
-        text.as_bytes(),
-    )
-}
-
-fn respond(
-    stream: &mut TcpStream,
-    status: &str,
-    content_type: &str,
-    policy: &str,
-    body: &[u8],
-) -> io::Result<()> {
-    write!(
-        stream,
-        "HTTP/1.1 {status}\r\nContent-Type: {content_type}\r\nContent-Length: {}\r\nContent-Security-Policy: {policy}\r\n\
+/// Returns the head of an answer.
+fn head_of(status: &str, content_type: &str, policy: &str, length: usize) -> String {
+    format!(
+        "HTTP/1.1 {status}\r\nContent-Type: {content_type}\r\nContent-Length: {length}\r\nContent-Security-Policy: {policy}\r\n\
          X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
-         Cache-Control: no-store\r\nConnection: close\r\n\r\n",
-        body.len()
-    )?;
-    stream.write_all(body)?;
-    stream.flush()
+         Cache-Control: no-store\r\nConnection: close\r\n\r\n"
+    )
 }

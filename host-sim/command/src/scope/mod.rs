@@ -1,8 +1,11 @@
 //! `cophase scope`: a local web page that shows a controller live, and operates it.
 //!
 //! Only the main thread of the command communicates with the controller ([`bench`]). Every browser has its own thread
-//! ([`browser`]), which passes JSON requests to the main thread, and takes JSON reports and binary batches of samples from a
-//! queue. Files of the page are in the binary ([`page`]). [`access`] checks each request.
+//! ([`browser`]), which passes JSON requests on one by one, and takes JSON reports and binary batches of samples from a
+//! queue. Files of the page are in the binary ([`page`]). [`access`] checks each socket before it gets a thread ([`http`]).
+//!
+//! A stop passes none of these queues. The browser's thread requests it of the connection, which looks for it before each read
+//! ([`Stops`](crate::link::stops::Stops)). A new program is checked on a thread of its own ([`program_check`]).
 
 mod access;
 mod bench;
@@ -12,14 +15,14 @@ mod columns;
 mod commands;
 mod http;
 mod page;
+mod program_check;
 mod report;
 mod request;
 mod scene;
 
 use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::sync::Arc;
-use std::sync::mpsc::channel;
+use std::sync::mpsc::{channel, sync_channel};
 
 use clap::Args;
 use cophase_link::line::UART_BAUD;
@@ -30,6 +33,7 @@ use super::numbers::whole;
 use super::{CommandError, Status};
 use access::Access;
 use bench::Bench;
+use browser::Desk;
 
 #[derive(Debug, Args)]
 #[command(
@@ -66,7 +70,8 @@ fn address(text: &str) -> Result<IpAddr, &'static str> {
 /// Serves the page until the process is interrupted.
 pub(crate) fn scope(args: &ScopeArgs, out: &mut impl Write) -> Result<Status, CommandError> {
     let input = |error: String| CommandError::Input(error);
-    if args.listen.is_unspecified() {
+    // An IPv4 address may be written as one of IPv6.
+    if args.listen.to_canonical().is_unspecified() {
         return Err(input(format!(
             "--listen {}: give one address of this computer, as the page checks that requests are for it",
             args.listen
@@ -83,7 +88,6 @@ pub(crate) fn scope(args: &ScopeArgs, out: &mut impl Write) -> Result<Status, Co
             "no random token: {e}; the operating system has none"
         ))
     })?;
-    let access = Arc::new(access);
     let mut bench = Bench::new(Connection::new(transport), args)
         .map_err(|error| CommandError::Input(error.to_string()))?;
     // The text is written in one piece, because a program that reads the address may then close the pipe.
@@ -96,7 +100,15 @@ pub(crate) fn scope(args: &ScopeArgs, out: &mut impl Write) -> Result<Status, Co
     )?;
     out.flush()?;
     let (jobs, taken) = channel();
-    std::thread::spawn(move || http::serve(&listener, &access, &jobs));
+    let (checks, waiting) = sync_channel(1);
+    let desk = Desk {
+        stops: bench.link.stops(),
+        jobs: jobs.clone(),
+        checks,
+    };
+    let (settings, stops) = (bench.settings.clone(), bench.link.stops());
+    std::thread::spawn(move || program_check::run(&waiting, &settings, &stops, &jobs));
+    std::thread::spawn(move || http::serve(&listener, &access, &desk));
     bench
         .run(&taken)
         .map_err(|error| CommandError::Input(error.to_string()))?;

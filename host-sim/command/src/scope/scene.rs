@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use cophase_link::message::Identity;
-use host_sim::scene::library;
+use host_sim::input_file;
+use host_sim::scene::{library, load};
 
 use super::ScopeArgs;
 
@@ -18,6 +19,7 @@ pub(super) fn text(args: &ScopeArgs, identity: &Identity) -> Result<String, Stri
     };
     match library::find(name) {
         Some(built_in) if !Path::new(name).exists() => Ok(built_in.text.to_owned()),
-        _ => std::fs::read_to_string(name).map_err(|e| format!("{name}: {e}; give a scene file")),
+        _ => input_file::read_text(Path::new(name), load::MAX_BYTES)
+            .map_err(|e| format!("{name}: {e}; give a scene file")),
     }
 }

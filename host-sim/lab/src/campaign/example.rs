@@ -88,7 +88,7 @@ mod tests {
     fn failures_are_offered_before_slow_detections() {
         let plan = Plan::new(5, None).unwrap();
         let rows = run_all(&plan, 0..6, &|| {}).unwrap();
-        let header = Header::new(&plan, None, 0..6);
+        let header = Header::new(&plan, None, 0..6, 6);
         let shard = Shard { header, rows };
         let offered = |tally: &Tally| example(&shard, tally).unwrap();
 

@@ -1,9 +1,9 @@
 //! Rows as files: a line that identifies them, then CSV.
 //!
-//! A *shard* has the rows of a range of case numbers. Shards of one campaign have the same plan, version, seed and scene. If they leave no
-//! gap and do not overlap, they can be joined into one shard. It is the same, byte for byte, as that of a single run over all cases.
+//! A *shard* has the rows of a range of case numbers. Shards of one campaign have the same plan, version, seed, scene and number of cases. If
+//! they are all cases, each once, they can be joined into one shard. It is the same, byte for byte, as that of a single run. The last field of
+//! the line is the CRC-32 of all other bytes, so that damage is detected.
 
-use std::fmt::Write as _;
 use std::ops::Range;
 
 use super::plan::strata::Stratum;
@@ -14,6 +14,9 @@ use host_sim::scene::Scene;
 
 /// Beginning of the line that identifies a shard.
 const MARK: &str = "# cophase campaign";
+
+/// Key of the last field of that line, the CRC-32.
+const SUM: &str = " crc32=";
 
 /// Scene of a campaign whose machines are drawn.
 pub const MACHINES: &str = "machines";
@@ -33,11 +36,13 @@ pub struct Header {
     pub selection: Option<Selection>,
     /// Numbers of its cases. With a selection, these are their positions in it.
     pub numbers: Range<u64>,
+    /// Number of cases of the whole campaign.
+    pub of: u64,
 }
 
 impl Header {
     /// Header for a range of a plan's cases, or of those that a selection takes.
-    pub fn new(plan: &Plan, selection: Option<Selection>, numbers: Range<u64>) -> Self {
+    pub fn new(plan: &Plan, selection: Option<Selection>, numbers: Range<u64>, of: u64) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             plan: VERSION,
@@ -45,7 +50,13 @@ impl Header {
             scene: plan.scene().map_or(MACHINES.to_owned(), checksum),
             selection,
             numbers,
+            of,
         }
+    }
+
+    /// Returns true if the shard has all cases of its campaign.
+    pub fn is_whole(&self) -> bool {
+        self.numbers == (0..self.of)
     }
 
     fn line(&self) -> String {
@@ -56,12 +67,13 @@ impl Header {
             scene,
             selection,
             numbers,
+            of,
         } = self;
         let selected = (selection.as_ref()).map_or(String::new(), |selection| {
             format!(" {}", selection.fields())
         });
         format!(
-            "{MARK} version={version} plan={plan} seed={seed} scene={scene}{selected} from={} to={}",
+            "{MARK} version={version} plan={plan} seed={seed} scene={scene}{selected} from={} to={} of={of}",
             numbers.start, numbers.end
         )
     }
@@ -73,6 +85,10 @@ impl Header {
                 .split_whitespace()
                 .find_map(|field| field.strip_prefix(name)?.strip_prefix('='))
         };
+        let numbers = field("from")?.parse().ok()?..field("to")?.parse().ok()?;
+        let of = field("of")?.parse().ok()?;
+        let is_part = !numbers.is_empty() && numbers.end <= of;
+        is_part.then_some(())?;
         Some(Self {
             version: field("version")?.to_owned(),
             plan: field("plan")?.parse().ok()?,
@@ -82,7 +98,8 @@ impl Header {
                 Some(only) => Some(Selection::parse(only, field("others"))?),
                 None => None,
             },
-            numbers: field("from")?.parse().ok()?..field("to")?.parse().ok()?,
+            numbers,
+            of,
         })
     }
 
@@ -93,7 +110,7 @@ impl Header {
         let last = before.last().map(|last| last.number);
         let is_case_due = match &self.selection {
             _ if is_clean_due => last == Some(row.number),
-            None => row.number == self.numbers.start + before.len() as u64 / 2,
+            None => row.number.checked_sub(self.numbers.start) == Some(before.len() as u64 / 2),
             Some(selection) => takes(selection, row) && last < Some(row.number),
         };
         row.clean == is_clean_due && is_case_due
@@ -111,6 +128,7 @@ impl Header {
             ("seed", &self.seed.to_string(), &other.seed.to_string()),
             ("scene", &self.scene, &other.scene),
             ("--only", &selected(self), &selected(other)),
+            ("--runs", &self.of.to_string(), &other.of.to_string()),
         ];
         let (key, ours, theirs) = pairs.into_iter().find(|(_, ours, theirs)| ours != theirs)?;
         Some(format!("{key} = {theirs}, not {ours}"))
@@ -128,8 +146,17 @@ fn takes(selection: &Selection, row: &Row) -> bool {
 /// Returns the checksum of a scene after parsing. It does not depend on the layout of its file.
 fn checksum(scene: &Scene) -> String {
     let text = toml::to_string(scene).unwrap_or_default();
-    let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(text.as_bytes());
-    format!("{sum:08x}")
+    crc32([text.as_str()])
+}
+
+/// Returns the CRC-32 of the parts of a text, as eight digits.
+fn crc32<'a>(parts: impl IntoIterator<Item = &'a str>) -> String {
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+    let mut digest = crc.digest();
+    for part in parts {
+        digest.update(part.as_bytes());
+    }
+    format!("{:08x}", digest.finalize())
 }
 
 /// Rows of a range of cases, with their identity.
@@ -152,8 +179,6 @@ impl Shard {
     /// # Errors
     /// None in practice: rows have only plain values.
     pub fn to_text(&self) -> Result<String, ShardError> {
-        let mut text = self.header.line();
-        text.push('\n');
         let mut writer = csv::Writer::from_writer(Vec::new());
         for row in &self.rows {
             writer
@@ -163,8 +188,9 @@ impl Shard {
         let rows = writer
             .into_inner()
             .map_err(|error| ShardError(error.to_string()))?;
-        let _ = write!(text, "{}", String::from_utf8_lossy(&rows));
-        Ok(text)
+        let (line, rows) = (self.header.line(), String::from_utf8_lossy(&rows));
+        let sum = crc32([line.as_str(), rows.as_ref()]);
+        Ok(format!("{line}{SUM}{sum}\n{rows}"))
     }
 
     /// Parses a shard from text.
@@ -173,12 +199,20 @@ impl Shard {
     /// The text has a defect. The message contains its place.
     pub fn parse(text: &str) -> Result<Self, ShardError> {
         let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
-        let header = Header::parse(first.trim_end()).ok_or_else(|| {
+        let parts = first.split_once(SUM);
+        let identified = parts.and_then(|(line, sum)| Some((Header::parse(line)?, line, sum)));
+        let (header, line, sum) = identified.ok_or_else(|| {
             ShardError(format!(
-                "line 1 does not say what it is of, as `{MARK} version=… plan=… seed=… scene=… from=… to=…`; \
+                "line 1 does not state what it is of, as `{MARK} version=… plan=… seed=… scene=… from=… to=… of=…{SUM}…`; \
                  give a file that `cophase campaign` wrote"
             ))
         })?;
+        if sum != crc32([line, rest]) {
+            return Err(ShardError(
+                "is damaged or truncated: its CRC-32 is not that of line 1; copy the file again, or run that range again"
+                    .to_owned(),
+            ));
+        }
         let mut rows: Vec<Row> = Vec::new();
         for row in csv::Reader::from_reader(rest.as_bytes()).deserialize() {
             let row: Row = row.map_err(|error| {
@@ -193,7 +227,10 @@ impl Shard {
                     "faulty"
                 };
                 let case = match &header.selection {
-                    None => format!("case {}", header.numbers.start + rows.len() as u64 / 2),
+                    None => format!(
+                        "case {}",
+                        header.numbers.start.saturating_add(rows.len() as u64 / 2)
+                    ),
                     Some(selection) => format!("the next case of {selection}"),
                 };
                 return Err(ShardError(format!(
@@ -203,12 +240,11 @@ impl Shard {
             }
             rows.push(row);
         }
-        let cases = header.numbers.end.saturating_sub(header.numbers.start);
-        if rows.len() as u64 != 2 * cases {
+        let cases = header.numbers.end - header.numbers.start;
+        if !rows.len().is_multiple_of(2) || rows.len() as u64 / 2 != cases {
             return Err(ShardError(format!(
-                "has {} of the {} rows that its first line states; run that range again",
-                rows.len(),
-                2 * cases
+                "has {} rows, and its first line states {cases} cases of two; run that range again",
+                rows.len()
             )));
         }
         Ok(Self { header, rows })
@@ -229,7 +265,7 @@ fn brief(error: &csv::Error) -> String {
 /// Joins shards in any order. Each has a name that identifies it in messages.
 ///
 /// # Errors
-/// No shards are given, or two of them are of different campaigns, overlap, or leave a gap.
+/// No shards are given, or they are of different campaigns, overlap, or leave cases out.
 pub fn join(mut shards: Vec<(String, Shard)>) -> Result<Shard, ShardError> {
     shards.sort_by_key(|(_, shard)| shard.header.numbers.start);
     let mut shards = shards.into_iter();
@@ -238,6 +274,16 @@ pub fn join(mut shards: Vec<(String, Shard)>) -> Result<Shard, ShardError> {
             "no shards; give files that `cophase campaign` wrote, or a folder of them".to_owned(),
         ));
     };
+    let missing = |what: &str, from: u64, to: u64| {
+        ShardError(format!(
+            "{what}; give the missing cases, --from {from} --to {to}"
+        ))
+    };
+    let start = joined.header.numbers.start;
+    if start > 0 {
+        let what = format!("{last}: is the first shard, and begins with case {start}");
+        return Err(missing(&what, 0, start));
+    }
     for (name, shard) in shards {
         if let Some(what) = joined.header.differs(&shard.header) {
             return Err(ShardError(format!(
@@ -252,14 +298,20 @@ pub fn join(mut shards: Vec<(String, Shard)>) -> Result<Shard, ShardError> {
             )));
         }
         if start > end {
-            return Err(ShardError(format!(
-                "{name}: begins with case {start}, and {last} ends with {}; give what is between, --from {end} --to {start}",
+            let what = format!(
+                "{name}: begins with case {start}, and {last} ends with {}",
                 end - 1
-            )));
+            );
+            return Err(missing(&what, end, start));
         }
         joined.header.numbers.end = shard.header.numbers.end;
         joined.rows.extend(shard.rows);
         last = name;
+    }
+    let (end, of) = (joined.header.numbers.end, joined.header.of);
+    if end < of {
+        let what = format!("{last}: is the last shard, and the campaign has {of} cases");
+        return Err(missing(&what, end, of));
     }
     Ok(joined)
 }

@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn misnamed_faults_within_the_claim_are_listed_separately() {
         let plan = Plan::new(5, None).unwrap();
-        let header = Header::new(&plan, None, 0..100);
+        let header = Header::new(&plan, None, 0..100, 100);
         let of = |named: u64, what: Failure| {
             let mut group = Group::default();
             for number in 0..100 {

@@ -23,7 +23,7 @@ mod record;
 mod table;
 
 use std::f64::consts::TAU;
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 
 use cophase_methods::problems::crusher::{Jaw, Linkage, Load};
 
@@ -33,6 +33,9 @@ use crate::machine::Pose;
 use crate::scene::file::Fidelity;
 
 use record::CrusherRecord;
+
+/// Name with its article.
+const NAME: &str = "a jaw crusher";
 pub use table::{CrusherTable, Rock};
 
 /// Shaft with flywheel, jaw and rock.
@@ -102,15 +105,11 @@ fn samples() -> impl Iterator<Item = f64> {
 
 impl Plant for Crusher {
     fn name(&self) -> &'static str {
-        "a jaw crusher"
+        NAME
     }
 
     fn draw(&self) -> String {
         drawing::draw(self)
-    }
-
-    fn axes(&self) -> RangeInclusive<usize> {
-        1..=1
     }
 
     fn levels(&self) -> &'static [Fidelity] {

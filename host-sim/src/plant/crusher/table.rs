@@ -1,6 +1,7 @@
 //! Scene table `[crusher]`: a jaw crusher.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use cophase_methods::problems::crusher::{Jaw, Linkage, Load, Shape};
@@ -138,6 +139,14 @@ impl CrusherTable {
 impl Table for CrusherTable {
     fn key(&self) -> &'static str {
         "crusher"
+    }
+
+    fn plant_name(&self) -> &'static str {
+        super::NAME
+    }
+
+    fn axes(&self) -> RangeInclusive<usize> {
+        1..=1
     }
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {

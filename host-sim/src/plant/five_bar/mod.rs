@@ -24,7 +24,6 @@ mod record;
 mod table;
 
 use std::f64::consts::TAU;
-use std::ops::RangeInclusive;
 
 use cophase_methods::problems::five_bar::{FiveBarArm, HybridLaw, Target};
 use nalgebra::{Matrix2, Vector2};
@@ -36,6 +35,9 @@ use crate::scene::file::Fidelity;
 
 pub use path::{Motion, NoTable, Path};
 use record::ArmRecord;
+
+/// Name with its article.
+const NAME: &str = "a five-bar arm";
 pub use table::{Assembly, ContactTable, FiveBarTable, Plane};
 
 /// Arm with its path.
@@ -88,15 +90,11 @@ fn both(values: &[f64]) -> [f64; 2] {
 
 impl Plant for Arm {
     fn name(&self) -> &'static str {
-        "a five-bar arm"
+        NAME
     }
 
     fn draw(&self) -> String {
         drawing::draw(self)
-    }
-
-    fn axes(&self) -> RangeInclusive<usize> {
-        2..=2
     }
 
     fn levels(&self) -> &'static [Fidelity] {

@@ -1,6 +1,7 @@
 //! Scene table `[five_bar]`: a suspended five-bar arm and the path of its hand.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use cophase_methods::problems::five_bar::{FiveBarArm, ForceSensor, HybridLaw, Load, Rod, Surface};
@@ -336,6 +337,14 @@ impl FiveBarTable {
 impl Table for FiveBarTable {
     fn key(&self) -> &'static str {
         "five_bar"
+    }
+
+    fn plant_name(&self) -> &'static str {
+        super::NAME
+    }
+
+    fn axes(&self) -> RangeInclusive<usize> {
+        2..=2
     }
 
     fn axes_follow_tables(&self) -> bool {

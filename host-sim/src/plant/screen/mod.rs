@@ -23,8 +23,6 @@ mod record;
 mod resonance;
 mod table;
 
-use std::ops::RangeInclusive;
-
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Plant, Record, Shafts};
@@ -33,6 +31,9 @@ use crate::machine::Pose;
 use crate::scene::file::Fidelity;
 
 use record::ScreenRecord;
+
+/// Name with its article.
+const NAME: &str = "a screen";
 pub use resonance::{AMPLIFICATION, Resonance, Steady};
 pub use table::ScreenTable;
 
@@ -115,15 +116,11 @@ impl Screen {
 
 impl Plant for Screen {
     fn name(&self) -> &'static str {
-        "a screen"
+        NAME
     }
 
     fn draw(&self) -> String {
         drawing::draw(self)
-    }
-
-    fn axes(&self) -> RangeInclusive<usize> {
-        1..=6
     }
 
     fn levels(&self) -> &'static [Fidelity] {

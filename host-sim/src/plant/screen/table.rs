@@ -1,6 +1,7 @@
 //! Scene table `[screen]`: a box on springs with unbalanced shafts.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -145,6 +146,14 @@ impl ScreenTable {
 impl Table for ScreenTable {
     fn key(&self) -> &'static str {
         "screen"
+    }
+
+    fn plant_name(&self) -> &'static str {
+        super::NAME
+    }
+
+    fn axes(&self) -> RangeInclusive<usize> {
+        1..=6
     }
 
     /// Adds the forbidden bands of the screen's resonances.

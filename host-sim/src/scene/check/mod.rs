@@ -41,6 +41,8 @@ impl Checked {
     /// First error, with its key and the fix. It has no origin yet.
     pub fn new(mut scene: Scene) -> Result<Self, SceneError> {
         faults::fill(&mut scene);
+        // All others count the axes.
+        check_count(&scene)?;
         numbers::check_gears(&scene)?;
         if let Some(table) = scene.plant_table() {
             table.fill(&mut scene)?;
@@ -51,7 +53,6 @@ impl Checked {
             cam,
             plant,
         } = kind(&scene)?;
-        check_count(&scene, plant.as_deref())?;
         for (entry, overrides) in scene.axis.iter().enumerate() {
             numbers::check_overrides(&scene, entry, overrides)?;
         }
@@ -136,9 +137,9 @@ fn drift(given: &Drift) -> DriftSettings {
 }
 
 /// Checks the number of axes.
-fn check_count(scene: &Scene, plant: Option<&dyn Plant>) -> Result<(), SceneError> {
-    let (counts, what) = match plant {
-        Some(plant) => (plant.axes(), plant.name()),
+fn check_count(scene: &Scene) -> Result<(), SceneError> {
+    let (counts, what) = match scene.plant_table() {
+        Some(table) => (table.axes(), table.plant_name()),
         None => (2..=6, "one platform"),
     };
     let count = scene.axes.count;

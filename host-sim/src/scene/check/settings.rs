@@ -7,7 +7,6 @@ use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
     LimitSettings, MAX_BANDS, MachineSettings, PulseSettings, Settings, short_name,
 };
-use cophase_core::units::MAX_AXES;
 use cophase_link::board::{Board, Rp2040};
 
 use super::cam_table;
@@ -33,7 +32,7 @@ pub(super) fn settings(
             to_hz: band.to_hz,
         })
         .collect();
-    let numbers = 0..scene.axes.count.min(MAX_AXES);
+    let numbers = 0..scene.axes.count;
     let trim_deg = |i| scene.overrides(i).map_or(0.0, |own| own.trim_deg);
     Settings {
         name: short_name(&scene.name),

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
 
+use crate::input_file::{self, Unreadable};
 use crate::scene::SceneError;
 use crate::scene::check::meant_net_turns;
 use crate::scene::file::{CamTable, Scene};
@@ -15,7 +16,7 @@ use crate::scene::file::{CamTable, Scene};
 /// Difference up to which two phases or positions are equal, turns: the rounding of six decimals.
 const SAME_TURNS: f64 = 2e-6;
 /// Largest size of a file, bytes.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 /// Reads the files of all cam tables of a scene in `folder`, if it is in one.
 pub(super) fn read_all(scene: &mut Scene, folder: Option<&Path>) -> Result<(), SceneError> {
@@ -40,17 +41,14 @@ pub(super) fn read_all(scene: &mut Scene, folder: Option<&Path>) -> Result<(), S
 }
 
 fn read_text(path: &Path) -> Result<String, String> {
-    let length = std::fs::metadata(path).map(|file| file.len());
-    let length = length.map_err(|error| {
-        format!(" cannot be opened: {error}; its path is relative to the scene's folder")
-    })?;
-    if length > MOST_BYTES {
-        return Err(format!(
-            " is larger than 1 MiB; a table has at most {MAX_CAM_POINTS} rows"
-        ));
-    }
-    std::fs::read_to_string(path)
-        .map_err(|error| format!(" cannot be read: {error}; give a CSV file"))
+    input_file::read_text(path, MAX_BYTES).map_err(|error| {
+        let fix = match &error {
+            Unreadable::Open(_) => "its path is relative to the scene's folder".to_owned(),
+            Unreadable::TooLarge(_) => format!("a table has at most {MAX_CAM_POINTS} rows"),
+            _ => "give a CSV file".to_owned(),
+        };
+        format!(" {error}; {fix}")
+    })
 }
 
 /// Row of a file: its line, and its numbers.

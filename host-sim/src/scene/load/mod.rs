@@ -7,16 +7,16 @@ mod others;
 mod place;
 mod repair;
 
-use std::io::Read;
 use std::path::Path;
 
 use super::library::{BuiltIn, SCENES};
 use super::{Checked, Scene, SceneError};
+use crate::input_file::{self, Unreadable};
 use explain::{explain, not_toml};
 pub use nearest::nearest;
 
 /// Largest size of a scene file, bytes.
-const MOST_BYTES: u64 = 1 << 20;
+pub const MAX_BYTES: u64 = 1 << 20;
 
 const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to start from";
 
@@ -50,23 +50,18 @@ pub fn checked_from_text(text: &str, folder: Option<&Path>) -> Result<Checked, S
 
 fn from_path(path: &Path) -> Result<String, SceneError> {
     let whole = |problem: String| SceneError::at("", problem);
-    if path.is_dir() {
-        return Err(whole(
-            "is a directory; give a scene file (TOML) inside it".to_owned(),
-        ));
-    }
-    let file = std::fs::File::open(path)
-        .map_err(|error| whole(format!("cannot be opened: {error}; {}", instead(path))))?;
-    let mut bytes = Vec::new();
-    // The bound also refuses files without an end, such as devices.
-    file.take(MOST_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| whole(format!("cannot be read: {error}; {START_FROM}")))?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(whole(format!(
-            "is larger than 1 MiB; a scene is a few kilobytes of TOML: {START_FROM}"
-        )));
-    }
+    let bytes = input_file::read(path, MAX_BYTES).map_err(|error| {
+        let fix = match &error {
+            Unreadable::Open(_) => instead(path),
+            Unreadable::Directory => "give a scene file (TOML) inside it".to_owned(),
+            Unreadable::TooLarge(_) => {
+                format!("a scene is a few kilobytes of TOML: {START_FROM}")
+            }
+            Unreadable::NotPlain => "save the scene to a file, and give its name".to_owned(),
+            Unreadable::Read(_) => START_FROM.to_owned(),
+        };
+        whole(format!("{error}; {fix}"))
+    })?;
     if matches!(bytes[..], [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) {
         return Err(whole(
             "is UTF-16 text; a scene is a TOML file, so save it as UTF-8".to_owned(),
