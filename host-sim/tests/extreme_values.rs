@@ -7,45 +7,45 @@ use host_sim::scene::library::SCENES;
 use host_sim::scene::{Checked, load};
 use toml::Value;
 
-/// Part of the way to a number.
+/// Part of the path to a number.
 #[derive(Clone)]
 enum Part {
     Key(String),
     Entry(usize),
 }
 
-/// Collects the ways to all numbers, each with its name without the entry's number.
-fn numbers(value: &Value, way: &mut Vec<Part>, found: &mut Vec<Vec<Part>>) {
+/// Collects the paths to all numbers, each with its name without the entry's number.
+fn numbers(value: &Value, path: &mut Vec<Part>, found: &mut Vec<Vec<Part>>) {
     match value {
         Value::Table(table) => {
             for (key, value) in table {
-                way.push(Part::Key(key.clone()));
-                numbers(value, way, found);
-                way.pop();
+                path.push(Part::Key(key.clone()));
+                numbers(value, path, found);
+                path.pop();
             }
         }
         Value::Array(entries) => {
             for (i, value) in entries.iter().enumerate() {
-                way.push(Part::Entry(i));
-                numbers(value, way, found);
-                way.pop();
+                path.push(Part::Entry(i));
+                numbers(value, path, found);
+                path.pop();
             }
         }
-        Value::Integer(_) | Value::Float(_) => found.push(way.clone()),
+        Value::Integer(_) | Value::Float(_) => found.push(path.clone()),
         _ => {}
     }
 }
 
-fn name(way: &[Part]) -> String {
+fn name(path: &[Part]) -> String {
     let part = |part: &Part| match part {
         Part::Key(key) => format!(".{key}"),
         Part::Entry(_) => "[]".to_owned(),
     };
-    way.iter().map(part).collect()
+    path.iter().map(part).collect()
 }
 
-fn at<'a>(scene: &'a mut Value, way: &[Part]) -> &'a mut Value {
-    way.iter().fold(scene, |value, part| match part {
+fn at<'a>(scene: &'a mut Value, path: &[Part]) -> &'a mut Value {
+    path.iter().fold(scene, |value, part| match part {
         Part::Key(key) => value.get_mut(key).unwrap(),
         Part::Entry(i) => value.get_mut(i).unwrap(),
     })
@@ -60,10 +60,10 @@ fn extreme_values_of_every_key_are_answered() {
         // With the keys that have a default.
         let whole = toml::to_string(&load::parse(built_in.text).unwrap()).unwrap();
         let scene: Value = toml::from_str(&whole).unwrap();
-        let mut ways = Vec::new();
-        numbers(&scene, &mut Vec::new(), &mut ways);
-        for way in ways {
-            let key = name(&way);
+        let mut paths = Vec::new();
+        numbers(&scene, &mut Vec::new(), &mut paths);
+        for path in paths {
+            let key = name(&path);
             if !tried.insert(key.clone()) && key != ".axes.count" {
                 continue;
             }
@@ -72,7 +72,7 @@ fn extreme_values_of_every_key_are_answered() {
             let values = integers.map(Value::Integer).into_iter();
             for value in values.chain(floats.map(Value::Float)) {
                 let mut extreme = scene.clone();
-                *at(&mut extreme, &way) = value;
+                *at(&mut extreme, &path) = value;
                 let text = toml::to_string(&extreme).unwrap();
                 let checked = load::parse(&text).and_then(Checked::new);
                 answers[usize::from(checked.is_ok())] += 1;
