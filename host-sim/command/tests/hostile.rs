@@ -249,3 +249,14 @@ fn the_address_of_all_addresses_is_refused_in_every_form() {
         assert!(said.contains("give one address of this computer"), "{said}");
     }
 }
+
+#[test]
+fn an_address_of_another_computer_is_not_taken_for_a_port_in_use() {
+    let output = cophase(&["scope", "--to", "sim", "--listen", "192.0.2.1"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("give an address that this computer has"),
+        "{said}"
+    );
+}

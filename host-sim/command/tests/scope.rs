@@ -46,6 +46,11 @@ fn without_the_token_nothing_is_served() {
     assert_eq!(served.get(&format!("/{token}/"), &[&host]), 200);
     assert_eq!(served.get(&format!("/{token}/app.js"), &[&host]), 200);
     assert_eq!(
+        served.get(&format!("/{token}"), &[&host]),
+        403,
+        "the slash is missing"
+    );
+    assert_eq!(
         served.get(&format!("/{token}/../Cargo.toml"), &[&host]),
         404
     );

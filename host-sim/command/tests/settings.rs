@@ -297,6 +297,10 @@ fn unusable_output_paths_are_refused() {
                 "give another name",
             ],
         ),
+        (
+            "my.hex",
+            ["-o my.hex: settings are no firmware", "give my.settings"],
+        ),
         ("..", ["-o ..: it is no name of a file", "give a file"]),
         (
             "taken/it.settings",

@@ -26,6 +26,8 @@ pub(super) enum Denied {
     Host,
     #[error("the token is missing or wrong; open the address that `cophase scope` printed")]
     Token,
+    #[error("the slash at the end of the page's address is missing; add it")]
+    Slash,
     #[error(
         "the request comes from a page of another origin; open the address that `cophase scope` printed"
     )]
@@ -74,10 +76,13 @@ impl Access {
         let host = credentials.host.filter(|host| own(host));
         let host = host.ok_or(Denied::Host)?;
         let path = credentials.path.strip_prefix('/').ok_or(Denied::Token)?;
-        let (token, file) = path.split_once('/').ok_or(Denied::Token)?;
+        let (token, file) = path
+            .split_once('/')
+            .map_or((path, None), |(token, file)| (token, Some(file)));
         if !bool::from(token.as_bytes().ct_eq(self.token.as_bytes())) {
             return Err(Denied::Token);
         }
+        let file = file.ok_or(Denied::Slash)?;
         let same = |origin: &str| origin.strip_prefix("http://") == Some(host);
         if credentials.origin.is_some_and(|origin| !same(origin)) {
             return Err(Denied::Origin);

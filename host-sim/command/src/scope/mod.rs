@@ -20,7 +20,7 @@ mod report;
 mod request;
 mod scene;
 
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::mpsc::{channel, sync_channel};
 
@@ -78,8 +78,16 @@ pub(crate) fn scope(args: &ScopeArgs, out: &mut impl Write) -> Result<Status, Co
         )));
     }
     let address = SocketAddr::new(args.listen, args.port);
-    let listener = TcpListener::bind(address)
-        .map_err(|e| input(format!("--listen {address}: {e}; give a free --port")))?;
+    let listener = TcpListener::bind(address).map_err(|e| {
+        let fix = match e.kind() {
+            ErrorKind::AddrNotAvailable => {
+                "give an address that this computer has, such as 127.0.0.1"
+            }
+            ErrorKind::PermissionDenied => "give a --port of 1024 or more, or 0 for a free one",
+            _ => "give a free --port, or 0 for any",
+        };
+        input(format!("--listen {address}: {e}; {fix}"))
+    })?;
     let address = listener.local_addr()?;
     let transport =
         transport::open(args.to.as_deref(), args.baud, Faults::Injected).map_err(input)?;

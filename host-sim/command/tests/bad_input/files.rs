@@ -44,6 +44,24 @@ fn files_that_are_not_text_are_refused() {
             utf16(u16::to_be_bytes),
             ["UTF-16", "save it as UTF-8"],
         ),
+        (
+            "load.uf2",
+            b"UF2\n\x57\x51\x5d\x9e".to_vec(),
+            ["is a UF2 file", "cophase scenes default > my.toml"],
+        ),
+        (
+            "firmware",
+            b"\x7fELF\x01\x01".to_vec(),
+            ["is firmware (ELF)", "cophase scenes default > my.toml"],
+        ),
+        (
+            "firmware.hex",
+            b":020000041000EA\n".to_vec(),
+            [
+                "is firmware (Intel HEX)",
+                "cophase scenes default > my.toml",
+            ],
+        ),
         ("latin-1", latin_1, ["is not UTF-8", "save it as UTF-8"]),
         (
             "nul",
