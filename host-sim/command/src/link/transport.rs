@@ -321,7 +321,7 @@ mod tests {
         for (to, part) in [
             ("simu", "did you mean --to sim"),
             ("sim1:gears", "did you mean --to sim"),
-            ("tpc:localhost:5000", "did you mean --to tcp:HOST:PORT"),
+            ("tcpp:localhost:5000", "did you mean --to tcp:HOST:PORT"),
             ("192.0.2.5:80", "give --to tcp:192.0.2.5:80"),
             ("[::1]:80", "give --to tcp:[::1]:80"),
             ("http://localhost:3000/page", "give --to tcp:localhost:3000"),
