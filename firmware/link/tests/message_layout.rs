@@ -86,20 +86,12 @@ fn section(name: &str, registry: &Registry) -> String {
     }
 }
 
-fn numbered<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> String {
-    let names: Vec<_> = names
-        .enumerate()
-        .map(|(number, name)| format!("{number} {name}"))
-        .collect();
-    format!("*{what}*: {}.\n", names.join(", "))
-}
-
-fn bits(what: &str, names: &[(u32, &str)]) -> String {
-    let names: Vec<_> = names
-        .iter()
-        .map(|(bit, name)| format!("{bit} {name}"))
-        .collect();
-    format!("*{what}*: {}.\n", names.join(", "))
+fn numbered<'a>(what: &str, names: impl IntoIterator<Item = (u32, &'a str)>) -> String {
+    let mut table = format!("| {what} | number |\n| --- | ---: |\n");
+    for (number, name) in names {
+        writeln!(table, "| {name} | {number} |").unwrap();
+    }
+    table
 }
 
 fn tables() -> String {
@@ -134,27 +126,19 @@ fn tables() -> String {
         "{missing:?} are missing in the order of the tables"
     );
     let mut sections: Vec<String> = order.iter().map(|name| section(name, &registry)).collect();
-    sections.push(numbered("States", State::ALL.into_iter().map(State::name)));
-    sections.push(numbered(
-        "Kinds of faults",
-        FaultKind::ALL.into_iter().map(FaultKind::name),
-    ));
-    let commands: Vec<_> = Command::REFUSABLE
-        .iter()
-        .map(|command| command.name())
-        .collect();
-    sections.push(numbered(
-        "Commands that can be refused",
-        commands.iter().map(|name| &**name),
-    ));
-    sections.push(numbered(
-        "Reasons of a refused command",
-        RefusalReason::ALL.into_iter().map(RefusalReason::text),
-    ));
+    let count = |names: Vec<&'static str>| (0..).zip(names);
+    let states = State::ALL.map(State::name).to_vec();
+    sections.push(numbered("state", count(states)));
+    let kinds = FaultKind::ALL.map(FaultKind::name).to_vec();
+    sections.push(numbered("kind of fault", count(kinds)));
+    let commands = Command::REFUSABLE.map(|command| command.name()).to_vec();
+    sections.push(numbered("command that can be refused", count(commands)));
+    let reasons = RefusalReason::ALL.map(RefusalReason::text).to_vec();
+    sections.push(numbered("reason of a refused command", count(reasons)));
     let flag = |flag: u8, name| (u32::from(flag), name);
-    sections.push(bits(
-        "Flags",
-        &[
+    sections.push(numbered(
+        "flag",
+        [
             flag(flags::DRIVES, "the drives are on"),
             flag(flags::HOLDING, "a hold stops the program's time"),
             flag(flags::FAULT, "a fault has latched"),
@@ -166,9 +150,9 @@ fn tables() -> String {
         ],
     ));
     let channel = |channel: Channel, name| (channel as u32, name);
-    sections.push(bits(
-        "Channels, in the order of their values in a packet",
-        &[
+    sections.push(numbered(
+        "channel, in the order of the values in a packet",
+        [
             channel(Channel::State, "state"),
             channel(Channel::Program, "program"),
             channel(Channel::Amax, "amax"),
