@@ -27,8 +27,8 @@ In the environment, for \`sweeps\`:
   COPHASE_SWEEP=20            twenty times as many cases, the usual ones among them: half an hour
   COPHASE_CASE='freezes 17'   this case alone, with its log
 
-In the environment, for \`deadlines\`:
-  COPHASE_SEARCH=200          so many scenes; 8 if it is not given
+In the environment, for \`deadlines\` and \`stops\`:
+  COPHASE_SEARCH=200          so many scenes, of each line for \`stops\`; 8 and 3 if it is not given
   COPHASE_SEED=2              other scenes
 
 The firmware is built with the default settings, whatever COPHASE_SETTINGS says; scenes are placed in its flash.

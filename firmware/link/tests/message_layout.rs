@@ -4,9 +4,12 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use cophase_core::program::{EntrySettings, Shape};
 use cophase_core::supervisor::{Command, FaultKind, RefusalReason, State};
+use cophase_link::frame::{self, MAX_FRAME_BYTES};
 use cophase_link::message::{
     Control, ControlRequest, Event, File, Message, Output, Refusal, ReplyBody, Request, StopKind,
+    VERSION,
 };
 use cophase_link::sample::{Channel, flags};
 use serde_reflection::{
@@ -26,6 +29,7 @@ fn registry() -> Registry {
         ($($of:ty),*) => { $(tracer.trace_type::<$of>(&samples).unwrap();)* };
     }
     trace!(File, ControlRequest, StopKind, Output, Request<'_>);
+    trace!(Shape, EntrySettings);
     trace!(Control, Event, Refusal, ReplyBody<'_>, Message<'_>);
     let mut registry = tracer.registry_unchecked();
     // serde has no names of its variants: its place has them ([`type_name`]).
@@ -46,6 +50,7 @@ fn type_name(format: &Format) -> String {
         Format::U32 => "u32".to_owned(),
         Format::U64 => "u64".to_owned(),
         Format::F32 => "f32".to_owned(),
+        Format::F64 => "f64".to_owned(),
         Format::Str => "text".to_owned(),
         Format::Bytes => "bytes".to_owned(),
         Format::Option(inner) => format!("optional {}", type_name(inner)),
@@ -94,6 +99,27 @@ fn numbered<'a>(what: &str, names: impl IntoIterator<Item = (u32, &'a str)>) -> 
     table
 }
 
+fn example() -> String {
+    let hex = |bytes: &[u8]| {
+        let digits: Vec<_> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        digits.join(" ")
+    };
+    let mut payload = [0; 8];
+    let request = Request::Override { permille: 500 };
+    let payload = postcard::to_slice(&request, &mut payload).unwrap();
+    let mut buffer = [0; MAX_FRAME_BYTES];
+    let fill = |room: &mut [u8]| {
+        room[..payload.len()].copy_from_slice(payload);
+        Some(payload.len())
+    };
+    let length = frame::encode(0, &mut buffer, fill).unwrap();
+    format!(
+        "`Override` with 500 thousandths is `{}`. As a frame with the number 0 it is `{}`.\n",
+        hex(payload),
+        hex(&buffer[..length])
+    )
+}
+
 fn tables() -> String {
     let registry = registry();
     // From the outside in; the test fails for a type that is missing here.
@@ -116,6 +142,9 @@ fn tables() -> String {
         "Event",
         "FaultRecord",
         "RefusedRecord",
+        "EntrySettings",
+        "SegmentSettings",
+        "Shape",
     ];
     let missing: Vec<_> = registry
         .keys()
@@ -125,7 +154,8 @@ fn tables() -> String {
         missing.is_empty(),
         "{missing:?} are missing in the order of the tables"
     );
-    let mut sections: Vec<String> = order.iter().map(|name| section(name, &registry)).collect();
+    let mut sections = vec![format!("Version of the protocol: {VERSION}.\n"), example()];
+    sections.extend(order.iter().map(|name| section(name, &registry)));
     let count = |names: Vec<&'static str>| (0..).zip(names);
     let states = State::ALL.map(State::name).to_vec();
     sections.push(numbered("state", count(states)));

@@ -8,7 +8,7 @@
 import { MISSED_DEADLINES } from '../bench/goals.mjs';
 import { convert, scene } from '../bench/host.mjs';
 import { stringify } from 'smol-toml';
-import { accepted, atMost, COUNT, SEED } from '../search/accepted.mjs';
+import { accepted, atMost, countOr, SEED } from '../search/accepted.mjs';
 import { draw, mutate, random } from '../search/draw.mjs';
 import { NAMES } from '../search/parts.mjs';
 import { play } from '../search/play.mjs';
@@ -16,6 +16,9 @@ import { play } from '../search/play.mjs';
 /** Scenes that missed deadlines once, and the steps a second by which their cranks slip. */
 const FIXED = ['longest-tick', 'missed-deadline'];
 const SLIPS = [300, -200, 0, 150, 0, -90];
+
+/** Scenes, the fixed ones included. */
+const COUNT = countOr(8);
 
 /** Share of the scenes that change one of the longest, once there are some; and how many of the longest are kept for that. */
 const CLIMBING = 0.5;

@@ -11,10 +11,13 @@ import { LinkHost } from '../bench/link-host.mjs';
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import { inverted } from '../bench/pins.mjs';
-import { accepted, atMost, COUNT, SEED } from '../search/accepted.mjs';
+import { accepted, atMost, countOr, SEED } from '../search/accepted.mjs';
 import { draw, random } from '../search/draw.mjs';
 
 const MOST_S = 0.02;
+
+/** Scenes of each line, besides the fixed ones. */
+const COUNT = countOr(3);
 
 /** Channels of a stream: all of firmware/link/src/sample.rs. The shortest period of statuses, ms. */
 const ALL_CHANNELS = (1 << 11) - 1;

@@ -4,10 +4,12 @@ import { stringify } from 'smol-toml';
 import { convert } from '../bench/host.mjs';
 import { lower, sceneOf } from './draw.mjs';
 
-/** Number of scenes, and the seed of the first. */
-export const COUNT = Number(process.env.COPHASE_SEARCH || 8);
+/** Number of scenes, if the environment has no other. */
+export const countOr = (usual) => Number(process.env.COPHASE_SEARCH || usual);
+
+/** The seed of the first scene. */
 export const SEED = Number(process.env.COPHASE_SEED || 1);
-if (!(COUNT > 0) || !Number.isInteger(SEED)) throw new Error('COPHASE_SEARCH is a number of scenes, such as 200, and COPHASE_SEED a whole number');
+if (!(countOr(1) > 0) || !Number.isInteger(SEED)) throw new Error('COPHASE_SEARCH is a number of scenes, such as 200, and COPHASE_SEED a whole number');
 
 /** The settings accept no higher rate. */
 const MOST_HZ = 10_000;
