@@ -165,7 +165,7 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
         ),
         (
             &["campaign", "--join", "nowhere"],
-            "nowhere: No such file or directory (os error 2); give shards, or a folder with them",
+            "nowhere: cannot be opened: No such file or directory (os error 2); give shards, or a folder with them",
         ),
         (
             &["compare", "a"],

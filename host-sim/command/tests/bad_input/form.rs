@@ -145,31 +145,30 @@ fn values_of_the_wrong_type_are_refused() {
 
 #[test]
 fn toml_syntax_errors_are_refused() {
-    let line = |name, line, wrong| {
-        case(
-            name,
-            with_line("machine.load_kg", line),
-            "machine.load_kg",
-            wrong,
-            "write `key = value`",
-        )
+    let line = |name, line, wrong, right| {
+        let text = with_line("machine.load_kg", line);
+        case(name, text, "machine.load_kg", wrong, right)
     };
+    let form = "the form is `load_kg = 8`";
     assert_all_refused(&[
-        line("no value", "load_kg =", "is not TOML, at `load_kg =`"),
+        line("no value", "load_kg =", "the value is missing", form),
         line(
             "no sign",
             "load_kg 10",
-            "is not TOML, at `load_kg 10`: key with no value",
+            "is not TOML, at `load_kg 10`: `=` is between key and value",
+            "write `load_kg = 10`",
         ),
         line(
             "a unit",
             "load_kg = 10 kg",
-            "is not TOML, at `load_kg = 10 kg`",
+            "is not TOML, at `load_kg = 10 kg`: a number has no unit",
+            "write `load_kg = 10`",
         ),
         line(
             "no end",
             "load_kg = \"10",
             "is not TOML, at `load_kg = \"10`",
+            form,
         ),
         case(
             "twice",
@@ -231,16 +230,20 @@ fn syntax_of_other_languages_is_refused_with_a_fix() {
         case(name, text, "machine.load_kg", "is not TOML, at `", right)
     };
     assert_all_refused(&[
-        line("a decimal comma", "load_kg = 10,5", "write 10.5"),
+        line(
+            "a decimal comma",
+            "load_kg = 10,5",
+            "write `load_kg = 10.5`",
+        ),
         line(
             "a decimal comma and a comment",
             "load_kg = 10,5 # kg",
-            "a number has a decimal point: write 10.5",
+            "a number has a decimal point: write `load_kg = 10.5 # kg`",
         ),
         line(
             "a comment of C",
             "load_kg = 10 // kg",
-            "a comment begins with #: write `load_kg = 10  # …`",
+            "a comment begins with #: write `load_kg = 10  # kg`",
         ),
         line("a semicolon", "load_kg = 10;", "write `load_kg = 10`"),
         line("a comma", "load_kg = 10,", "write `load_kg = 10`"),
@@ -293,7 +296,7 @@ fn messages_escape_and_shorten_quoted_text() {
             with_line("machine.load_kg", &format!("load_kg = {long}")),
             "machine.load_kg",
             "is not TOML",
-            "write `key = value`",
+            "the form is `load_kg = 8`",
         ),
     ]);
 }

@@ -140,6 +140,8 @@ fn drift(given: &Drift) -> DriftSettings {
 fn check_count(scene: &Scene) -> Result<(), SceneError> {
     let (counts, what) = match scene.plant_table() {
         Some(table) => (table.axes(), table.plant_name()),
+        // [`kind`] refuses it.
+        None if scene.machine.is_none() && scene.cam.is_none() => return Ok(()),
         None => (2..=6, "one platform"),
     };
     let count = scene.axes.count;
@@ -214,7 +216,7 @@ fn kind(scene: &Scene) -> Result<Kind, SceneError> {
         )),
         (None, None) => Err(SceneError::at(
             "machine",
-            "missing; give [machine], cranks under a platform, or [cam], a cam shaft with its follower on each axis",
+            "missing; give [machine], cranks under a platform, or [cam], a cam shaft with its follower on each axis, or [screen], [crusher] or [five_bar]",
         )),
     }
 }
