@@ -39,7 +39,7 @@ class Client:
     def __init__(self, port):
         self.end, self.line = time.monotonic() + 60, socket.create_connection(("127.0.0.1", port), 60)
         self.sent = self.damaged = self.samples = self.gaps = self.axes = self.speed = self.expected = 0
-        self.received, self.reply, self.next_tick, self.state, self.seen, self.steps = b"", None, None, None, [], []
+        self.received, self.reply, self.next_tick, self.state, self.states, self.steps = b"", None, None, None, [], []
 
     def request(self, *fields):
         """Sends integers and bytes; returns a reader of the reply's body. All integers here are u16 or u32."""
@@ -88,7 +88,7 @@ class Client:
                 d = packet.int()
                 values[i] = (values[i] + (d >> 1 ^ -(d & 1)) + 2**63) % 2**64 - 2**63
             self.state = STATES[values[0] & 255]
-            self.seen += [self.state] if self.state not in self.seen else []
+            self.states += [self.state] if self.state not in self.states else []
             self.speed = max(self.speed, abs(values[3]))
             self.steps = values[6 + self.axes:6 + 2 * self.axes]
         self.samples += count
@@ -127,10 +127,10 @@ def main():
     client.wait(lambda: client.samples >= enough, "0.5 s of samples")
     client.request(STOP, AT_PHASE)
     client.wait(lambda: client.state == "parked", "parked")
-    print(f"{client.samples} samples, {client.gaps} gaps, {client.damaged} damaged, states {' '.join(client.seen)}, "
+    print(f"{client.samples} samples, {client.gaps} gaps, {client.damaged} damaged, states {' '.join(client.states)}, "
           f"steps {client.steps}, at most {client.speed / 2**48 * hz:.3f} turns/s")
     equal = len(set(client.steps)) == 1
-    return 0 if is_same and equal and {"homing", "run", "parked"} <= set(client.seen) \
+    return 0 if is_same and equal and {"homing", "run", "parked"} <= set(client.states) \
         and not client.gaps and not client.damaged else 1
 
 if __name__ == "__main__":
