@@ -103,6 +103,7 @@ fn play(scene: &Path, folder: &Path, twice: bool) -> Result<Fate, String> {
         }
         Status::Done => Fate::Done,
         Status::Fault => Fate::Fault,
+        Status::Interrupted => return Err("it ended as if by Ctrl-C".to_owned()),
     };
     files::check(&out, &first)?;
     if twice {
