@@ -5,7 +5,8 @@
 // separately. None of them waits for the flash: all of their code runs from RAM.
 //
 // Two scenes: `everything`, with index sensors at different crank angles, and `alike`, with all of them at one angle and
-// corrections in motion. In the second all index pulses come in one tick. `--profile` shows the functions that cost.
+// corrections in motion. In the second all index pulses come in one tick. The axes take turns by the number of the tick, so the tick of the
+// start decides which work coincides: with six axes it starts at each tick of a round. `--profile` shows the functions that cost.
 
 import { MEAN_TICK_CYCLES, WORST_TICK_CYCLES } from '../bench/goals.mjs';
 import { predict, scene, settingsOf, withAxes } from '../bench/host.mjs';
@@ -47,7 +48,13 @@ export function run(outcome) {
 /** The summary of a scene's ticks, with those of its states. */
 function measure(outcome, name, axes) {
   const played = scene(name, withAxes(axes));
-  const { ticks, period, awake, reads } = play(played, predict(played), settingsOf(played));
+  const predicted = predict(played);
+  const settings = settingsOf(played);
+  const starts = name === 'alike' && axes === GOAL_AXES ? axes : 1;
+  const runs = Array.from({ length: starts }, (_, after) => play(played, predicted, settings, { prepare: (machine) => machine.run(after / played.tickHz) }));
+  const [ticks, reads] = [runs.flatMap((run) => run.ticks), runs.flatMap((run) => run.reads)];
+  const awake = runs.reduce((sum, run) => sum + run.awake, 0);
+  const [{ period }] = runs;
   const all = summary(ticks);
   const states = [...new Set(ticks.map(({ state }) => state))].map((state) => ({
     state,
