@@ -106,6 +106,19 @@ fn the_summary_reports_a_common_stop_only_if_axes_stopped() {
     assert!(line.ends_with("The drives stayed off."), "{line}");
 }
 
+/// If this fails, a user examines crank and drive where the index sensor is at fault.
+#[test]
+fn faults_that_scattered_readings_cause_name_the_tolerance_of_a_reading() {
+    const JITTER: &str = "scatter by more than drift.reading_error_deg, 0.25°";
+    for deg in [1.0, 3.0] {
+        let line = fault_line(&format!("[noise]\nindex_deg = {deg}\n"));
+        assert!(line.contains(JITTER), "{line}");
+    }
+    let alarm = "[[fault]]\nat_s = 3\nkind = \"drive-alarm\"\naxis = 1\n";
+    let line = fault_line(alarm);
+    assert!(!line.contains(JITTER), "{line}");
+}
+
 /// If this fails, a fault appears to have its last name from its detection on, or to be two faults.
 #[test]
 fn a_renamed_fault_is_one_fault_with_two_times() {

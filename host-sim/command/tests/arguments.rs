@@ -196,19 +196,27 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
     }
 }
 
+/// If this fails, a citation names another version than the one that was used.
+#[test]
+fn the_citation_has_the_version_of_the_command() {
+    let citation = include_str!("../../../CITATION.cff");
+    let version = concat!("\nversion: ", env!("CARGO_PKG_VERSION"), "\n");
+    assert!(citation.contains(version), "{citation}");
+}
+
 /// If this fails, an output folder that cannot be written is found only after hours of simulation.
 #[test]
 fn an_unusable_folder_is_refused_before_the_work() {
     let place = tempfile::tempdir().unwrap();
     std::fs::write(place.path().join("taken"), "mine").unwrap();
-    for arguments in [
-        &["campaign", "--runs", "100000000"][..],
-        &["chart", "breakdown"],
+    for (arguments, option) in [
+        (&["campaign", "--runs", "100000000"][..], "--out"),
+        (&["chart", "breakdown"], "-o"),
     ] {
         let mut command = assert_cmd::Command::new(COPHASE);
         command
             .args(arguments)
-            .args(["--out", "taken"])
+            .args([option, "taken"])
             .current_dir(place.path());
         let output = command.timeout(std::time::Duration::from_secs(60)).output();
         let output = output.unwrap();

@@ -189,7 +189,11 @@ fn alike(checked: &Checked, fault: &Fault) -> String {
 /// Returns a sentence about readings that scatter, which no campaign draws as a cause, if they get the name of the fault.
 fn jitter(checked: &Checked, fault: &Fault, axis: usize) -> String {
     let reads_index = checked.settings.axes[axis].index_turns.is_some();
-    if !reads_index || !matches!(fault.kind, FaultKind::Slip | FaultKind::Runaway) {
+    let is_of_scatter = matches!(
+        fault.kind,
+        FaultKind::Slip | FaultKind::Runaway | FaultKind::IndexTimeout
+    );
+    if !reads_index || !is_of_scatter {
         return String::new();
     }
     let error_deg = checked.scene.drift.reading_error_deg;

@@ -11,7 +11,8 @@ use cophase_link::server::OUTPUT_MS;
 
 use super::Problem;
 use super::args::{BringUp, LinkArgs, OutputArgs};
-use super::connection::{Connection, Incoming, LinkError};
+use super::connection::{Connection, Incoming};
+use super::error::LinkError;
 use super::measure::{Measurement, Reading};
 use super::operate::{JOG_EVERY, begin, confirm};
 use super::show;

@@ -1,12 +1,10 @@
 //! Requests and their replies over a line, and the messages in between.
 
 use std::collections::VecDeque;
-use std::io;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use cophase_core::settings::TICK_HZ;
-use cophase_core::supervisor::State;
 use cophase_core::units::MAX_AXES;
 use cophase_link::Condition;
 use cophase_link::MAX_FILE_BYTES;
@@ -19,9 +17,9 @@ use cophase_link::message::{
 use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::sample::{Sample, unpack};
 use cophase_link::server::EVENTS;
-use host_sim::report;
 use host_sim::scene::file::FaultAt;
 
+use super::error::LinkError;
 use super::stops::Stops;
 use super::transport::Transport;
 
@@ -49,150 +47,6 @@ const RESTART_EVERY: Duration = Duration::from_millis(100);
 
 /// Time within which a controller that restarts answers again.
 const RESTART_WAIT: Duration = Duration::from_secs(10);
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum LinkError {
-    #[error("{request}: refused: {refusal}")]
-    Refused {
-        request: &'static str,
-        refusal: Box<Refusal>,
-    },
-    #[error("{request}: refused: {refusal}; it is possible {remedy}")]
-    NotNow {
-        request: &'static str,
-        refusal: Box<Refusal>,
-        remedy: String,
-    },
-    #[error("{request}: no reply; {unknown}")]
-    NoReply {
-        request: &'static str,
-        /// Effect that the request may have had, and how to find out.
-        unknown: &'static str,
-    },
-    #[error(
-        "{0}: the controller sent another reply than requested; use the `cophase` of the firmware's version"
-    )]
-    Unexpected(&'static str),
-    #[error("{request}: the line is lost: {error}; connect the controller again; {unknown}")]
-    LostReply {
-        request: &'static str,
-        error: io::Error,
-        unknown: &'static str,
-    },
-    #[error(
-        "{request}: the controller sent {problem}; use the `cophase` of the firmware's version, or connect another controller"
-    )]
-    Wrong {
-        request: &'static str,
-        problem: String,
-    },
-    #[error("the line is lost: {0}; connect the controller again")]
-    Line(#[from] io::Error),
-    #[error("{0}")]
-    Input(String),
-}
-
-impl LinkError {
-    /// Creates the error of a request without a reply.
-    pub(super) const fn no_reply(name: &'static str, request: &Request<'_>) -> Self {
-        Self::NoReply {
-            request: name,
-            unknown: unknown(request),
-        }
-    }
-
-    /// Returns true if the controller cannot be reached, or does not answer.
-    pub(crate) const fn is_of_line(&self) -> bool {
-        matches!(
-            self,
-            Self::NoReply { .. } | Self::LostReply { .. } | Self::Line(_)
-        )
-    }
-
-    /// Adds the remedy to a refusal that depends on the state of the machine.
-    fn with_remedy(self, condition: Condition) -> Self {
-        match self {
-            Self::Refused { request, refusal } if matches!(*refusal, Refusal::State { .. }) => {
-                Self::NotNow {
-                    request,
-                    refusal,
-                    remedy: remedy(condition),
-                }
-            }
-            other => other,
-        }
-    }
-}
-
-/// Returns when a request of this condition is possible, and how the machine gets there.
-fn remedy(condition: Condition) -> String {
-    match condition {
-        Condition::Command(command) => report::remedy(command.states()),
-        Condition::In(states) => report::remedy(states.iter().copied()),
-        Condition::DrivesOff => {
-            format!(
-                "while the drives are off: {}",
-                report::remedy([State::Idle])
-            )
-        }
-    }
-}
-
-/// Returns the effect that a request without a reply may have had, and how to find out.
-const fn unknown(request: &Request<'_>) -> &'static str {
-    match request {
-        Request::Identify { .. }
-        | Request::Read { .. }
-        | Request::Counters
-        | Request::Events { .. }
-        | Request::Inputs => {
-            "nothing has changed; check that the port is that of a controller, and the baud rate"
-        }
-        Request::Stream { .. } | Request::StreamStatus { .. } => {
-            "the controller may send messages or not; repeat the command"
-        }
-        Request::BeginWrite { .. } | Request::Write { .. } => {
-            "the file is incomplete, so the former one remains; load it again"
-        }
-        Request::FinishWrite => {
-            "the file may be stored; `cophase link identify` shows the CRC-32 of the program, and after `cophase link restart` that of the settings"
-        }
-        Request::Restart | Request::OnlyAxis(_) => {
-            "the controller may have restarted; `cophase link identify` shows whether it answers, and which axes run"
-        }
-        Request::Control(_) => {
-            "this host may have control; `cophase link monitor` shows who has it"
-        }
-        Request::Arm => {
-            "the machine may be armed for 30 s; `cophase link monitor` shows whether it is"
-        }
-        Request::Disarm => {
-            "the machine may still be armed for 30 s; `cophase link monitor` shows whether it is"
-        }
-        Request::Start | Request::Home | Request::Jog => {
-            "the machine may be running; `cophase link monitor` shows its state, `cophase link stop` or its STOP ends the motion"
-        }
-        Request::Stop(_) => {
-            "the machine may still be running; press its STOP, and `cophase link monitor` shows its state"
-        }
-        Request::Hold | Request::Resume => {
-            "the program may be on hold or not; `cophase link monitor` shows it"
-        }
-        Request::Reset => {
-            "the fault may have ended; `cophase link monitor` shows the machine's state"
-        }
-        Request::Override { .. } => {
-            "the override may have changed; `cophase link monitor` shows it"
-        }
-        Request::ResetPeak => "the largest phase errors may have been reset; repeat the command",
-        Request::Unlock => {
-            "bring-up may be unlocked for 10 minutes; `cophase link restart` ends it"
-        }
-        Request::Output { .. } => {
-            "the output may be active for 1 s; keep clear of the machine until then"
-        }
-    }
-}
 
 /// Message that is not a reply.
 #[derive(Clone, Debug)]
@@ -579,11 +433,7 @@ impl Connection {
     ) -> Result<Reply, LinkError> {
         for _ in 0..=retries {
             let reply = self.exchange(name, request).map_err(|error| match error {
-                LinkError::Line(error) => LinkError::LostReply {
-                    request: name,
-                    error,
-                    unknown: unknown(request),
-                },
+                LinkError::Line(error) => LinkError::lost_reply(name, request, error),
                 other => other,
             })?;
             if let Some(reply) = reply {

@@ -3,6 +3,7 @@
 mod args;
 mod bring_up;
 pub(crate) mod connection;
+pub(crate) mod error;
 mod measure;
 mod operate;
 mod ports;
@@ -44,12 +45,12 @@ pub(super) fn link(
 
 /// Reason why an action failed.
 enum Problem {
-    Link(connection::LinkError),
+    Link(error::LinkError),
     Command(CommandError),
 }
 
-impl From<connection::LinkError> for Problem {
-    fn from(error: connection::LinkError) -> Self {
+impl From<error::LinkError> for Problem {
+    fn from(error: error::LinkError) -> Self {
         Self::Link(error)
     }
 }

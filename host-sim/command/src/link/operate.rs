@@ -8,7 +8,8 @@ use cophase_link::message::{Event, Identity, Request, StopKind};
 
 use super::Problem;
 use super::args::{Action, LinkArgs, StartArgs};
-use super::connection::{Connection, Incoming, LinkError};
+use super::connection::{Connection, Incoming};
+use super::error::LinkError;
 use super::show::describe;
 use crate::{Status, signals};
 

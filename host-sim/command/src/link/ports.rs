@@ -15,8 +15,8 @@ pub(crate) struct Port {
     pub(crate) device: Device,
 }
 
-/// What is at a port. Controllers come first.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// Device at a port.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Device {
     /// A controller, by its serial number.
     Controller(String),

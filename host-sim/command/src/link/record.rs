@@ -14,7 +14,8 @@ use host_sim::trace::{Format, RunFiles, Window};
 
 use super::Problem;
 use super::args::{LinkArgs, RecordArgs};
-use super::connection::{Connection, LinkError};
+use super::connection::Connection;
+use super::error::LinkError;
 use super::operate::{begin, confirm};
 use super::session::Session;
 use crate::Status;

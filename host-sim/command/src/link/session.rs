@@ -10,7 +10,8 @@ use host_sim::record::{Recorded, Recording, TAIL_S};
 use indicatif::ProgressBar;
 
 use super::Problem;
-use super::connection::{Connection, Incoming, LinkError};
+use super::connection::{Connection, Incoming};
+use super::error::LinkError;
 use crate::signals;
 
 /// Time between two requests that show the controller that the host is connected, and between two updates of the progress.

@@ -11,7 +11,8 @@ use host_sim::input_file;
 
 use super::Problem;
 use super::args::LoadArgs;
-use super::connection::{Connection, LinkError};
+use super::connection::Connection;
+use super::error::LinkError;
 use crate::scenes;
 
 /// Loads a program, or all settings.

@@ -15,7 +15,8 @@ use super::columns::{Batch, CHANNELS, Columns};
 use super::report::Report;
 use super::request::Pending;
 use super::{ScopeArgs, scene};
-use crate::link::connection::{Connection, Incoming, LinkError};
+use crate::link::connection::{Connection, Incoming};
+use crate::link::error::LinkError;
 use crate::link::write;
 
 /// Job from a browser. Few wait at the same time: a browser has one request under way, and its place is taken until it has left.

@@ -42,7 +42,7 @@ const STOP_WITHIN: Duration = Duration::from_secs(2);
 /// Reason for a request that is refused because of earlier ones.
 const TOO_MANY: &str = "too many requests wait; wait for their replies";
 
-/// Where the requests of all browsers go.
+/// Receivers of the requests of all browsers.
 #[derive(Clone, Debug)]
 pub(super) struct Desk {
     pub(super) stops: Arc<Stops>,

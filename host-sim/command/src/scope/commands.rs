@@ -6,7 +6,8 @@ use serde_json::Value;
 
 use super::bench::Bench;
 use super::request::Request;
-use crate::link::connection::{Connection, LinkError};
+use crate::link::connection::Connection;
+use crate::link::error::LinkError;
 
 impl Bench {
     /// Restarts the controller. The browser that commanded it keeps control.

@@ -111,7 +111,7 @@ fn read_head(stream: &mut TcpStream) -> io::Result<Option<Vec<u8>>> {
     }
 }
 
-/// What a socket needs to come in.
+/// Admission of sockets.
 struct Door<'a> {
     access: &'a Access,
     desk: &'a Desk,

@@ -1,0 +1,128 @@
+//! Repairs of numbers.
+
+use std::cell::Cell;
+
+use cophase_core::settings::Problem;
+
+use super::tokens::{Token, is_number, joined, tokens, values};
+
+pub(super) fn decimal_commas(line: &str) -> Option<(String, String)> {
+    let mut tokens = tokens(line);
+    let mut is_changed = false;
+    let mut at = 1;
+    while at + 2 < tokens.len() {
+        let (whole, fraction) = (tokens[at].words(), tokens[at + 2].words());
+        let is_whole = tokens[at - 1].is('=') && is_number(&whole.replace('.', ""));
+        let is_fraction = fraction.starts_with(|first: char| first.is_ascii_digit())
+            && !tokens.get(at + 3).is_some_and(|next| next.is('='));
+        if is_whole && tokens[at + 1].is(',') && is_fraction {
+            let number = format!("{}.{fraction}", whole.replace('.', ""));
+            tokens[at].put(&number);
+            if let Token::Words(words) = &mut tokens[at] {
+                words.truncate(words.trim_end().len());
+            }
+            if let Token::Words(after) = &tokens[at + 2] {
+                let spaces = after[after.trim_end().len()..].to_owned();
+                tokens[at + 2] = Token::Words(spaces);
+            }
+            tokens.remove(at + 1);
+            is_changed = true;
+        }
+        at += 1;
+    }
+    is_changed.then(|| ("a number has a decimal point".to_owned(), joined(&tokens)))
+}
+
+pub(super) fn powers(line: &str) -> Option<(String, String)> {
+    let line = values(line, |value, _| {
+        let forms = [
+            "×10^", "*10^", "x10^", " × 10^", " * 10^", " x 10^", "*10**",
+        ];
+        let form = forms.iter().find(|form| value.contains(**form))?;
+        let number = value.replacen(form, "e", 1);
+        is_number(&number).then_some(number)
+    })?;
+    Some(("a power of ten is written with e".to_owned(), line))
+}
+
+pub(super) fn thousands(line: &str) -> Option<(String, String)> {
+    let line = values(line, |value, _| {
+        let mut groups = value.split([' ', '\'']);
+        let first = groups.next()?;
+        let is_grouped = groups.all(|group| {
+            let digits = group.split('.').next().unwrap_or_default();
+            digits.len() == 3 && is_number(group)
+        });
+        let number = value.replace([' ', '\''], "");
+        (number != value && is_number(first) && is_grouped).then_some(number)
+    })?;
+    Some(("the digits of a number stay together".to_owned(), line))
+}
+
+pub(super) fn units(line: &str) -> Option<(String, String)> {
+    let line = values(line, |value, key| {
+        let (number, unit) = number_and_unit(value)?;
+        is_unit_of(key, unit).then(|| number.to_owned())
+    })?;
+    Some(("a number has no unit".to_owned(), line))
+}
+
+/// The rule for a number in another unit than its key's.
+pub(super) fn other_unit(line: &str) -> Option<String> {
+    let rule = Cell::new(None);
+    values(line, |value, key| {
+        let (number, unit) = number_and_unit(value)?;
+        if !is_unit_of(key, unit) {
+            let right = Problem::unit(key);
+            rule.set(Some(format!(
+                "a number has no unit, and `{key}` is in {right}; convert {number} {unit}"
+            )));
+        }
+        None
+    });
+    rule.into_inner()
+}
+
+/// True for the unit that is in the name of a key, or in messages about it. A key without a unit takes any.
+fn is_unit_of(key: &str, unit: &str) -> bool {
+    let right = Problem::unit(key);
+    right.is_empty() || right == unit || key.ends_with(&format!("_{}", unit.to_lowercase()))
+}
+
+fn number_and_unit(value: &str) -> Option<(&str, &str)> {
+    let is_end = |at: &usize| value.is_char_boundary(*at) && is_number(&value[..*at]);
+    let end = (1..value.len()).rev().find(is_end)?;
+    let (number, unit) = (&value[..end], value[end..].trim());
+    // m/s^2 has a digit as well, but the digits of other numbers come first.
+    let letters = unit.trim_end_matches(['2', '3', '^']);
+    let is_unit = letters.starts_with(|first: char| first.is_alphabetic() || "°%".contains(first))
+        && !letters.contains(|c: char| c.is_ascii_digit() || c == ':');
+    is_unit.then_some((number, unit))
+}
+
+pub(super) fn points(line: &str) -> Option<(String, String)> {
+    let line = values(line, |value, _| {
+        let (sign, digits) = match value.strip_prefix(['-', '+']) {
+            Some(digits) => (&value[..1], digits),
+            None => ("", value),
+        };
+        let digits = match digits.split_once('.') {
+            Some(("", fraction)) => format!("0.{fraction}"),
+            Some((whole, "")) => format!("{whole}.0"),
+            _ => digits.to_owned(),
+        };
+        let (zeros, rest) = digits.split_at(digits.len() - digits.trim_start_matches('0').len());
+        let is_needed = !rest.starts_with(|first: char| first.is_ascii_digit());
+        let zero = if is_needed && !zeros.is_empty() {
+            "0"
+        } else {
+            ""
+        };
+        let number = format!("{sign}{zero}{rest}");
+        (number != value && is_number(&number)).then_some(number)
+    })?;
+    Some((
+        "a number has digits before and after its point, and no zero before its digits".to_owned(),
+        line,
+    ))
+}
