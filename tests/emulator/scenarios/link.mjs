@@ -8,6 +8,7 @@ import { LinkHost } from '../bench/link-host.mjs';
 import { log } from '../bench/log.mjs';
 import { Machine, flashWith } from '../bench/machine.mjs';
 import { watchMasked } from '../bench/masked.mjs';
+import { namesAt } from '../bench/profile.mjs';
 import { act } from '../bench/play.mjs';
 import { run as play, summary } from '../bench/ticks.mjs';
 import { FLASH_ID } from '../board/chip.mjs';
@@ -227,7 +228,8 @@ function saturation(outcome) {
   const perSecond = (bytes) => Math.round(bytes / seconds / 1000);
   outcome.say(`6 axes, worst tick ${quiet.worst} cycles without a host, ${busy.worst} with USB saturated both ways (mean ${quiet.mean.toFixed(0)}, ${busy.mean.toFixed(0)})`);
   outcome.say(`latest beginning of a tick: ${quiet.late} cycles after the first one's without a host, ${busy.late} with it`);
-  outcome.say(`interrupts are blocked for ${masked.longest} cycles at most: no tick begins later than that`);
+  const [blocker] = namesAt([masked.setter]).get(masked.setter);
+  outcome.say(`interrupts are blocked for ${masked.longest} cycles at most, by ${blocker}: no tick begins later than that`);
   outcome.figure('interrupts blocked with the link saturated, cycles at most', masked.longest);
   const { received, lost } = streamed(host);
   outcome.say(`${perSecond(host.bytes)} kB/s to the host meanwhile: ${received} samples of ${(host.sampleBytes / received).toFixed(1)} bytes, ${lost} lost`);
