@@ -44,14 +44,14 @@ const TOO_MANY: &str = "too many requests wait; wait for their replies";
 
 /// Receivers of the requests of all browsers.
 #[derive(Clone, Debug)]
-pub(super) struct Desk {
+pub(super) struct Senders {
     pub(super) stops: Arc<Stops>,
     pub(super) jobs: Sender<Job>,
     pub(super) checks: SyncSender<Pending>,
 }
 
 /// Serves a browser until it leaves.
-pub(super) fn serve(stream: TcpStream, desk: Desk, slot: Arc<()>) -> io::Result<()> {
+pub(super) fn serve(stream: TcpStream, senders: Senders, slot: Arc<()>) -> io::Result<()> {
     stream.set_read_timeout(Some(TURN))?;
     stream.set_write_timeout(Some(TURN))?;
     let address = stream.peer_addr()?;
@@ -63,11 +63,11 @@ pub(super) fn serve(stream: TcpStream, desk: Desk, slot: Arc<()>) -> io::Result<
     let (queue, reports) = sync_channel(QUEUE);
     let browser = Browser::new(address, queue, slot);
     let id = browser.id;
-    if desk.jobs.send(Job::Joined(browser)).is_ok() {
+    if senders.jobs.send(Job::Joined(browser)).is_ok() {
         let mut exchange = Exchange {
             socket,
             id,
-            desk,
+            senders,
             waiting: VecDeque::new(),
             current: None,
             stops: VecDeque::new(),
@@ -77,7 +77,7 @@ pub(super) fn serve(stream: TcpStream, desk: Desk, slot: Arc<()>) -> io::Result<
         };
         // The reason does not matter: the browser has left.
         let _ = exchange.run();
-        let _ = exchange.desk.jobs.send(Job::Left(id));
+        let _ = exchange.senders.jobs.send(Job::Left(id));
     }
     Ok(())
 }
@@ -85,7 +85,7 @@ pub(super) fn serve(stream: TcpStream, desk: Desk, slot: Arc<()>) -> io::Result<
 struct Exchange {
     socket: WebSocket<Throttled>,
     id: u32,
-    desk: Desk,
+    senders: Senders,
     /// Requests that wait for the reply to the one under way, with their numbers.
     waiting: VecDeque<(u64, Request, Order)>,
     current: Option<(u64, Receiver<Result<(), String>>)>,
@@ -125,7 +125,7 @@ impl Exchange {
                 } else {
                     StopKind::AtPhase
                 };
-                let stop = self.desk.stops.request(kind);
+                let stop = self.senders.stops.request(kind);
                 let end = Instant::now() + STOP_WITHIN;
                 // The outcome of a later stop is that of all earlier ones.
                 if self.stops.len() == MAX_REQUESTS
@@ -143,7 +143,7 @@ impl Exchange {
                 self.reply(number, Err(problem.to_owned()));
             }
             Ok(request) => {
-                let order = Order::now(&self.desk.stops);
+                let order = Order::now(&self.senders.stops);
                 self.waiting.push_back((number, request, order));
             }
             Err(error) => self.reply(number, Err(error)),
@@ -158,7 +158,7 @@ impl Exchange {
 
     fn follow_stops(&mut self) {
         while let Some(&(number, stop, end)) = self.stops.front() {
-            let outcome = self.desk.stops.outcome(stop).or_else(|| {
+            let outcome = self.senders.stops.outcome(stop).or_else(|| {
                 let problem = "stop: no reply; the machine may still be running: press its STOP";
                 (Instant::now() > end).then(|| Err(problem.to_owned()))
             });
@@ -193,9 +193,9 @@ impl Exchange {
             reply,
         };
         let is_passed = if matches!(pending.request, Request::Load { .. }) {
-            self.desk.checks.try_send(pending).is_ok()
+            self.senders.checks.try_send(pending).is_ok()
         } else {
-            self.desk.jobs.send(Job::Request(pending)).is_ok()
+            self.senders.jobs.send(Job::Request(pending)).is_ok()
         };
         if is_passed {
             self.current = Some((number, outcome));

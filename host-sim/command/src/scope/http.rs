@@ -1,7 +1,7 @@
 //! Requests of browsers: files of the page, and the upgrade to a WebSocket.
 //!
-//! A socket that has not shown the token yet is a *stranger*. Strangers have no thread and no memory of their own here: one thread looks
-//! at all of them in turn, and the oldest one makes room for a new one. Files and pages have their own limits.
+//! A socket that has not shown the token yet has no thread and no memory of its own here: one thread polls all of them in turn, and the
+//! oldest one makes room for a new one. Files and pages have their own limits.
 
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use tungstenite::handshake::derive_accept_key;
 
 use super::access::{Access, Credentials};
-use super::browser::{self, Desk};
+use super::browser::{self, Senders};
 use super::page;
 
 /// Largest length of a request's head, bytes.
@@ -30,59 +30,59 @@ const FILE_WITHIN: Duration = Duration::from_secs(30);
 /// Longest wait of a write to a socket.
 const WRITE_WITHIN: Duration = Duration::from_secs(2);
 
-/// Largest numbers of strangers, of files in transfer, and of open pages.
-const STRANGERS: usize = 128;
+/// Largest numbers of sockets that have not shown the token, of files in transfer, and of open pages.
+const UNAUTHENTICATED: usize = 128;
 const FILES: usize = 32;
 const PAGES: usize = 16;
 
-/// Largest number of sockets that are accepted before the strangers have their turn.
+/// Largest number of sockets that are accepted before those that wait have their turn.
 const ACCEPTED: usize = 32;
 
-/// Time between two polls of the strangers.
+/// Time between two polls of the sockets that have not shown the token.
 const POLL_EVERY: Duration = Duration::from_millis(1);
 
 /// Accepts connections for as long as the process lives.
-pub(super) fn serve(listener: &TcpListener, access: &Access, desk: &Desk) {
-    let mut strangers: VecDeque<(TcpStream, Instant)> = VecDeque::new();
-    let mut door = Door {
+pub(super) fn serve(listener: &TcpListener, access: &Access, senders: &Senders) {
+    let mut waiting: VecDeque<(TcpStream, Instant)> = VecDeque::new();
+    let mut admission = Admission {
         access,
-        desk,
+        senders,
         files: Arc::new(()),
         pages: Arc::new(()),
     };
     loop {
         for _ in 0..ACCEPTED {
-            // Without a stranger, the thread sleeps until one comes.
+            // If no socket waits, the thread sleeps until one comes.
             let accepted = listener
-                .set_nonblocking(!strangers.is_empty())
+                .set_nonblocking(!waiting.is_empty())
                 .and_then(|()| listener.accept());
             match accepted {
                 Ok((stream, _)) => {
                     if stream.set_nonblocking(true).is_err() {
                         continue;
                     }
-                    if strangers.len() == STRANGERS {
-                        strangers.pop_front();
+                    if waiting.len() == UNAUTHENTICATED {
+                        waiting.pop_front();
                     }
-                    strangers.push_back((stream, Instant::now() + HEAD_WITHIN));
+                    waiting.push_back((stream, Instant::now() + HEAD_WITHIN));
                 }
                 Err(error) => {
                     if error.kind() != io::ErrorKind::WouldBlock {
                         // The process may have no room for another socket.
-                        strangers.pop_front();
+                        waiting.pop_front();
                         std::thread::sleep(POLL_EVERY);
                     }
                     break;
                 }
             }
         }
-        for _ in 0..strangers.len() {
-            let Some((mut stream, end)) = strangers.pop_front() else {
+        for _ in 0..waiting.len() {
+            let Some((mut stream, end)) = waiting.pop_front() else {
                 break;
             };
             match read_head(&mut stream) {
-                Ok(Some(head)) => door.answer(stream, &head),
-                Ok(None) if Instant::now() < end => strangers.push_back((stream, end)),
+                Ok(Some(head)) => admission.answer(stream, &head),
+                Ok(None) if Instant::now() < end => waiting.push_back((stream, end)),
                 Ok(None) | Err(_) => {}
             }
         }
@@ -112,15 +112,15 @@ fn read_head(stream: &mut TcpStream) -> io::Result<Option<Vec<u8>>> {
 }
 
 /// Admission of sockets.
-struct Door<'a> {
+struct Admission<'a> {
     access: &'a Access,
-    desk: &'a Desk,
+    senders: &'a Senders,
     /// Places of files and pages. Each that is taken is one more reference.
     files: Arc<()>,
     pages: Arc<()>,
 }
 
-impl Door<'_> {
+impl Admission<'_> {
     /// Answers one request. A file and a page get a thread.
     fn answer(&mut self, mut stream: TcpStream, head: &[u8]) {
         let refusal = match self.admit(head) {
@@ -139,7 +139,7 @@ impl Door<'_> {
                 });
             }
             Ok(Admitted::Page(key, place)) => {
-                let desk = self.desk.clone();
+                let senders = self.senders.clone();
                 return spawn(move || {
                     let upgrade = format!(
                         "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {}\r\n\r\n",
@@ -147,7 +147,7 @@ impl Door<'_> {
                     );
                     let begun = begin(&stream).and_then(|()| stream.write_all(upgrade.as_bytes()));
                     if begun.is_ok() {
-                        let _ = browser::serve(stream, desk, place);
+                        let _ = browser::serve(stream, senders, place);
                     }
                 });
             }

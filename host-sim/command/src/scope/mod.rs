@@ -33,7 +33,7 @@ use super::numbers::whole;
 use super::{CommandError, Status};
 use access::Access;
 use bench::Bench;
-use browser::Desk;
+use browser::Senders;
 
 #[derive(Debug, Args)]
 #[command(
@@ -109,14 +109,14 @@ pub(crate) fn scope(args: &ScopeArgs, out: &mut impl Write) -> Result<Status, Co
     out.flush()?;
     let (jobs, taken) = channel();
     let (checks, waiting) = sync_channel(1);
-    let desk = Desk {
+    let senders = Senders {
         stops: bench.link.stops(),
         jobs: jobs.clone(),
         checks,
     };
     let (settings, stops) = (bench.settings.clone(), bench.link.stops());
     std::thread::spawn(move || program_check::run(&waiting, &settings, &stops, &jobs));
-    std::thread::spawn(move || http::serve(&listener, &access, &desk));
+    std::thread::spawn(move || http::serve(&listener, &access, &senders));
     bench
         .run(&taken)
         .map_err(|error| CommandError::Input(error.to_string()))?;
