@@ -4,6 +4,7 @@ Both count the same rows by programs of their own. The cases are some of seed 1 
 column is the same throughout. A changed row must then be found.
 """
 import csv
+import io
 import os
 import pathlib
 import re
@@ -97,13 +98,11 @@ def compare(found, text):
 
 def changed(file, folder, choose, change):
     """A copy of a campaign.csv with its first row that `choose` takes changed."""
-    head, *rest = file.read_text().splitlines()
-    rows = list(csv.DictReader(rest))
+    rows = list(csv.DictReader(file.read_text().splitlines()))
     row = next(row for row in rows if choose(row))
     row.update(change(row))
     copy = folder / 'changed.csv'
     with open(copy, 'w', newline='') as out:
-        out.write(head + '\n')
         writer = csv.DictWriter(out, rows[0], lineterminator='\n')
         writer.writeheader()
         writer.writerows(rows)
@@ -127,11 +126,20 @@ def self_test(file, text, folder):
 def refusals(file, folder):
     """Input that must be refused, and part of the reason."""
     text = file.read_text()
-    seed_2 = text.replace('seed=1', 'seed=2', 1)
+
+    def having(**cells):
+        """The rows with other cells in the columns that say what they are of."""
+        rows = list(csv.DictReader(text.splitlines()))
+        written = io.StringIO()
+        writer = csv.DictWriter(written, rows[0], lineterminator='\n')
+        writer.writeheader()
+        writer.writerows(row | cells for row in rows)
+        return written.getvalue()
+    seed_2 = having(seed='2')
     other = folder / 'other.csv'
-    for wrong, reason in (('\n'.join(seed_2.splitlines()[:-1]) + '\n', 'run that range again'), (text[1:], 'line 1'), (text, 'leave one out'),
-                          (seed_2.replace('plan=', 'plan=9', 1), 'query them apart'), (seed_2.replace(' from=', ' only=slip:index@1/45 from=', 1), '--only'),
-                          (seed_2.replace(',false,', ',perhaps,', 1), 'perhaps')):
+    for wrong, reason in (('\n'.join(seed_2.splitlines()[:-1]) + '\n', 'run that range again'), (text.replace('seed', 'need', 1), 'first row'),
+                          (text, 'leave one out'), (having(seed='2', plan='99'), 'query them apart'),
+                          (having(seed='2', only='slip:index@1/45'), '--only'), (seed_2.replace(',false,', ',perhaps,', 1), 'perhaps')):
         other.write_text(wrong)
         try:
             queries.connect([file, other], folder / 'campaign.parquet')

@@ -3,6 +3,11 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+/// Columns that are no numbers: the state, and the command that wrote the file.
+fn is_word(name: &str) -> bool {
+    ["state", "version", "commit"].contains(&name)
+}
+
 /// A trace, column by column.
 #[derive(Clone, Debug)]
 pub struct Trace {
@@ -36,7 +41,7 @@ impl Trace {
             for ((field, name), column) in record.iter().zip(&names).zip(&mut values) {
                 if name == "state" {
                     states.push(field.to_owned());
-                } else {
+                } else if !is_word(name) {
                     column.push(
                         field
                             .parse()
@@ -53,7 +58,7 @@ impl Trace {
             columns: names
                 .into_iter()
                 .zip(values)
-                .filter(|(name, _)| name != "state")
+                .filter(|(name, _)| !is_word(name))
                 .collect(),
             states,
             axes,

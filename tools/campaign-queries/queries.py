@@ -13,7 +13,6 @@ import duckdb
 import interval
 
 HERE = pathlib.Path(__file__).resolve().parent
-MARK = re.compile(r'# cophase campaign version=(?P<version>\S+) plan=(?P<plan>\d+) seed=(?P<seed>\d+) scene=(?P<scene>\S+) from=(?P<start>\d+) to=(?P<end>\d+)')
 
 
 class Refused(Exception):
@@ -30,25 +29,29 @@ def files_of(paths):
 
 
 def header(file):
-    with open(file, encoding='utf-8', errors='replace') as lines:
-        first = lines.readline()
-    found = MARK.match(first)
-    if ' only=' in first:
+    """What the rows of a file are of, as its first row states it."""
+    with open(file, encoding='utf-8', errors='replace', newline='') as lines:
+        first = next(csv.DictReader(lines), {})
+    try:
+        whole = {name: int(first[name]) for name in ('plan', 'seed', 'from', 'to')}
+        words = {name: first[name] for name in ('version', 'commit', 'scene')}
+        chosen = first['only']
+    except (KeyError, TypeError, ValueError):
+        raise Refused(f'{file}: its first row does not say what the rows are of; give a file that `cophase campaign` wrote') from None
+    if chosen:
         raise Refused(f'{file}: has chosen strata alone (--only), and the queries count cases alike; give a campaign of all cases')
-    if not found:
-        raise Refused(f'{file}: line 1 does not say what the rows are of; give a file that `cophase campaign` wrote')
-    return {name: value if name in ('version', 'scene') else int(value) for name, value in found.groupdict().items()}
+    return whole | words
 
 
 def check_together(headers):
     """Refuses campaigns that are no sample of one population, and cases that would count twice."""
     first = headers[0]
     for at, (file, head) in enumerate(headers):
-        for key in ('version', 'plan', 'scene'):
+        for key in ('version', 'commit', 'plan', 'scene'):
             if head[key] != first[1][key]:
                 raise Refused(f'{file}: {key} = {head[key]}, and {first[0]} has {first[1][key]}; query them apart')
         for other, earlier in headers[:at]:
-            if head['seed'] == earlier['seed'] and head['start'] < earlier['end'] and earlier['start'] < head['end']:
+            if head['seed'] == earlier['seed'] and head['from'] < earlier['to'] and earlier['from'] < head['to']:
                 raise Refused(f'{file}: has cases of {other}; leave one out')
 
 
@@ -59,19 +62,17 @@ def connect(paths, parquet):
     connection = duckdb.connect()
     connection.execute((HERE / 'sql/load.sql').read_text())
     for at, (file, head) in enumerate(headers):
-        rows = 'SELECT $version AS version, $plan AS plan, $seed::UBIGINT AS seed, $scene AS scene, * FROM campaign_csv($file)'
-        values = {name: head[name] for name in ('version', 'plan', 'seed', 'scene')} | {'file': str(file)}
         before = connection.execute('SELECT count(*) FROM loaded').fetchone()[0] if at else 0
         try:
-            connection.execute(f'INSERT INTO loaded {rows}' if at else f'CREATE TABLE loaded AS {rows}', values)
+            connection.execute(f'{"INSERT INTO loaded" if at else "CREATE TABLE loaded AS"} SELECT * FROM campaign_csv($file)', {'file': str(file)})
         except duckdb.Error as error:
             said = str(error)
             line, why = re.search(r'Line: (\d+)', said), re.search(r'Error when converting .*|Expected Number of Columns.*', said)
             raise Refused(f'{file}: {f"line {line[1]}: {why[0]}" if line and why else said.splitlines()[0]}; '
                           'give a file that `cophase campaign` wrote') from None
-        read, expected = connection.execute('SELECT count(*) FROM loaded').fetchone()[0] - before, 2 * (head['end'] - head['start'])
+        read, expected = connection.execute('SELECT count(*) FROM loaded').fetchone()[0] - before, 2 * (head['to'] - head['from'])
         if read != expected:
-            raise Refused(f'{file}: has {read} of the {expected} rows that its first line states; run that range again')
+            raise Refused(f'{file}: has {read} of the {expected} rows that its first row states; run that range again')
     connection.execute(f"COPY loaded TO '{quoted(parquet)}' (FORMAT parquet, COMPRESSION zstd)")
     connection.execute(f"CREATE VIEW campaign AS SELECT * FROM read_parquet('{quoted(parquet)}')")
     connection.create_function('lower_end', lambda hits, of: interval.lower(hits, of), ['BIGINT', 'BIGINT'], 'DOUBLE')

@@ -44,7 +44,7 @@ pub(super) struct CampaignArgs {
     /// With --only: simulate 1 in K of all other cases too, for rates over all faulty runs
     #[arg(long, value_name = "K", conflicts_with = "join", value_parser = whole::<u64>(1..=u64::MAX), allow_negative_numbers = true)]
     others: Option<u64>,
-    /// First case of this shard, to split a campaign over several computers
+    /// First case of this shard, to split a campaign over several computers; with --join, of those that are joined
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
     from: u64,
     /// Case after the last of this shard [default: all of --runs]
@@ -64,8 +64,8 @@ pub(super) struct CampaignArgs {
     /// With --replay: make the clean run of the case, without its fault
     #[arg(long, requires = "replay")]
     clean: bool,
-    /// Run nothing, and join shards: files, or folders with campaign-*.csv
-    #[arg(long, value_name = "PATH", num_args = 1.., conflicts_with_all = ["scene", "from", "to", "threads", "runs", "seed"])]
+    /// Run nothing, and join shards: files, or folders with campaign-*.csv. Together they must be the whole campaign, or the cases from --from to --to
+    #[arg(long, value_name = "PATH", num_args = 1.., conflicts_with_all = ["scene", "threads", "runs", "seed"])]
     join: Vec<PathBuf>,
     /// Print nothing but errors
     #[arg(long, short)]
@@ -90,7 +90,8 @@ pub(super) fn campaign(
     err: &mut impl Write,
 ) -> Result<Status, CommandError> {
     if !args.join.is_empty() {
-        let shard = join(shards(&args.join)?).map_err(|error| input("--join", &error))?;
+        let shard = join(shards(&args.join)?, args.from, args.to)
+            .map_err(|error| input("--join", &error))?;
         return print_result(args, &shard, out);
     }
     let scene = args.scene.as_deref();
@@ -377,7 +378,7 @@ fn progress_bar(quiet: bool, cases: u64) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let style = ProgressStyle::with_template(
-        "{bar:40} {pos} of {len} cases  {per_sec}  {elapsed} gone, {eta} to go",
+        "{wide_bar} {pos} of {len} cases  {per_sec}  {elapsed} gone, {eta} to go",
     );
     ProgressBar::new(cases).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

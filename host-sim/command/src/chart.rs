@@ -68,7 +68,7 @@ pub(super) fn chart(args: &ChartArgs, out: &mut impl Write) -> Result<Status, Co
 
 /// Creates a progress bar. It shows on a terminal only: indicatif draws to stderr, and only if stderr is a terminal.
 fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos} of {len}  {elapsed} gone");
+    let style = ProgressStyle::with_template("{wide_bar} {pos} of {len}  {elapsed} gone");
     ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 

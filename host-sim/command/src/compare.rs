@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use host_sim::compare::{self, CompareError, Origin, Run, Tolerances};
 
+use super::numbers::{meant, unit_of};
 use super::output::write_file;
 use super::{CommandError, Status};
 
@@ -43,7 +44,12 @@ fn tolerance(text: &str) -> Result<(String, f64), String> {
         .split_once('=')
         .ok_or("give COLUMN=VALUE, such as accel_mps2=0.5")?;
     let value = value.parse().map_err(|_| {
-        format!("`{value}` is no number; give COLUMN=VALUE, such as accel_mps2=0.5")
+        let meant = meant(value, unit_of(column));
+        let example = meant.map_or_else(
+            || "such as accel_mps2=0.5".to_owned(),
+            |value| format!("without a unit, with a point for fractions: {column}={value}"),
+        );
+        format!("`{value}` is no number; give COLUMN=VALUE, {example}")
     })?;
     Ok((column.to_owned(), value))
 }

@@ -34,9 +34,10 @@ pub use status::{CommandError, Status};
 
 use std::io::{self, Write};
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use design::{DesignArgs, DesignCommandError};
+use host_sim::version;
 use visible::Visible;
 
 const AFTER_HELP: &str = "Folders of output files and output folders are created where they do not exist, by every command.\n\nExit status: 0 done; 1 a run ended in a fault, a simulated motor slipped undetected, no board takes \
@@ -79,7 +80,7 @@ impl Command {
     /// Parses the arguments of this process. Ends the process instead if they ask for help, or are refused: with status 2 and a sentence
     /// that has the place, the problem and the fix.
     pub fn of_process() -> Self {
-        Self::try_parse().unwrap_or_else(|error| {
+        Self::parsed().unwrap_or_else(|error| {
             match refusal::sentence(&error, std::env::args_os()) {
                 None => error.exit(),
                 Some(sentence) => {
@@ -89,6 +90,13 @@ impl Command {
                 }
             }
         })
+    }
+
+    fn parsed() -> Result<Self, clap::Error> {
+        let version = format!("{} (commit {})", version::RELEASE, version::commit());
+        // clap keeps static texts only; there is one for each process.
+        let command = Self::command().long_version(&*version.leak());
+        Self::from_arg_matches(&command.try_get_matches()?)
     }
 
     /// Carries the command out. Prints to `out`, and errors to `err`.

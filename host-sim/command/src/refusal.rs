@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-use super::Command;
+use super::{Command, numbers};
 use host_sim::scene::load;
 
 /// Returns the refusal of the arguments of this process as a sentence, or none if clap's text is not a refusal but a page of help.
@@ -83,7 +83,8 @@ pub(super) fn sentence(
             format!("{option} {value}: there is no such value; {meant}give one of {all}")
         }
         ErrorKind::ValueValidation => {
-            let reason = std::error::Error::source(error).map(ToString::to_string);
+            let source = std::error::Error::source(error);
+            let reason = source.map(|source| numbers::reason(source, option));
             format!(
                 "{option} {}: {}",
                 visible(&value),

@@ -117,7 +117,7 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
         ),
         (
             &["campaign", "--runs", "1e4"],
-            "--runs 1e4: give a whole number, 1 or more",
+            "--runs 1e4: give a whole number, 1 or more: 10000",
         ),
         (
             &["campaign", "--seed", "99999999999999999999"],
@@ -140,8 +140,8 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
             "--replay <K>: cannot be used with --join <PATH>...; leave one of the two out",
         ),
         (
-            &["campaign", "--join", "d", "--runs", "5", "--from", "3"],
-            "--join <PATH>...: cannot be used with --runs <N>, --from <K>; leave it, or them, out",
+            &["campaign", "--join", "d", "--runs", "5", "--seed", "3"],
+            "--join <PATH>...: cannot be used with --runs <N>, --seed <S>; leave it, or them, out",
         ),
         (
             &["design", "--load-kg", "5", "crank-rocker"],
@@ -177,7 +177,64 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
         ),
         (
             &["link", "override", "-5"],
-            "<PERCENT> -5: give a percentage, 0 to 120",
+            "<PERCENT> -5: give a number without a unit, 0 to 120",
+        ),
+        (
+            &["link", "override", "80%"],
+            "<PERCENT> 80%: give a number without a unit, 0 to 120: 80",
+        ),
+        (
+            &["link", "jog", "--for", "10s"],
+            "--for 10s: give seconds without a unit, 0 to 1,000,000: 10",
+        ),
+        (
+            &["link", "jog", "--for", "500ms"],
+            "--for 500ms: give seconds without a unit, 0 to 1,000,000",
+        ),
+        (
+            &["design", "--amax-g", "10g"],
+            "--amax-g 10g: give a number without a unit, with a point for fractions: 10",
+        ),
+        (
+            &["design", "--load-kg", "1,5"],
+            "--load-kg 1,5: give a number without a unit, with a point for fractions: 1.5",
+        ),
+        (
+            &["design", "--load-kg", "500g"],
+            "--load-kg 500g: give a number without a unit, with a point for fractions, such as 12.5",
+        ),
+        (
+            &["campaign", "--threads", "4 threads"],
+            "--threads 4 threads: give a whole number, 1 to 1024: 4",
+        ),
+        (
+            &["run", "--window", "0s..1,5s"],
+            "--window 0s..1,5s: give FROM..TO in seconds, 0 or later, without a unit, with a point for fractions: 0..1.5",
+        ),
+        (
+            &["run", "--real-time=2x"],
+            "--real-time 2x: give simulated seconds per second, 0.001 to 1000: 2",
+        ),
+        (
+            &["compare", "a", "b", "--tolerance", "accel_mps2=0.5m/s2"],
+            "--tolerance accel_mps2=0.5m/s2: `0.5m/s2` is no number; give COLUMN=VALUE, without a unit, with a point for fractions: \
+             accel_mps2=0.5",
+        ),
+        (
+            &["run", "--udp", "127.0.0.1"],
+            "--udp 127.0.0.1: the port is missing; give 127.0.0.1:PORT of the receiver, such as 127.0.0.1:9870",
+        ),
+        (
+            &["link", "identify", "--to", "tcp:127.0.0.1"],
+            "--to tcp:127.0.0.1: the port is missing; give tcp:127.0.0.1:PORT, where the controller's server listens",
+        ),
+        (
+            &["link", "identify", "--to", "http://127.0.0.1:18080"],
+            "--to http://127.0.0.1:18080: is a web address; for a controller's server at that address, give --to tcp:127.0.0.1:18080",
+        ),
+        (
+            &["compare", "default", "b"],
+            "default: is the name of a built-in scene, not a run; run it first: cophase run default --out DIR, then compare DIR",
         ),
         (
             &["link", "bring-up", "axis", "9"],
@@ -186,6 +243,23 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
         (
             &["scope", "--listen", "here"],
             "--listen here: give an address of this computer in numbers, such as 127.0.0.1",
+        ),
+        (
+            &["scope", "--listen", "127.0.0.1:8080"],
+            "--listen 127.0.0.1:8080: it takes an address without a port; give --listen 127.0.0.1 --port 8080",
+        ),
+        (
+            &["scope", "--listen", "[::1]:8080"],
+            "--listen [::1]:8080: it takes an address without a port; give --listen ::1 --port 8080",
+        ),
+        (
+            &["scope", "--listen", "[::1]"],
+            "--listen [::1]: it takes an address alone; give --listen ::1",
+        ),
+        (
+            &["scope", "--listen", "localhost:8080"],
+            "--listen localhost:8080: it takes an address in numbers, without a port; give one of this computer, such as \
+             --listen 127.0.0.1 --port 8080",
         ),
         (
             &["scope", "--port", "99999"],
@@ -202,6 +276,42 @@ fn the_citation_has_the_version_of_the_command() {
     let citation = include_str!("../../../CITATION.cff");
     let version = concat!("\nversion: ", env!("CARGO_PKG_VERSION"), "\n");
     assert!(citation.contains(version), "{citation}");
+}
+
+/// If this fails, a user cannot say which build printed a figure. The report and the trace have the same words.
+#[test]
+fn version_and_commit_are_those_of_all_files() {
+    let place = tempfile::tempdir().unwrap();
+    let out = place.path().to_str().unwrap();
+    let cophase = |arguments: &[&str]| {
+        let output = Command::new(COPHASE).args(arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = cophase(&["--version"]);
+    let (version, commit) = said.trim().split_once(" (commit ").unwrap();
+    let (version, commit) = (
+        version.split_once(' ').unwrap().1,
+        commit.trim_end_matches(')'),
+    );
+    assert_eq!(version, env!("CARGO_PKG_VERSION"));
+    let digits = commit.trim_end_matches("-changed");
+    let is_digits = digits.len() >= 12 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    assert!(commit == "unknown" || is_digits, "{commit}");
+    cophase(&["run", "coupling-slip", "--quiet", "--out", out]);
+    let read = |name: &str| std::fs::read_to_string(place.path().join(name)).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
+    assert_eq!(
+        (&report["version"], &report["commit"]),
+        (&version.into(), &commit.into())
+    );
+    let end = format!(",{version},{commit}");
+    assert!(
+        read("trace.csv")
+            .lines()
+            .skip(1)
+            .all(|line| line.ends_with(&end))
+    );
 }
 
 /// If this fails, an output folder that cannot be written is found only after hours of simulation.

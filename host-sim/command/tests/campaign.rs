@@ -63,8 +63,8 @@ fn rows_are_the_same_on_any_threads_and_in_any_shards() {
         assert_eq!(read(&whole, name), read(&joined, name), "{name}");
     }
     let rows = read(&whole, "campaign.csv");
-    // The file has the line that describes the campaign, the header, and two rows a case.
-    assert_eq!(rows.lines().count(), 2 + 24);
+    // The file has a header, and two rows a case.
+    assert_eq!(rows.lines().count(), 1 + 24);
 }
 
 /// Two shards of one campaign, cases 0 to 2 and 2 to 4.
@@ -78,12 +78,31 @@ fn shards(folder: &TempDir) -> [PathBuf; 2] {
     ["campaign-0-2.csv", "campaign-2-4.csv"].map(|name| folder.path().join(name))
 }
 
-/// Returns a changed shard with the checksum that belongs to it.
-fn sealed(text: &str) -> String {
-    let (line, rows) = text.split_once('\n').unwrap();
-    let (line, _) = line.split_once(" crc32=").unwrap();
-    let sum = cophase_link::checksum(format!("{line}{rows}").as_bytes());
-    format!("{line} crc32={sum:08x}\n{rows}")
+/// Returns the columns of a row without those that state its campaign.
+fn of_run(line: &str) -> &str {
+    let version = format!(",{},", env!("CARGO_PKG_VERSION"));
+    line.split_once(&version).unwrap().0
+}
+
+/// Returns a shard with other cells in columns of all rows, and with the checksums that belong to them.
+fn having(text: &str, cells: &[(&str, &str)]) -> String {
+    let mut lines = text.lines();
+    let header = lines.next().unwrap();
+    let places = cells.iter().map(|(name, cell)| {
+        let place = header.split(',').position(|column| column == *name);
+        (place.unwrap(), *cell)
+    });
+    let places: Vec<_> = places.collect();
+    let rows = lines.map(|line| {
+        let mut row: Vec<_> = line.split(',').collect();
+        row.pop();
+        for &(place, cell) in &places {
+            row[place] = cell;
+        }
+        let row = row.join(",");
+        format!("{row},{:08x}\n", cophase_link::checksum(row.as_bytes()))
+    });
+    format!("{header}\n{}", rows.collect::<String>())
 }
 
 /// If this fails, the figures omit the cases at one end without any message.
@@ -152,12 +171,12 @@ fn shards_that_do_not_fit_are_refused_and_named() {
     );
 
     let rows = fs::read_to_string(&second).unwrap();
-    let with = |what: &str, other: &str| sealed(&rows.replace(what, other));
     let third = folder.path().join("third.csv");
-    fs::write(&third, with("from=2 to=4 of=4", "from=3 to=5 of=5")).unwrap();
+    let later = having(&rows, &[("from", "3"), ("to", "5"), ("of", "5")]);
+    fs::write(&third, later).unwrap();
     let said = refused(&join(&[&first, &third]));
     assert!(
-        said.contains("line 3: here the faulty run of case 3 should be"),
+        said.contains("line 2: here the faulty run of case 3 should be"),
         "{said}"
     );
 
@@ -169,30 +188,35 @@ fn shards_that_do_not_fit_are_refused_and_named() {
     let said = refused(&join(&[&first, &last]));
     assert!(said.contains("--from 2 --to 3"), "{said}");
 
-    let plan = format!("plan={}", cophase_lab::campaign::plan::VERSION);
     let not_plan = format!("plan = 99, not {}", cophase_lab::campaign::plan::VERSION);
-    for (what, other, reported) in [
-        ("seed=5", "seed=6", "seed = 6, not 5"),
-        (plan.as_str(), "plan=99", not_plan.as_str()),
-        (
-            "scene=machines",
-            "scene=0badcafe",
-            "scene = 0badcafe, not machines",
-        ),
-        ("of=4", "of=5", "--runs = 5, not 4"),
+    for (column, other, reported) in [
+        ("commit", "0badcafe", "commit = 0badcafe, not "),
+        ("seed", "6", "seed = 6, not 5"),
+        ("plan", "99", not_plan.as_str()),
+        ("scene", "0badcafe", "scene = 0badcafe, not machines"),
+        ("of", "5", "--runs = 5, not 4"),
     ] {
         let file = folder.path().join("other.csv");
-        fs::write(&file, with(what, other)).unwrap();
+        fs::write(&file, having(&rows, &[(column, other)])).unwrap();
         let said = refused(&join(&[&first, &file]));
         assert!(said.contains(reported), "{said}");
     }
+
+    let several = folder.path().join("several.csv");
+    let together = fs::read_to_string(&first).unwrap() + rows.split_once('\n').unwrap().1;
+    fs::write(&several, together).unwrap();
+    let said = refused(&join(&[&several]));
+    assert!(
+        said.contains("line 6: is of another shard: cases of another range"),
+        "{said}"
+    );
 
     let short = folder.path().join("short.csv");
     let cut: Vec<_> = rows.lines().take(4).collect();
     fs::write(&short, cut.join("\n")).unwrap();
     let said = refused(&join(&[&first, &short]));
     assert!(
-        said.contains("short.csv") && said.contains("damaged or truncated"),
+        said.contains("short.csv") && said.contains("is truncated"),
         "{said}"
     );
 
@@ -226,7 +250,7 @@ fn a_replayed_case_equals_that_of_the_campaign() {
         let line = rows
             .lines()
             .find(|line| line.starts_with(&format!("{number},false,")));
-        let mut columns = rows.lines().nth(1).unwrap().split(',');
+        let mut columns = rows.lines().next().unwrap().split(',');
         let cell = |name: &str| {
             let at = columns.clone().position(|column| column == name).unwrap();
             line.unwrap().split(',').nth(at).unwrap().to_owned()
@@ -286,8 +310,9 @@ fn chosen_strata_have_the_rows_of_a_plain_campaign() {
     let number = |line: &str| line.split(',').next().unwrap().parse().unwrap_or(0);
     let expected: Vec<_> = rows
         .lines()
-        .skip(2)
+        .skip(1)
         .filter(|line| is_chosen(number(line)))
+        .map(of_run)
         .collect();
     let runs = (expected.len() / 2).to_string();
     assert!(expected.len() > 16, "{runs} cases");
@@ -303,7 +328,10 @@ fn chosen_strata_have_the_rows_of_a_plain_campaign() {
     ];
     ran(&campaign(&chosen, &only));
     let rows = read(&chosen, "campaign.csv");
-    assert_eq!(rows.lines().skip(2).collect::<Vec<_>>(), expected);
+    assert_eq!(
+        rows.lines().skip(1).map(of_run).collect::<Vec<_>>(),
+        expected
+    );
     let table = read(&chosen, "campaign-table.md");
     for name in [
         "slip:index",
@@ -335,7 +363,7 @@ fn chosen_strata_have_the_rows_of_a_plain_campaign() {
     // Tests a row that no such campaign has, and a shard of all cases.
     let shard = parts.path().join("campaign-0-6.csv");
     let rows = fs::read_to_string(&shard).unwrap();
-    let fewer = sealed(&rows.replace(" others=9", ""));
+    let fewer = having(&rows, &[("others", "")]);
     fs::write(&shard, fewer).unwrap();
     let said = refused(&join(&[&shard]));
     assert!(
@@ -443,7 +471,6 @@ fn a_small_campaign_meets_the_documented_claims() {
     let out = folder();
     ran(&campaign(&out, &["--runs", "150"]));
     let rows = read(&out, "campaign.csv");
-    let rows = rows.split_once('\n').expect("a line on top").1;
     let mut rows = csv::Reader::from_reader(rows.as_bytes());
     let header = rows.headers().unwrap().clone();
     let column = |name: &str| header.iter().position(|column| column == name).unwrap();

@@ -204,6 +204,8 @@ fn a_recording_without_every_tick_explains_its_missing_edges() {
         "amax_commanded_mps2",
         "omega_rad_s",
         "phase_turns",
+        "version",
+        "commit",
     ];
     for line in trace.lines().skip(1) {
         for (name, field) in header.iter().zip(line.split(',')) {

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
+use host_sim::trace::WRITTEN_BY;
 use serde_json::Value;
 
 fn cophase(out: &Path, options: &[&str]) -> Output {
@@ -20,11 +21,15 @@ fn cophase(out: &Path, options: &[&str]) -> Output {
         .expect("the command starts")
 }
 
-/// The rows of `trace.csv`, each by column.
+/// The rows of `trace.csv`, each by column, without those of the command that wrote it.
 fn rows(out: &Path) -> Vec<BTreeMap<String, String>> {
     let mut reader = csv::Reader::from_path(out.join("trace.csv")).expect("a trace");
     let rows = reader.deserialize().collect::<Result<Vec<_>, _>>();
-    rows.expect("rows of the header's length")
+    let mut rows: Vec<BTreeMap<_, _>> = rows.expect("rows of the header's length");
+    for row in &mut rows {
+        row.retain(|name: &String, _| !WRITTEN_BY.contains(&name.as_str()));
+    }
+    rows
 }
 
 /// Returns the line of the summary about the rows sent.

@@ -9,6 +9,8 @@ use super::RunSummary;
 use super::error::CompareError;
 use super::events::Events;
 use super::trace::{STATE, Trace, Values};
+use crate::file_kind::FileKind;
+use crate::scene::library;
 
 /// Files of a run.
 #[derive(Clone, Debug)]
@@ -36,6 +38,14 @@ impl Run {
         } else {
             path.to_owned()
         };
+        if !trace.is_file()
+            && let Some(problem) = without_trace(path, &trace)
+        {
+            return Err(CompareError::new(&trace, problem));
+        }
+        if let Some(problem) = instead(&trace) {
+            return Err(CompareError::new(&trace, problem));
+        }
         Ok(Self {
             path: path.to_owned(),
             trace: Trace::read(&trace)?,
@@ -90,6 +100,55 @@ impl Run {
         let spacing = times.windows(2).next().map_or(0, |pair| pair[1] - pair[0]);
         Some(times.get(row)? - spacing)
     }
+}
+
+/// Returns what is wrong with a place that has no trace: a folder, or the name of a built-in scene.
+fn without_trace(path: &Path, trace: &Path) -> Option<String> {
+    let shown = path.display();
+    if path.is_dir() && !trace.exists() {
+        let is_of_run = path.join("report.json").exists();
+        return Some(if is_of_run {
+            format!(
+                "is not there, as {shown} is of a run without it; run it again with csv in --trace"
+            )
+        } else {
+            format!(
+                "is not there, so {shown} is not the folder of a run; give one that `cophase run` wrote"
+            )
+        });
+    }
+    let name = path.to_str().filter(|_| !path.exists())?;
+    library::find(name).map(|_| {
+        format!(
+            "is the name of a built-in scene, not a run; {}",
+            run_first(path)
+        )
+    })
+}
+
+/// Returns what is wrong with a file that is not a table, if its kind is known.
+fn instead(path: &Path) -> Option<String> {
+    let kind = FileKind::of(path)?;
+    match kind {
+        FileKind::Table => return None,
+        FileKind::Scene => {
+            return Some(format!("is a scene, not a run; {}", run_first(path)));
+        }
+        _ => {}
+    }
+    // The other files of a run are beside its trace.
+    let trace = path.with_file_name("trace.csv");
+    let fix = if trace.is_file() {
+        trace.display().to_string()
+    } else {
+        "the folder of a run, or its trace.csv".to_owned()
+    };
+    Some(format!("is {kind} and no trace of a run; give {fix}"))
+}
+
+fn run_first(scene: &Path) -> String {
+    let scene = scene.display();
+    format!("run it first: cophase run {scene} --out DIR, then compare DIR")
 }
 
 /// Time from which all times are counted.

@@ -7,6 +7,7 @@ use super::error::CompareError;
 use super::points::Place;
 use super::run::Origin;
 use crate::input_file::{self, MAX_TABLE_BYTES};
+use crate::trace::WRITTEN_BY;
 
 /// Values of a column, one per row.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +60,14 @@ impl Trace {
         }
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let header = reader.headers().map_err(|e| wrong(e.to_string()))?;
+        let no_times = || {
+            wrong(format!(
+                "there is no row with a time in column {TIME}; give a trace.csv that `cophase run` wrote"
+            ))
+        };
+        if !header.iter().any(|name| name == TIME) {
+            return Err(no_times());
+        }
         let mut fields: Vec<(String, Vec<String>)> = header
             .iter()
             .map(|name| (name.to_owned(), Vec::new()))
@@ -74,6 +83,8 @@ impl Trace {
             times_ns: Vec::new(),
             columns: Vec::with_capacity(fields.len()),
         };
+        // Two builds of the command may write the same run.
+        fields.retain(|(name, _)| !WRITTEN_BY.contains(&name.as_str()));
         for (name, column) in fields {
             let values = values(&name, column).map_err(&wrong)?;
             match values {
@@ -84,9 +95,7 @@ impl Trace {
             }
         }
         if trace.times_ns.is_empty() {
-            return Err(wrong(format!(
-                "there is no row with a time in column {TIME}; give a trace.csv that `cophase run` wrote"
-            )));
+            return Err(no_times());
         }
         if let Some(row) = trace
             .times_ns

@@ -33,6 +33,7 @@ use lists::{
 };
 use model::{FidelityReport, MethodReport};
 use motors::MotorFigures;
+use written::WrittenBy;
 
 use crate::plant::Figure;
 use crate::scene::{Checked, Scene};
@@ -45,6 +46,8 @@ use crate::sim::events::{EventKind, StoppedBy};
 #[derive(Clone, Debug, Serialize)]
 pub struct Report<'a> {
     name: &'a str,
+    #[serde(flatten)]
+    written_by: WrittenBy,
     fidelity: FidelityReport<'a>,
     method: MethodReport,
     ended: Ended,
@@ -264,6 +267,7 @@ impl<'a> Report<'a> {
         };
         Self {
             name: &checked.scene.name,
+            written_by: WrittenBy::this(),
             fidelity: FidelityReport::new(checked),
             method: MethodReport::new(checked, outcome),
             ended: Ended {

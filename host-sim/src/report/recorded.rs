@@ -8,6 +8,7 @@ use cophase_link::message::{Counters, Identity};
 use serde::Serialize;
 
 use super::lists::{EventReport, FaultReport, event_report, faults_in};
+use super::written::WrittenBy;
 use super::{TimeInState, Written, round};
 use crate::record::{Gaps, Recorded};
 use crate::sim::events::EventKind;
@@ -16,6 +17,8 @@ use crate::sim::events::EventKind;
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordedReport<'a> {
     name: &'a str,
+    #[serde(flatten)]
+    written_by: WrittenBy,
     controller: ControllerReport<'a>,
     ended: Ended,
     warnings: Vec<String>,
@@ -104,6 +107,7 @@ impl<'a> RecordedReport<'a> {
         let has_edges = recorded.no_edges.is_none();
         Self {
             name: &identity.settings,
+            written_by: WrittenBy::this(),
             controller: ControllerReport {
                 board: &identity.board,
                 serial: identity.serial,

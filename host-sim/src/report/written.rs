@@ -1,6 +1,8 @@
-//! Format of a written trace.
+//! Format of a written trace, and the command that wrote it.
 
 use serde::Serialize;
+
+use crate::version;
 
 /// Format of a written trace.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -19,5 +21,22 @@ impl Written {
     /// Returns true if the window of `steps.vcd` lies outside the run.
     pub fn is_empty(&self) -> bool {
         self.window_from_s >= self.window_to_s
+    }
+}
+
+/// Command that wrote a report.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct WrittenBy {
+    version: &'static str,
+    commit: &'static str,
+}
+
+impl WrittenBy {
+    /// Returns this process's command.
+    pub fn this() -> Self {
+        Self {
+            version: version::RELEASE,
+            commit: version::commit(),
+        }
     }
 }

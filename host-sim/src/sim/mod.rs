@@ -82,6 +82,15 @@ pub fn expected_ticks(checked: &Checked) -> Result<u64, SceneError> {
     Ok(Schedule::new(checked, program_ticks).expected_us() / tick_us(checked))
 }
 
+/// Refuses a scene whose events cannot have the effect that they are for.
+///
+/// # Errors
+/// A fault comes when the machine has long been standing.
+pub fn check_times(checked: &Checked) -> Result<(), SceneError> {
+    let program_ticks = checked.controller()?.program().0.duration();
+    Schedule::new(checked, program_ticks).check(&checked.scene)
+}
+
 fn tick_us(checked: &Checked) -> u64 {
     virtual_time::TICKS_PER_S / u64::from(checked.settings.tick_hz)
 }

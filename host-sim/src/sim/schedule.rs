@@ -2,8 +2,10 @@
 
 use cophase_core::supervisor::{Command, SafetyInputs};
 
-use crate::scene::Checked;
-use crate::scene::file::{CommandName, FaultName, InputAt, InputLine, MIN_ENABLE_LOSS_US};
+use crate::scene::file::{
+    CommandName, FaultAt, FaultName, InputAt, InputLine, MIN_ENABLE_LOSS_US, Scene,
+};
+use crate::scene::{Checked, SceneError};
 use crate::virtual_time::TICKS_PER_S;
 
 /// Inputs that were active between two readings.
@@ -33,6 +35,8 @@ pub struct Schedule {
     lines: SafetyInputs,
     /// Changes since the last reading, as the board notes them between two readings.
     noted: Noted,
+    /// Time before which the machine stands, if no fault stops it, µs.
+    stands_us: u64,
     expected_us: u64,
     /// Latest end of the run, µs.
     end_us: u64,
@@ -64,12 +68,9 @@ impl Schedule {
             .collect();
         commands.sort_by_key(|(at, _)| *at);
         inputs.sort_by_key(|(at, _)| *at);
-        let last = commands
-            .iter()
-            .map(|(at, _)| *at)
-            .chain(inputs.iter().map(|(at, _)| *at))
-            .chain(scene.fault.iter().map(|fault| clock(fault.at_s)))
-            .max();
+        let times = commands.iter().map(|(at, _)| *at);
+        let last_us = times.chain(inputs.iter().map(|(at, _)| *at)).max();
+        let last_us = last_us.unwrap_or(0);
         let faults = scene.fault.iter().map(|fault| clock(fault.at_s));
         let last_fault_us = faults.max().unwrap_or(0);
         let late = scene
@@ -92,7 +93,8 @@ impl Schedule {
         let program_s = program_ticks as f64 / f64::from(scene.control.tick_hz);
         // Time to switch on, and three and a half turns at homing speed, to home and to park.
         let around_s = scene.control.settle_s + 3.5 / scene.limits.homing_speed_hz;
-        let expected_us = clock(program_s + around_s) + last.unwrap_or(0);
+        let program_us = clock(program_s + around_s);
+        let expected_us = program_us + last_us.max(last_fault_us);
         Self {
             commands,
             inputs,
@@ -106,9 +108,27 @@ impl Schedule {
                 stop: false,
             },
             noted: Noted::default(),
+            stands_us: program_us + last_us + PATIENCE_US,
             expected_us,
             end_us: expected_us + PATIENCE_US,
         }
+    }
+
+    /// Refuses a fault that would come when the machine has long been standing: nothing would show it.
+    ///
+    /// # Errors
+    /// There is such a fault.
+    pub fn check(&self, scene: &Scene) -> Result<(), SceneError> {
+        let is_late = |fault: &FaultAt| clock(fault.at_s) > self.stands_us;
+        let Some(entry) = scene.fault.iter().position(is_late) else {
+            return Ok(());
+        };
+        let problem = format!(
+            "the fault comes at {} s, and the machine stands before {:.0} s; give an earlier time, or a [[command]] that starts the machine later",
+            scene.fault[entry].at_s,
+            self.stands_us as f64 / TICKS_PER_S as f64
+        );
+        Err(SceneError::at(format!("fault[{entry}].at_s"), problem))
     }
 
     /// Returns the command that is due, if there is one. Each is returned once.

@@ -1,7 +1,8 @@
 //! `trace.csv`: one line per row, every [`Column`] with its unit in its name.
 //!
 //! A number is written in the shortest form that reads back as the column's rounded value: tick 1 of a 2 kHz loop is
-//! `0.0005`, not `0.000500000`. A value that is not finite is written `NaN`, `inf` or `-inf`, which Rust, pandas and numpy read back.
+//! `0.0005`, not `0.000500000`. It always has a decimal point, so that a reader that infers the type of a column from its first rows does not
+//! find whole numbers. A value that is not finite is written `NaN`, `inf` or `-inf`, which Rust, pandas and numpy read back.
 
 use std::io::{self, Write};
 
@@ -9,6 +10,11 @@ use thiserror::Error;
 
 use super::column::{Column, Value};
 use super::{Row, RowShape};
+use crate::version;
+
+/// Columns after those of the rows: the command that wrote the file. They are the same in every row, so that rows of several files can be
+/// put together.
+pub const WRITTEN_BY: [&str; 2] = ["version", "commit"];
 
 /// Reason why a trace could not be written.
 #[derive(Debug, Error)]
@@ -37,7 +43,7 @@ pub enum TraceError {
 /// let mut trace = TraceCsv::new(Vec::new(), 0)?;
 /// trace.write(&Row { t_s: 0.0005, state: "idle", ..Row::default() })?;
 /// let text = String::from_utf8(trace.finish()?).unwrap();
-/// assert!(text.ends_with("\n0.0005,idle,0,0,0,0,0,0,0,0,0,0\n"));
+/// assert!(text.contains("\n0.0005,idle,0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,"));
 /// # Ok::<(), host_sim::trace::TraceError>(())
 /// ```
 pub struct TraceCsv<W: Write> {
@@ -60,7 +66,8 @@ impl<W: Write> TraceCsv<W> {
         let shape = shape.into();
         let columns: Vec<Column> = Column::of_run(shape).collect();
         let mut lines = ::csv::Writer::from_writer(w);
-        lines.write_record(columns.iter().map(Column::name))?;
+        let names = columns.iter().map(Column::name);
+        lines.write_record(names.chain(WRITTEN_BY.map(str::to_owned)))?;
         Ok(Self {
             lines,
             unknown: vec![false; columns.len()],
@@ -93,14 +100,15 @@ impl<W: Write> TraceCsv<W> {
             self.text.clear();
             match column.value(row) {
                 _ if *is_unknown => {}
-                Value::Number(number) => write!(self.text, "{number}")?,
+                Value::Number(number) => decimal(&mut self.text, number)?,
                 Value::Count(count) => write!(self.text, "{count}")?,
                 Value::Word(word) => self.text.extend_from_slice(word.as_bytes()),
             }
             self.lines.write_field(&self.text)?;
         }
         // Ends the line.
-        self.lines.write_record(None::<&[u8]>)?;
+        self.lines
+            .write_record([version::RELEASE, version::commit()])?;
         Ok(())
     }
 
@@ -111,4 +119,13 @@ impl<W: Write> TraceCsv<W> {
     pub fn finish(self) -> Result<W, TraceError> {
         Ok(self.lines.into_inner().map_err(|e| e.into_error())?)
     }
+}
+
+/// Writes a number with a decimal point.
+fn decimal(text: &mut Vec<u8>, number: f64) -> io::Result<()> {
+    write!(text, "{number}")?;
+    if number.is_finite() && !text.contains(&b'.') {
+        text.extend_from_slice(b".0");
+    }
+    Ok(())
 }

@@ -32,7 +32,7 @@ mod wires;
 
 pub(crate) use column::decimals;
 pub(crate) use controller_rows::ControllerRows;
-pub use csv::{TraceCsv, TraceError};
+pub use csv::{TraceCsv, TraceError, WRITTEN_BY};
 pub use files::{RunFiles, RunFilesError};
 pub use format::Format;
 pub use fst::StepsFst;

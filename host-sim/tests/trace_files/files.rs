@@ -15,7 +15,7 @@ fn the_csv_header_has_the_specified_columns() {
         "t_s,state,state_code,amax_requested_mps2,amax_commanded_mps2,omega_rad_s,phase_turns,\
          steps_0,command_turns_0,actual_turns_0,phase_error_deg_0,\
          steps_1,command_turns_1,actual_turns_1,phase_error_deg_1,\
-         tilt_x_mrad,tilt_y_mrad,warp_deg,z_m,accel_mps2\n"
+         tilt_x_mrad,tilt_y_mrad,warp_deg,z_m,accel_mps2,version,commit\n"
     );
 }
 
@@ -70,6 +70,35 @@ fn a_trace_reads_back_to_the_stated_resolution() {
     assert_eq!(read, rows.len());
     // The second row's time, 97 ticks of 0.5 ms, is written exactly so.
     assert!(String::from_utf8(text).unwrap().contains("\n0.0485,idle,"));
+}
+
+/// If this fails, a reader that looks at the first rows takes a column of numbers for whole numbers, and fails or rounds later.
+#[test]
+fn all_numbers_of_the_first_row_have_a_decimal_point() {
+    let mut trace = TraceCsv::new(Vec::new(), 2).unwrap();
+    trace.write(&Row::of_axes(2)).unwrap();
+    let text = String::from_utf8(trace.finish().unwrap()).unwrap();
+    let (names, row) = text.trim_end().split_once('\n').unwrap();
+    let whole = [
+        "state",
+        "state_code",
+        "steps_0",
+        "steps_1",
+        "version",
+        "commit",
+    ];
+    for (name, field) in names.split(',').zip(row.split(',')) {
+        assert_eq!(
+            field.contains('.') && name != "version",
+            !whole.contains(&name),
+            "{name}: {field}"
+        );
+    }
+    // Outside the command, no commit is known.
+    assert!(
+        row.ends_with(concat!(",", env!("CARGO_PKG_VERSION"), ",unknown")),
+        "{row}"
+    );
 }
 
 #[test]

@@ -60,7 +60,7 @@ pub enum Problem {
     )]
     BandCoversTop(f64, f64),
     #[error(
-        "at {speed_hz:.2} rev/s a motor would need {rate_hz:.0} steps/s; at most {most_hz:.0} steps/s leave the pulse its width and fit the {edges} edges of a tick; give at most {} steps a turn, a lower limits.speed_hz, or a shorter pulse.width_ns", (*most_hz / *speed_hz) as u32
+        "at {speed_hz:.2} rev/s a motor would need {rate_hz:.0} steps/s; at most {most_hz:.0} steps/s leave the pulse its width and fit the {edges} edges of a tick; give at most {} steps a turn, a lower limits.speed_hz, or a shorter pulse.width_ns", whole_microsteps(*most_hz / *speed_hz)
     )]
     StepRate {
         speed_hz: f64,
@@ -199,6 +199,15 @@ impl fmt::Display for Range {
 /// It has 12 digits, so that 500 is still 500 after conversion to turns and back. Below 1e-4 and from 1e9 up it has an
 /// exponent.
 pub struct Number(pub f64);
+
+/// Returns the largest number of steps a turn that is whole microsteps of motors with 200 or 400 full steps.
+fn whole_microsteps(most: f64) -> u32 {
+    const FULL_STEPS: u32 = 400;
+    match most as u32 {
+        few @ 0..FULL_STEPS => few,
+        most => most / FULL_STEPS * FULL_STEPS,
+    }
+}
 
 impl fmt::Display for Number {
     #[cold]

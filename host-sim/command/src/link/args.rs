@@ -8,7 +8,7 @@ use cophase_link::line::UART_BAUD;
 use host_sim::trace::Window;
 
 use super::record::ChannelName;
-use crate::numbers::whole;
+use crate::numbers::{in_range, whole};
 use crate::run::window;
 use cophase_link::message::Output;
 
@@ -186,15 +186,20 @@ pub(super) struct MonitorArgs {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(s) if (0.0..=1e6).contains(&s) => Ok(s),
-        _ => Err("give seconds, 0 to 1,000,000".to_owned()),
-    }
+    in_range(
+        text,
+        0.0..=1e6,
+        "s",
+        "give seconds without a unit, 0 to 1,000,000",
+    )
 }
 
 fn percent(text: &str) -> Result<u16, String> {
-    match text.parse::<f64>() {
-        Ok(percent) if (0.0..=120.0).contains(&percent) => Ok((percent * 10.0).round() as u16),
-        _ => Err("give a percentage, 0 to 120".to_owned()),
-    }
+    let percent = in_range(
+        text,
+        0.0..=120.0,
+        "%",
+        "give a number without a unit, 0 to 120",
+    )?;
+    Ok((percent * 10.0).round() as u16)
 }

@@ -140,7 +140,7 @@ fn reaches(link: &mut Connection, goal: State) -> Result<bool, LinkError> {
             }
         }
     }
-    Err(LinkError::no_reply("bring-up", &Request::Home))
+    Err(link.no_reply("bring-up", &Request::Home))
 }
 
 /// Reports why the axis did not turn on.

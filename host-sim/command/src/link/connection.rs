@@ -119,6 +119,11 @@ impl Connection {
         self.transport.is_simulated()
     }
 
+    /// Creates the error of a request without a reply.
+    pub(super) fn no_reply(&self, name: &'static str, request: &Request<'_>) -> LinkError {
+        LinkError::no_reply(name, request, &self.transport.check())
+    }
+
     /// Returns the counts of frames from the controller so far.
     pub(super) const fn frames(&self) -> FrameCounts {
         self.client.counts()
@@ -291,7 +296,7 @@ impl Connection {
             let identity = if self.reopen() {
                 self.identify()
             } else {
-                Err(LinkError::no_reply("restart", request))
+                Err(self.no_reply("restart", request))
             };
             // The controller may answer once more before it restarts. Its line may be lost then.
             let is_over = identity
@@ -301,7 +306,7 @@ impl Connection {
                 return identity;
             }
             if Instant::now() > end {
-                return Err(LinkError::no_reply("restart", request));
+                return Err(self.no_reply("restart", request));
             }
         }
     }
@@ -371,7 +376,7 @@ impl Connection {
                 stop.sent = Instant::now();
                 self.sent_stop = Some(stop);
             } else {
-                let error = LinkError::no_reply("stop", &request);
+                let error = self.no_reply("stop", &request);
                 self.stops.end(stop.number, Err(error.to_string()));
             }
         }
@@ -433,7 +438,9 @@ impl Connection {
     ) -> Result<Reply, LinkError> {
         for _ in 0..=retries {
             let reply = self.exchange(name, request).map_err(|error| match error {
-                LinkError::Line(error) => LinkError::lost_reply(name, request, error),
+                LinkError::Line(error) => {
+                    LinkError::lost_reply(name, request, &self.transport.check(), error)
+                }
                 other => other,
             })?;
             if let Some(reply) = reply {
@@ -443,7 +450,7 @@ impl Connection {
                 });
             }
         }
-        Err(LinkError::no_reply(name, request))
+        Err(self.no_reply(name, request))
     }
 
     /// Sends a request, and waits for its reply. There may be none.

@@ -25,7 +25,7 @@ pub(crate) enum LinkError {
     NoReply {
         request: &'static str,
         /// Effect that the request may have had, and how to find out.
-        unknown: &'static str,
+        unknown: String,
     },
     #[error(
         "{0}: the controller sent another reply than requested; use the `cophase` of the firmware's version"
@@ -35,7 +35,7 @@ pub(crate) enum LinkError {
     LostReply {
         request: &'static str,
         error: io::Error,
-        unknown: &'static str,
+        unknown: String,
     },
     #[error(
         "{request}: the controller sent {problem}; use the `cophase` of the firmware's version, or connect another controller"
@@ -45,30 +45,50 @@ pub(crate) enum LinkError {
         problem: String,
     },
     #[error("the line is lost: {0}; connect the controller again")]
-    Line(#[from] io::Error),
+    Line(io::Error),
+    #[error("{0}")]
+    NoController(NoController),
     #[error("{0}")]
     Input(String),
 }
 
+/// Something else than a controller is at the other end of the line. A transport finds it out, and wraps it in [`io::Error`].
+#[derive(Debug, thiserror::Error)]
+#[error("--to {to}: {problem}; give the port at which the controller's server listens")]
+pub(crate) struct NoController {
+    pub(super) to: String,
+    pub(super) problem: String,
+}
+
+impl From<io::Error> for LinkError {
+    fn from(error: io::Error) -> Self {
+        match error.downcast() {
+            Ok(error) => Self::NoController(error),
+            Err(error) => Self::Line(error),
+        }
+    }
+}
+
 impl LinkError {
-    /// Creates the error of a request without a reply.
-    pub(super) const fn no_reply(name: &'static str, request: &Request<'_>) -> Self {
+    /// Creates the error of a request without a reply. `check` is what to check if the request has no effect.
+    pub(super) fn no_reply(name: &'static str, request: &Request<'_>, check: &str) -> Self {
         Self::NoReply {
             request: name,
-            unknown: unknown(request),
+            unknown: unknown(request, check),
         }
     }
 
     /// Creates the error of a request whose line was lost before its reply.
-    pub(super) const fn lost_reply(
+    pub(super) fn lost_reply(
         name: &'static str,
         request: &Request<'_>,
+        check: &str,
         error: io::Error,
     ) -> Self {
         Self::LostReply {
             request: name,
             error,
-            unknown: unknown(request),
+            unknown: unknown(request, check),
         }
     }
 
@@ -76,7 +96,7 @@ impl LinkError {
     pub(crate) const fn is_of_line(&self) -> bool {
         matches!(
             self,
-            Self::NoReply { .. } | Self::LostReply { .. } | Self::Line(_)
+            Self::NoReply { .. } | Self::LostReply { .. } | Self::Line(_) | Self::NoController(_)
         )
     }
 
@@ -110,15 +130,13 @@ fn remedy(condition: Condition) -> String {
 }
 
 /// Returns the effect that a request without a reply may have had, and how to find out.
-const fn unknown(request: &Request<'_>) -> &'static str {
-    match request {
+fn unknown(request: &Request<'_>, check: &str) -> String {
+    let unknown = match request {
         Request::Identify { .. }
         | Request::Read { .. }
         | Request::Counters
         | Request::Events { .. }
-        | Request::Inputs => {
-            "nothing has changed; check that the port is that of a controller, and the baud rate"
-        }
+        | Request::Inputs => return format!("nothing has changed; {check}"),
         Request::Stream { .. } | Request::StreamStatus { .. } => {
             "the controller may send messages or not; repeat the command"
         }
@@ -162,5 +180,6 @@ const fn unknown(request: &Request<'_>) -> &'static str {
         Request::Output { .. } => {
             "the output may be active for 1 s; keep clear of the machine until then"
         }
-    }
+    };
+    unknown.to_owned()
 }

@@ -1,5 +1,6 @@
 //! `cophase link`: operates a controller over a serial port or TCP, or a simulated one.
 
+pub(crate) mod address;
 mod args;
 mod bring_up;
 pub(crate) mod connection;

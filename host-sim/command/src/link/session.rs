@@ -80,7 +80,7 @@ impl<W: Write + Seek + 'static> Session<W> {
                     channels: 0,
                     every: 1,
                 };
-                return Err(LinkError::no_reply("record", &stream).into());
+                return Err(link.no_reply("record", &stream).into());
             }
             if let Some(incoming) = link.next(Duration::from_millis(20))? {
                 self.take(incoming)?;

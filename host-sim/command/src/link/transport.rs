@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
-use std::net::TcpStream;
+use std::net::{IpAddr, TcpStream};
 use std::time::Duration;
 
 use cophase_link::frame::MAX_FRAME_BYTES;
@@ -12,6 +12,8 @@ use host_sim::scene::file::FaultAt;
 use host_sim::scene::load;
 use serialport::SerialPort;
 
+use super::address::Parts;
+use super::error::NoController;
 use super::ports;
 use crate::scenes;
 
@@ -25,6 +27,11 @@ pub(crate) trait Transport {
 
     /// Reads the bytes that have arrived, after a short wait at most. There may be none.
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize>;
+
+    /// Returns what to check if no reply comes.
+    fn check(&self) -> String {
+        "check that the port is that of a controller, and the baud rate".to_owned()
+    }
 
     /// Opens the line again after the controller has restarted. Returns false if the controller is not there yet.
     fn reopen(&mut self) -> bool {
@@ -61,6 +68,11 @@ pub(crate) fn open(
         Some(to) => to.to_owned(),
         None => ports::only_controller()?,
     };
+    let parts = Parts::of(&to);
+    if let Some(protocol) = parts.protocol {
+        let wrong = of_protocol(protocol, &to, &parts);
+        return Err(format!("--to {to}: {wrong}"));
+    }
     if let Some(address) = to.strip_prefix("tcp:") {
         return Ok(Box::new(Tcp::new(address)?));
     }
@@ -71,22 +83,38 @@ pub(crate) fn open(
     }
 }
 
-/// The way out for a name that is no serial port.
-fn instead_of_port(name: &str) -> String {
+/// Returns what was meant by a name that begins almost like `sim` or `tcp`.
+fn near_kind(name: &str) -> Option<&'static str> {
     let kind = name.split(':').next().unwrap_or_default();
-    match load::nearest(kind, &["sim", "tcp"]) {
-        Some("sim") => return "did you mean --to sim, or --to sim:SCENE?".to_owned(),
-        Some(_) => return "did you mean --to tcp:HOST:PORT?".to_owned(),
-        None => {}
-    }
-    let address = name.rsplit_once("://").map_or(name, |(_, rest)| rest);
-    let address = address.split('/').next().unwrap_or_default();
-    match address.rsplit_once(':') {
-        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => {
-            format!("for a controller's server at that address, give --to tcp:{address}")
+    Some(match load::nearest(kind, &["sim", "tcp"])? {
+        "sim" => "did you mean --to sim, or --to sim:SCENE?",
+        _ => "did you mean --to tcp:HOST:PORT?",
+    })
+}
+
+/// Returns the problem and the fix of an address with the protocol of something else than a controller.
+fn of_protocol(protocol: &str, to: &str, parts: &Parts<'_>) -> String {
+    let server = format!(
+        "for a controller's server at that address, give --to tcp:{}",
+        parts.full()
+    );
+    // `tcp:` may stand before the address of another protocol.
+    let protocol = protocol.rsplit(':').next().unwrap_or_default();
+    match protocol.to_ascii_lowercase().as_str() {
+        "tcp" => format!("`tcp:` takes no slashes; give --to tcp:{}", parts.full()),
+        "sim" => {
+            let scene = to.split_once("://").map_or("", |(_, scene)| scene);
+            format!("`sim:` takes no slashes; give --to sim:{scene}")
         }
-        _ => "`cophase link list` shows the serial ports".to_owned(),
+        "http" | "https" | "ws" | "wss" => format!("is a web address; {server}"),
+        _ => format!("is an address of the protocol {protocol}; {server}"),
     }
+}
+
+/// Returns true for a network address that stands where a serial port is expected.
+fn is_of_network(name: &str, parts: &Parts<'_>) -> bool {
+    let is_path = name.contains(['/', '\\']);
+    !is_path && (parts.problem().is_none() || parts.host.parse::<IpAddr>().is_ok())
 }
 
 struct Serial {
@@ -97,8 +125,17 @@ struct Serial {
 
 impl Serial {
     fn new(name: String, baud: u32) -> Result<Self, String> {
-        let port = open_port(&name, baud)
-            .map_err(|e| format!("--to {name}: {e}; {}", instead_of_port(&name)))?;
+        let port = open_port(&name, baud).map_err(|e| {
+            let parts = Parts::of(&name);
+            match near_kind(&name) {
+                Some(meant) => format!("--to {name}: {e}; {meant}"),
+                None if is_of_network(&name, &parts) => format!(
+                    "--to {name}: is a network address, and no serial port; for a controller's server at that address, give --to tcp:{}",
+                    parts.full()
+                ),
+                None => format!("--to {name}: {e}; `cophase link list` shows the serial ports"),
+            }
+        })?;
         Ok(Self {
             name,
             baud,
@@ -164,41 +201,76 @@ struct Tcp {
     stream: TcpStream,
     /// The first bytes that arrived.
     greeting: Vec<u8>,
+    /// True once the end of a frame has arrived. What else sends text has none.
+    has_frame: bool,
 }
 
-/// Beginnings of what servers of other protocols send, and what they are.
-const OTHERS: [(&[u8], &str); 2] = [(b"HTTP/", "a web server"), (b"SSH-", "an SSH server")];
+/// Beginnings of what servers of other protocols send, and what they are. A web server answers bytes that are no request with a
+/// bare page.
+const OTHERS: [(&str, &str); 4] = [
+    ("HTTP/", "a web server"),
+    ("<!DOCTYPE", "a web server"),
+    ("<html", "a web server"),
+    ("SSH-", "an SSH server"),
+];
 
-impl Tcp {
-    /// Refuses the server of another protocol, whose bytes would be taken for noise.
-    fn check_greeting(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let most = OTHERS.iter().map(|(begin, _)| begin.len()).max();
-        let missing = most.unwrap_or_default().saturating_sub(self.greeting.len());
-        self.greeting.extend(bytes.iter().take(missing));
-        let other = OTHERS
-            .iter()
-            .find(|(begin, _)| self.greeting.starts_with(begin));
-        other.map_or(Ok(()), |(_, what)| {
-            Err(io::Error::other(format!(
-                "{what} is at {}, and no controller; give the port at which the controller's server listens",
-                self.address
-            )))
-        })
-    }
-}
+/// Byte that ends a frame.
+const FRAME_END: u8 = 0;
 
 impl Tcp {
     fn new(address: &str) -> Result<Self, String> {
-        let stream = open_stream(address).map_err(|e| {
-            format!(
-                "--to tcp:{address}: {e}; give tcp:HOST:PORT, where the controller's server listens"
-            )
-        })?;
+        let parts = Parts::of(address);
+        let wrong = |problem: &str, address: &str| {
+            format!("{problem}; give tcp:{address}, where the controller's server listens")
+        };
+        let stream = match parts.problem() {
+            Some(problem) => Err(wrong(&problem, &parts.full())),
+            None => open_stream(address).map_err(|e| wrong(&e.to_string(), "HOST:PORT")),
+        };
         Ok(Self {
             address: address.to_owned(),
-            stream,
+            stream: stream.map_err(|wrong| format!("--to tcp:{address}: {wrong}"))?,
             greeting: Vec::new(),
+            has_frame: false,
         })
+    }
+
+    /// Refuses the server of another protocol, whose bytes would be taken for noise.
+    fn check_greeting(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.has_frame |= bytes.contains(&FRAME_END);
+        let most = OTHERS.iter().map(|(begin, _)| begin.len()).max();
+        let missing = most.unwrap_or_default().saturating_sub(self.greeting.len());
+        self.greeting.extend(bytes.iter().take(missing));
+        let other = OTHERS.iter().find(|(begin, _)| {
+            let first = self.greeting.get(..begin.len());
+            first.is_some_and(|first| first.eq_ignore_ascii_case(begin.as_bytes()))
+        });
+        other.map_or(Ok(()), |(_, what)| {
+            Err(self.no_controller(format!("{what} is at this address, and no controller")))
+        })
+    }
+
+    fn no_controller(&self, problem: String) -> io::Error {
+        let to = format!("tcp:{}", self.address);
+        io::Error::other(NoController { to, problem })
+    }
+
+    /// Returns why the line is lost. What closes it before the first frame is no controller.
+    fn lost(&mut self, error: io::Error) -> io::Error {
+        // A server may have sent its reason before it closed the line.
+        let mut rest = [0; 64];
+        if let Ok(count) = self.stream.read(&mut rest)
+            && let Err(other) = self.check_greeting(&rest[..count])
+        {
+            return other;
+        }
+        if self.has_frame {
+            return error;
+        }
+        self.no_controller(
+            "what listens there is no controller, as it closed the connection without a frame"
+                .to_owned(),
+        )
     }
 }
 
@@ -211,24 +283,32 @@ fn open_stream(address: &str) -> io::Result<TcpStream> {
 
 impl Transport for Tcp {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.stream.write_all(bytes)
+        let sent = self.stream.write_all(bytes);
+        sent.map_err(|error| self.lost(error))
     }
 
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        match self.stream.read(buffer) {
+        let read = match self.stream.read(buffer) {
             Ok(0) if !buffer.is_empty() => Err(io::ErrorKind::ConnectionAborted.into()),
-            read => {
-                let count = quiet(read)?;
-                self.check_greeting(&buffer[..count])?;
-                Ok(count)
-            }
-        }
+            read => quiet(read),
+        };
+        let count = read.map_err(|error| self.lost(error))?;
+        self.check_greeting(&buffer[..count])?;
+        Ok(count)
+    }
+
+    fn check(&self) -> String {
+        format!(
+            "check that a controller's server listens at {}",
+            self.address
+        )
     }
 
     fn reopen(&mut self) -> bool {
         open_stream(&self.address).is_ok_and(|stream| {
             self.stream = stream;
             self.greeting.clear();
+            self.has_frame = false;
             true
         })
     }
@@ -322,9 +402,44 @@ mod tests {
             ("simu", "did you mean --to sim"),
             ("sim1:gears", "did you mean --to sim"),
             ("tcpp:localhost:5000", "did you mean --to tcp:HOST:PORT"),
-            ("192.0.2.5:80", "give --to tcp:192.0.2.5:80"),
+            (
+                "192.0.2.5:80",
+                "is a network address, and no serial port; for a controller's server at that address, give --to tcp:192.0.2.5:80",
+            ),
+            ("192.0.2.5", "give --to tcp:192.0.2.5:PORT"),
             ("[::1]:80", "give --to tcp:[::1]:80"),
-            ("http://localhost:3000/page", "give --to tcp:localhost:3000"),
+            (
+                "http://localhost:3000/page",
+                "is a web address; for a controller's server at that address, give --to tcp:localhost:3000",
+            ),
+            ("tcp:http://board:80", "is a web address; for"),
+            ("https://board", "is a web address; for"),
+            ("ws://localhost:3000", "is a web address; for"),
+            (
+                "ssh://me@board:22",
+                "is an address of the protocol ssh; for a controller's server at that address, give --to tcp:board:22",
+            ),
+            (
+                "tcp://127.0.0.1:18080",
+                "`tcp:` takes no slashes; give --to tcp:127.0.0.1:18080",
+            ),
+            (
+                "sim://default",
+                "`sim:` takes no slashes; give --to sim:default",
+            ),
+            (
+                "tcp:127.0.0.1",
+                "the port is missing; give tcp:127.0.0.1:PORT, where",
+            ),
+            (
+                "tcp:board",
+                "the port is missing; give tcp:board:PORT, where",
+            ),
+            (
+                "tcp:board:99999",
+                "port 99999 is no number from 1 to 65535; give tcp:board:PORT, where",
+            ),
+            ("tcp:board:http", "port http is no number"),
             ("/dev/ttyACM99", "`cophase link list`"),
             ("COM99", "`cophase link list`"),
         ] {
@@ -337,32 +452,57 @@ mod tests {
     }
 
     #[test]
-    fn a_server_of_another_protocol_is_named() {
-        for (greeting, part) in [
-            ("HTTP/1.1 400 Bad Request\r\n\r\n", "a web server is at"),
-            ("SSH-2.0-OpenSSH_9.6\r\n", "an SSH server is at"),
+    fn what_is_no_controller_is_named() {
+        for (greeting, problem) in [
+            (
+                "HTTP/1.1 400 Bad Request\r\n\r\n",
+                "a web server is at this address, and no controller",
+            ),
+            (
+                "<!doctype html>\n",
+                "a web server is at this address, and no controller",
+            ),
+            (
+                "SSH-2.0-OpenSSH_9.6\r\n",
+                "an SSH server is at this address, and no controller",
+            ),
+            (
+                "220 ready\r\n",
+                "what listens there is no controller, as it closed the connection without a frame",
+            ),
         ] {
             let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
             let to = format!("tcp:{}", listener.local_addr().unwrap());
             let server = std::thread::spawn(move || {
                 let (mut stream, _) = listener.accept().unwrap();
-                // In two pieces, as the first one may be short.
+                // In two pieces, as the first one may be short. Then the connection ends.
                 for piece in [&greeting[..2], &greeting[2..]] {
                     stream.write_all(piece.as_bytes()).unwrap();
                 }
-                stream
             });
-            let mut line = open(Some(&to), 0, Faults::OfScene).unwrap();
-            let mut buffer = [0; 64];
-            let error = loop {
-                match line.receive(&mut buffer) {
-                    Ok(_) => {}
-                    Err(error) => break error.to_string(),
-                }
-            };
-            assert!(error.contains(part), "{error}");
-            drop(server.join());
+            let mut link = Connection::new(open(Some(&to), 0, Faults::OfScene).unwrap());
+            let error = link.identify().unwrap_err().to_string();
+            assert_eq!(
+                error,
+                format!(
+                    "--to {to}: {problem}; give the port at which the controller's server listens"
+                )
+            );
+            server.join().unwrap();
         }
+    }
+
+    /// If this fails, a user searches the baud rate of a network.
+    #[test]
+    fn a_server_that_does_not_answer_is_named_by_its_address() {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        let line = open(Some(&format!("tcp:{address}")), 0, Faults::OfScene).unwrap();
+        let error = Connection::new(line).identify().unwrap_err().to_string();
+        let expected = format!(
+            "identify: no reply; nothing has changed; check that a controller's server listens at {address}"
+        );
+        assert_eq!(error, expected);
     }
 
     /// If this fails, a host that reads late loses samples. The hub has room for a few frames, so samples must be fetched

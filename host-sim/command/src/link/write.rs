@@ -1,12 +1,14 @@
 //! Loading of programs and settings.
 
 use std::io::Write;
+use std::path::Path;
 
 use cophase_core::settings::Settings;
 use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
 use cophase_link::message::{File, Identity, Request};
 use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::{MAX_FILE_BYTES, decode, encode};
+use host_sim::file_kind::FileKind;
 use host_sim::input_file;
 
 use super::Problem;
@@ -32,7 +34,8 @@ pub(super) fn load(
         cophase_link::verify(&file).map_err(|e| LinkError::Input(format!("{name}: {e}")))?;
         return store(link, identity, &name, &file, out);
     }
-    let checked = scenes::read(&name).map_err(LinkError::Input)?;
+    let checked = scenes::read(&name)
+        .map_err(|problem| LinkError::Input(instead(&args.scene).unwrap_or(problem)))?;
     if args.settings {
         let mut buffer = vec![0; MAX_FILE_BYTES];
         let file = encode(&checked.settings, FIRST_SEQUENCE, OUTSIDE, &mut buffer)
@@ -50,6 +53,21 @@ pub(super) fn load(
          `cophase link load {name} --settings` stores it."
     )?;
     Ok(())
+}
+
+/// Returns the refusal of a file that cannot be loaded, if it is of another kind than a scene.
+fn instead(path: &Path) -> Option<String> {
+    let name = path.display();
+    Some(match FileKind::of(path)? {
+        FileKind::Scene => return None,
+        FileKind::Settings => format!(
+            "{name}: is a settings file, but its name does not end in .settings; rename it to {}",
+            path.with_extension("settings").display()
+        ),
+        kind => format!(
+            "{name}: is {kind} and no scene; link load takes a scene (.toml), the name of a built-in scene, or a settings file"
+        ),
+    })
 }
 
 /// Encodes the program of a scene, after a check that it was made for the machine of the controller.

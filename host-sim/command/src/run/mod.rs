@@ -23,7 +23,7 @@ use host_sim::operating_range::OperatingRange;
 use host_sim::report::{self, Report, Written};
 use host_sim::scene::library;
 use host_sim::scene::{Checked, SceneError};
-use host_sim::sim::{Outcome, expected_ticks, simulate};
+use host_sim::sim::{self, Outcome, expected_ticks, simulate};
 use host_sim::trace::{
     Every, Format, Recorder, RunFiles, ScopeData, ScopeFrame, SentRows, Window, gtkwave_layout,
 };
@@ -122,6 +122,7 @@ pub(super) fn run(
     let mut checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
     checked.settings.detect_at_once = args.detect_at_once;
     let refused = |error: SceneError| CommandError::Input(error.in_file(&args.scene).to_string());
+    sim::check_times(&checked).map_err(refused)?;
     if !args.quiet {
         expected::before_choice(&checked, err).map_err(refused)?;
     }

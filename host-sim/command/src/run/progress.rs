@@ -9,6 +9,6 @@ pub(super) fn progress_bar(quiet: bool) -> ProgressBar {
     }
     // indicatif draws to stderr, and only if that is a terminal.
     let style =
-        ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} gone, {eta} to go");
+        ProgressStyle::with_template("{wide_bar} {percent:>3} %  {elapsed} gone, {eta} to go");
     ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -2,6 +2,8 @@
 
 use std::net::{SocketAddr, ToSocketAddrs};
 
+use crate::link::address::Parts;
+use crate::numbers::{in_range, meant};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use host_sim::trace::{Format, Window};
 
@@ -9,7 +11,17 @@ pub(crate) fn window(text: &str) -> Result<Window, String> {
     if text == "all" {
         return Ok(Window::All);
     }
-    let wrong = || "give FROM..TO in seconds, 0 or later, such as 2.5..2.6, or `all`".to_owned();
+    let wrong = || {
+        let form = "give FROM..TO in seconds, 0 or later";
+        let ends = text.split_once("..");
+        let meant = ends.and_then(|(from, to)| meant(from, Some("s")).zip(meant(to, Some("s"))));
+        match meant {
+            Some((from, to)) if 0.0 <= from && from < to && to <= 1e6 => {
+                format!("{form}, without a unit, with a point for fractions: {from}..{to}")
+            }
+            _ => format!("{form}, such as 2.5..2.6, or `all`"),
+        }
+    };
     let (from, to) = text.split_once("..").ok_or_else(wrong)?;
     let seconds = |text: &str| {
         text.trim()
@@ -35,18 +47,26 @@ pub(super) fn formats() -> impl TypedValueParser<Value = Format> {
 }
 
 pub(super) fn receiver(text: &str) -> Result<SocketAddr, String> {
-    let mut addresses = text.to_socket_addrs().map_err(|error| {
+    let parts = Parts::of(text);
+    if let Some(problem) = parts.problem() {
+        let full = parts.full();
+        return Err(format!(
+            "{problem}; give {full} of the receiver, such as 127.0.0.1:9870"
+        ));
+    }
+    let mut addresses = (text.to_socket_addrs()).map_err(|error| {
         format!("{error}; give HOST:PORT of the receiver, such as 127.0.0.1:9870")
     })?;
     addresses
         .next()
-        .filter(|address| address.port() != 0)
         .ok_or_else(|| "no such receiver; give HOST:PORT, such as 127.0.0.1:9870".to_owned())
 }
 
 pub(super) fn speed(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|speed| (1e-3..=1e3).contains(speed))
-        .ok_or_else(|| "give simulated seconds per second, 0.001 to 1000".to_owned())
+    in_range(
+        text,
+        1e-3..=1e3,
+        "x",
+        "give simulated seconds per second, 0.001 to 1000",
+    )
 }

@@ -27,6 +27,7 @@ use std::sync::mpsc::{channel, sync_channel};
 use clap::Args;
 use cophase_link::line::UART_BAUD;
 
+use super::link::address::Parts;
 use super::link::connection::Connection;
 use super::link::transport::{self, Faults};
 use super::numbers::whole;
@@ -62,9 +63,26 @@ pub(crate) struct ScopeArgs {
 }
 
 /// Parses an address of this computer.
-fn address(text: &str) -> Result<IpAddr, &'static str> {
-    text.parse()
-        .map_err(|_| "give an address of this computer in numbers, such as 127.0.0.1")
+fn address(text: &str) -> Result<IpAddr, String> {
+    text.parse().map_err(|_| {
+        let parts = Parts::of(text);
+        let host = parts.host.parse().ok();
+        let host = host.filter(|host: &IpAddr| !host.is_unspecified());
+        let port = parts.port_number();
+        let port = port.map_or_else(|| "N".to_owned(), |port| port.to_string());
+        match (host, parts.port()) {
+            (Some(host), Some(_)) => {
+                format!("it takes an address without a port; give --listen {host} --port {port}")
+            }
+            (Some(host), None) => format!("it takes an address alone; give --listen {host}"),
+            (None, Some(_)) => format!(
+                "it takes an address in numbers, without a port; give one of this computer, such as --listen 127.0.0.1 --port {port}"
+            ),
+            (None, None) => {
+                "give an address of this computer in numbers, such as 127.0.0.1".to_owned()
+            }
+        }
+    })
 }
 
 /// Serves the page until the process is interrupted.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use cophase_link::message::Identity;
+use host_sim::file_kind::FileKind;
 use host_sim::input_file;
 use host_sim::scene::{library, load};
 
@@ -19,7 +20,12 @@ pub(super) fn text(args: &ScopeArgs, identity: &Identity) -> Result<String, Stri
     };
     match library::find(name) {
         Some(built_in) if !Path::new(name).exists() => Ok(built_in.text.to_owned()),
-        _ => input_file::read_text(Path::new(name), load::MAX_BYTES)
-            .map_err(|e| format!("{name}: {e}; give a scene file")),
+        _ => match FileKind::of(Path::new(name)) {
+            None | Some(FileKind::Scene) => input_file::read_text(Path::new(name), load::MAX_BYTES)
+                .map_err(|e| format!("{name}: {e}; give a scene file")),
+            Some(kind) => Err(format!(
+                "{name}: is {kind} and no scene; give a scene file (.toml), or the name of a built-in scene"
+            )),
+        },
     }
 }

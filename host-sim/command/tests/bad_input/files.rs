@@ -186,6 +186,87 @@ fn unusable_output_folders_are_refused() {
     assert_eq!(fs::read(dir.path().join("taken")).unwrap(), b"a file");
 }
 
+/// If this fails, a user reads about the syntax or the size of a file where the problem is its kind.
+#[test]
+fn a_file_of_another_kind_is_named_by_its_kind() {
+    let dir = tempfile::tempdir().unwrap();
+    for (name, content, kind) in [
+        ("trace.csv", "t_s,state\n", "a table (CSV)"),
+        ("report.json", "{\"events\": []}\n", "data (JSON)"),
+        ("steps.vcd", "$date\n", "a waveform (VCD)"),
+        ("scope.svg", "<svg></svg>\n", "a drawing (SVG)"),
+        ("photo.png", "\u{fffd}PNG", "a bitmap"),
+        ("tool.py", "print(1)\n", "a Python program"),
+        ("nameless", "{\"a\": 1}\n", "data (JSON)"),
+    ] {
+        let path = dir.path().join(name);
+        fs::write(&path, content).unwrap();
+        // The size does not matter.
+        let file = fs::File::options().append(true).open(&path).unwrap();
+        file.set_len(2 << 20).unwrap();
+        let line = refusal(name, dir.path(), &["link", "load", name, "--to", "sim"]);
+        let expected = format!(
+            "cophase: {name}: is {kind} and no scene; link load takes a scene (.toml), the name of a built-in scene, or a settings file"
+        );
+        assert_eq!(line, expected);
+    }
+    fs::write(dir.path().join("my.bin"), b"COPHASE\0").unwrap();
+    let line = refusal(
+        "my.bin",
+        dir.path(),
+        &["link", "load", "my.bin", "--to", "sim"],
+    );
+    assert_holds(&line, &["is a settings file", "rename it to my.settings"]);
+    let scope = ["scope", "--to", "sim", "--scene", "trace.csv"];
+    let line = refusal("scope", dir.path(), &scope);
+    assert_holds(&line, &["is a table (CSV) and no scene"]);
+}
+
+/// If this fails, a user takes a whole run for one that is cut off.
+#[test]
+fn what_is_no_run_is_not_compared() {
+    let dir = tempfile::tempdir().unwrap();
+    let write = |name: &str, content: &str| fs::write(dir.path().join(name), content).unwrap();
+    for folder in ["run", "cut", "empty"] {
+        fs::create_dir(dir.path().join(folder)).unwrap();
+    }
+    write("a.toml", BASE);
+    write("run/trace.csv", "t_s,z_m\n0.1,0\n");
+    write("run/report.json", "{\"events\": []}\n");
+    write("cut/report.json", "{\"events\": []}\n");
+    write("steps.vcd", "$date\n");
+    write("notes", "one\ntwo, three\n");
+    for (name, expected) in [
+        (
+            "a.toml",
+            "a.toml: is a scene, not a run; run it first: cophase run a.toml --out DIR, then compare DIR",
+        ),
+        (
+            "run/report.json",
+            "run/report.json: is data (JSON) and no trace of a run; give run/trace.csv",
+        ),
+        (
+            "steps.vcd",
+            "steps.vcd: is a waveform (VCD) and no trace of a run; give the folder of a run, or its trace.csv",
+        ),
+        (
+            "cut",
+            "cut/trace.csv: is not there, as cut is of a run without it; run it again with csv in --trace",
+        ),
+        (
+            "empty",
+            "empty/trace.csv: is not there, so empty is not the folder of a run; give one that `cophase run` wrote",
+        ),
+        (
+            "notes",
+            "notes: there is no row with a time in column t_s; give a trace.csv that `cophase run` wrote",
+        ),
+    ] {
+        let line = refusal(name, dir.path(), &["compare", name, "run"]);
+        assert_eq!(line, format!("cophase: {expected}"));
+    }
+}
+
 /// If this fails, a value that an option cannot take is used, or the message does not say which it can take.
 #[test]
 fn invalid_command_line_values_are_refused() {

@@ -206,7 +206,7 @@ fn invalid_tick_and_pulse_settings_are_refused() {
             set("pulse.width_ns", "20000"),
             "axes.steps_per_turn",
             "would need 64",
-            "give at most 933 steps a turn",
+            "give at most 800 steps a turn",
         ),
         case(
             "steps too fast for the tick",

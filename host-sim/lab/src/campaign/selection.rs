@@ -81,25 +81,25 @@ impl Selection {
         numbers
     }
 
-    /// Returns the fields of the selection for the first line of a shard.
-    pub fn fields(&self) -> String {
+    /// Returns its strata with their shares, for a column of a shard.
+    pub fn only(&self) -> String {
         let listed = |(stratum, share): &(Stratum, Share)| format!("{stratum}@{share}");
-        let strata: Vec<_> = self.strata.iter().map(listed).collect();
-        let others = self
-            .others
-            .map_or(String::new(), |every| format!(" others={every}"));
-        format!("only={}{others}", strata.join(","))
+        self.strata.iter().map(listed).collect::<Vec<_>>().join(" ")
     }
 
-    /// Parses the values of these fields.
-    pub fn parse(only: &str, others: Option<&str>) -> Option<Self> {
+    /// Returns the interval of numbers at which cases of other strata are simulated, for another column.
+    pub const fn others(&self) -> Option<u64> {
+        self.others
+    }
+
+    /// Parses the values of these columns.
+    pub fn parse(only: &str, others: Option<u64>) -> Option<Self> {
         let listed = |text: &str| {
             let (stratum, share) = text.split_once('@')?;
             Some((Stratum::parse(stratum)?, Share::parse(share)?))
         };
-        let others = others.map(str::parse).transpose().ok()?;
         Some(Self {
-            strata: only.split(',').map(listed).collect::<Option<_>>()?,
+            strata: only.split(' ').map(listed).collect::<Option<_>>()?,
             others,
         })
         .filter(|selection| selection.others != Some(0))
@@ -254,17 +254,13 @@ mod tests {
     }
 
     #[test]
-    fn written_fields_parse_to_the_same_selection() {
+    fn written_columns_parse_to_the_same_selection() {
         for others in [None, Some(25)] {
             let selection = selection(&plan(1), &["slip", "reversed:encoder"], others);
-            let fields = selection.fields();
-            let mut values = fields
-                .split(' ')
-                .map(|field| field.split_once('=').unwrap().1);
-            let read = Selection::parse(values.next().unwrap(), values.next());
-            assert_eq!(read, Some(selection), "{fields}");
+            let read = Selection::parse(&selection.only(), selection.others());
+            assert_eq!(read, Some(selection));
         }
-        assert_eq!(Selection::parse("slip:index@1/45", Some("0")), None);
+        assert_eq!(Selection::parse("slip:index@1/45", Some(0)), None);
         assert_eq!(Selection::parse("slip:index", None), None);
     }
 

@@ -1,31 +1,31 @@
-//! Rows as files: a line that identifies them, then CSV.
+//! Rows as files: CSV, in which each row also states the campaign to which it belongs.
 //!
-//! A *shard* has the rows of a range of case numbers. Shards of one campaign have the same plan, version, seed, scene and number of cases. If
-//! they are all cases, each once, they can be joined into one shard. It is the same, byte for byte, as that of a single run. The last field of
-//! the line is the CRC-32 of all other bytes, so that damage is detected.
+//! A *shard* has the rows of a range of case numbers. Shards of one campaign have the same plan, version, commit, seed, scene and number of
+//! cases. If they are all cases of a range, each once, they can be joined into one shard. It is the same, byte for byte, as that of a single
+//! run. The last column is the CRC-32 of the rest of its row, so that damage is detected.
 
 use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
 
 use super::plan::strata::Stratum;
 use super::plan::{Plan, VERSION};
 use super::row::Row;
 use super::selection::Selection;
 use host_sim::scene::Scene;
-
-/// Beginning of the line that identifies a shard.
-const MARK: &str = "# cophase campaign";
-
-/// Key of the last field of that line, the CRC-32.
-const SUM: &str = " crc32=";
+use host_sim::version;
 
 /// Scene of a campaign whose machines are drawn.
 pub const MACHINES: &str = "machines";
 
 /// Identity of a shard.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "Columns", try_from = "Columns")]
 pub struct Header {
     /// Version of the command.
     pub version: String,
+    /// Commit of the command.
+    pub commit: String,
     /// Version of the plan.
     pub plan: u32,
     /// The campaign's seed.
@@ -40,11 +40,74 @@ pub struct Header {
     pub of: u64,
 }
 
+/// Columns of the identity of a shard, after those of a [`Row`].
+#[derive(Serialize, Deserialize)]
+struct Columns {
+    version: String,
+    commit: String,
+    plan: u32,
+    seed: u64,
+    scene: String,
+    only: Option<String>,
+    others: Option<u64>,
+    from: u64,
+    to: u64,
+    of: u64,
+}
+
+/// The last column.
+#[derive(Serialize, Deserialize)]
+struct Sum {
+    crc32: String,
+}
+
+impl From<Header> for Columns {
+    fn from(header: Header) -> Self {
+        let selection = header.selection.as_ref();
+        Self {
+            version: header.version,
+            commit: header.commit,
+            plan: header.plan,
+            seed: header.seed,
+            scene: header.scene,
+            only: selection.map(Selection::only),
+            others: selection.and_then(Selection::others),
+            from: header.numbers.start,
+            to: header.numbers.end,
+            of: header.of,
+        }
+    }
+}
+
+impl TryFrom<Columns> for Header {
+    type Error = &'static str;
+
+    fn try_from(columns: Columns) -> Result<Self, Self::Error> {
+        let numbers = columns.from..columns.to;
+        if numbers.is_empty() || numbers.end > columns.of {
+            return Err("`from`, `to` and `of` are no part of a campaign");
+        }
+        let parse =
+            |only: String| Selection::parse(&only, columns.others).ok_or("`only` has no strata");
+        Ok(Self {
+            version: columns.version,
+            commit: columns.commit,
+            plan: columns.plan,
+            seed: columns.seed,
+            scene: columns.scene,
+            selection: columns.only.map(parse).transpose()?,
+            numbers,
+            of: columns.of,
+        })
+    }
+}
+
 impl Header {
     /// Header for a range of a plan's cases, or of those that a selection takes.
     pub fn new(plan: &Plan, selection: Option<Selection>, numbers: Range<u64>, of: u64) -> Self {
         Self {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: version::RELEASE.to_owned(),
+            commit: version::commit().to_owned(),
             plan: VERSION,
             seed: plan.seed(),
             scene: plan.scene().map_or(MACHINES.to_owned(), checksum),
@@ -57,50 +120,6 @@ impl Header {
     /// Returns true if the shard has all cases of its campaign.
     pub fn is_whole(&self) -> bool {
         self.numbers == (0..self.of)
-    }
-
-    fn line(&self) -> String {
-        let Header {
-            version,
-            plan,
-            seed,
-            scene,
-            selection,
-            numbers,
-            of,
-        } = self;
-        let selected = (selection.as_ref()).map_or(String::new(), |selection| {
-            format!(" {}", selection.fields())
-        });
-        format!(
-            "{MARK} version={version} plan={plan} seed={seed} scene={scene}{selected} from={} to={} of={of}",
-            numbers.start, numbers.end
-        )
-    }
-
-    fn parse(line: &str) -> Option<Self> {
-        let fields = line.strip_prefix(MARK)?;
-        let field = |name: &str| {
-            fields
-                .split_whitespace()
-                .find_map(|field| field.strip_prefix(name)?.strip_prefix('='))
-        };
-        let numbers = field("from")?.parse().ok()?..field("to")?.parse().ok()?;
-        let of = field("of")?.parse().ok()?;
-        let is_part = !numbers.is_empty() && numbers.end <= of;
-        is_part.then_some(())?;
-        Some(Self {
-            version: field("version")?.to_owned(),
-            plan: field("plan")?.parse().ok()?,
-            seed: field("seed")?.parse().ok()?,
-            scene: field("scene")?.to_owned(),
-            selection: match field("only") {
-                Some(only) => Some(Selection::parse(only, field("others"))?),
-                None => None,
-            },
-            numbers,
-            of,
-        })
     }
 
     /// Returns true if a row can follow the rows before it. Runs come in pairs, and cases in the order of their numbers. The numbers that a
@@ -124,6 +143,7 @@ impl Header {
         };
         let pairs = [
             ("version", &self.version, &other.version),
+            ("commit", &self.commit, &other.commit),
             ("plan", &self.plan.to_string(), &other.plan.to_string()),
             ("seed", &self.seed.to_string(), &other.seed.to_string()),
             ("scene", &self.scene, &other.scene),
@@ -146,17 +166,25 @@ fn takes(selection: &Selection, row: &Row) -> bool {
 /// Returns the checksum of a scene after parsing. It does not depend on the layout of its file.
 fn checksum(scene: &Scene) -> String {
     let text = toml::to_string(scene).unwrap_or_default();
-    crc32([text.as_str()])
+    crc32(text.as_bytes())
 }
 
-/// Returns the CRC-32 of the parts of a text, as eight digits.
-fn crc32<'a>(parts: impl IntoIterator<Item = &'a str>) -> String {
+/// Returns the CRC-32 of a text, as eight digits.
+fn crc32(text: &[u8]) -> String {
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
-    let mut digest = crc.digest();
-    for part in parts {
-        digest.update(part.as_bytes());
-    }
-    format!("{:08x}", digest.finalize())
+    format!("{:08x}", crc.checksum(text))
+}
+
+/// Returns the CRC-32 of the cells of a row before that of the sum.
+fn sum(row: &Row, header: &Header) -> Result<Sum, csv::Error> {
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(false)
+        .from_writer(Vec::new());
+    writer.serialize((row, header))?;
+    let line = writer.into_inner().map_err(|error| error.into_error())?;
+    Ok(Sum {
+        crc32: crc32(line.trim_ascii_end()),
+    })
 }
 
 /// Rows of a range of cases, with their identity.
@@ -179,18 +207,17 @@ impl Shard {
     /// # Errors
     /// None in practice: rows have only plain values.
     pub fn to_text(&self) -> Result<String, ShardError> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in &self.rows {
+        let text = || {
+            let mut writer = csv::Writer::from_writer(Vec::new());
+            for row in &self.rows {
+                writer.serialize((row, &self.header, sum(row, &self.header)?))?;
+            }
             writer
-                .serialize(row)
-                .map_err(|error| ShardError(error.to_string()))?;
-        }
-        let rows = writer
-            .into_inner()
-            .map_err(|error| ShardError(error.to_string()))?;
-        let (line, rows) = (self.header.line(), String::from_utf8_lossy(&rows));
-        let sum = crc32([line.as_str(), rows.as_ref()]);
-        Ok(format!("{line}{SUM}{sum}\n{rows}"))
+                .into_inner()
+                .map_err(|error| error.into_error().into())
+        };
+        let text = text().map_err(|error: csv::Error| ShardError(error.to_string()))?;
+        Ok(String::from_utf8_lossy(&text).into_owned())
     }
 
     /// Parses a shard from text.
@@ -198,63 +225,103 @@ impl Shard {
     /// # Errors
     /// The text has a defect. The message contains its place.
     pub fn parse(text: &str) -> Result<Self, ShardError> {
-        let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
-        let parts = first.split_once(SUM);
-        let identified = parts.and_then(|(line, sum)| Some((Header::parse(line)?, line, sum)));
-        let (header, line, sum) = identified.ok_or_else(|| {
-            ShardError(format!(
-                "line 1 does not state what it is of, as `{MARK} version=… plan=… seed=… scene=… from=… to=… of=…{SUM}…`; \
-                 give a file that `cophase campaign` wrote"
-            ))
-        })?;
-        if sum != crc32([line, rest]) {
-            return Err(ShardError(
-                "is damaged or truncated: its CRC-32 is not that of line 1; copy the file again, or run that range again"
-                    .to_owned(),
-            ));
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let names = reader.headers().cloned().unwrap_or_default();
+        let is_shard =
+            names.iter().next() == Some("number") && names.iter().last() == Some("crc32");
+        if !is_shard {
+            let problem = "is no campaign: its columns are not from `number` to `crc32`; give a file that `cophase campaign` wrote";
+            return Err(ShardError(problem.to_owned()));
         }
-        let mut rows: Vec<Row> = Vec::new();
-        for row in csv::Reader::from_reader(rest.as_bytes()).deserialize() {
-            let row: Row = row.map_err(|error| {
-                // The reader counts lines from the one after the first.
-                let line = error.position().map_or(0, |position| position.line() + 1);
-                ShardError(format!("line {line}: {}", brief(&error)))
-            })?;
-            if !header.expects(&row, &rows) {
-                let run = if rows.len() % 2 == 1 {
-                    "clean"
-                } else {
-                    "faulty"
-                };
-                let case = match &header.selection {
-                    None => format!(
-                        "case {}",
-                        header.numbers.start.saturating_add(rows.len() as u64 / 2)
-                    ),
-                    Some(selection) => format!("the next case of {selection}"),
-                };
-                return Err(ShardError(format!(
-                    "line {}: here the {run} run of {case} should be; run that range again",
-                    rows.len() + 3
-                )));
+        let mut shard: Option<Self> = None;
+        for record in reader.records() {
+            let record =
+                record.map_err(|error| at_line(error.position(), &brief(&error, &names)))?;
+            let cells: Result<(Row, Header, Sum), _> = record.deserialize(None);
+            let (row, header, found) =
+                cells.map_err(|error| at_line(record.position(), &brief(&error, &names)))?;
+            let expected = sum(&row, &header).map_err(|error| ShardError(error.to_string()))?;
+            if found.crc32 != expected.crc32 {
+                return Err(at_line(
+                    record.position(),
+                    &"its CRC-32 is not that of the row",
+                ));
             }
-            rows.push(row);
+            let shard = shard.get_or_insert_with(|| Self {
+                header: header.clone(),
+                rows: Vec::new(),
+            });
+            if header != shard.header {
+                let what = shard.header.differs(&header);
+                let what = what.unwrap_or_else(|| "cases of another range".to_owned());
+                return Err(at_line(
+                    record.position(),
+                    &format!("is of another shard: {what}"),
+                ));
+            }
+            shard
+                .expect(&row)
+                .map_err(|problem| at_line(record.position(), &problem))?;
+            shard.rows.push(row);
         }
-        let cases = header.numbers.end - header.numbers.start;
-        if !rows.len().is_multiple_of(2) || rows.len() as u64 / 2 != cases {
+        let shard = shard.ok_or_else(|| ShardError(format!("has no rows; {AGAIN}")))?;
+        let cases = shard.header.numbers.end - shard.header.numbers.start;
+        if shard.rows.len() as u64 != 2 * cases {
             return Err(ShardError(format!(
-                "has {} rows, and its first line states {cases} cases of two; run that range again",
-                rows.len()
+                "is truncated: it has {} rows, and its rows state {cases} cases of two; {AGAIN}",
+                shard.rows.len()
             )));
         }
-        Ok(Self { header, rows })
+        // What the sums do not cover: the names of the columns, and other spellings of the same values.
+        if shard.to_text()? != text {
+            return Err(ShardError(format!(
+                "is damaged: it is not, byte for byte, what its rows are written as; {AGAIN}"
+            )));
+        }
+        Ok(shard)
+    }
+
+    /// Returns the problem if a row is not the next one.
+    fn expect(&self, row: &Row) -> Result<(), String> {
+        let (header, rows) = (&self.header, &self.rows);
+        if header.expects(row, rows) {
+            return Ok(());
+        }
+        let run = if rows.len() % 2 == 1 {
+            "clean"
+        } else {
+            "faulty"
+        };
+        let case = match &header.selection {
+            None => {
+                let number = header.numbers.start.saturating_add(rows.len() as u64 / 2);
+                format!("case {number}")
+            }
+            Some(selection) => format!("the next case of {selection}"),
+        };
+        Err(format!("here the {run} run of {case} should be"))
     }
 }
 
-/// Returns the message of the CSV reader without its place, which it counts from another line.
-fn brief(error: &csv::Error) -> String {
+/// Fix for a file that is not as it was written.
+const AGAIN: &str = "copy the file again, or run that range again";
+
+/// Returns the error of a row.
+fn at_line(place: Option<&csv::Position>, problem: &dyn std::fmt::Display) -> ShardError {
+    let line = place.map_or(0, csv::Position::line);
+    ShardError(format!("line {line}: {problem}; {AGAIN}"))
+}
+
+/// Returns the message of the CSV reader without its place, with the name of the column.
+fn brief(error: &csv::Error, names: &csv::StringRecord) -> String {
     match error.kind() {
-        csv::ErrorKind::Deserialize { err, .. } => err.to_string(),
+        csv::ErrorKind::Deserialize { err, .. } => {
+            let name = err.field().and_then(|field| names.get(field as usize));
+            match name {
+                Some(name) => format!("{name}: {}", err.kind()),
+                None => err.kind().to_string(),
+            }
+        }
         csv::ErrorKind::UnequalLengths {
             expected_len, len, ..
         } => format!("has {len} columns, not {expected_len}"),
@@ -262,11 +329,16 @@ fn brief(error: &csv::Error) -> String {
     }
 }
 
-/// Joins shards in any order. Each has a name that identifies it in messages.
+/// Joins shards in any order. Each has a name that identifies it in messages. Together they are the cases from `from` to
+/// before `to`, by default to the last.
 ///
 /// # Errors
-/// No shards are given, or they are of different campaigns, overlap, or leave cases out.
-pub fn join(mut shards: Vec<(String, Shard)>) -> Result<Shard, ShardError> {
+/// No shards are given, or they are of different campaigns, overlap, or are not exactly the cases that are requested.
+pub fn join(
+    mut shards: Vec<(String, Shard)>,
+    from: u64,
+    to: Option<u64>,
+) -> Result<Shard, ShardError> {
     shards.sort_by_key(|(_, shard)| shard.header.numbers.start);
     let mut shards = shards.into_iter();
     let Some((mut last, mut joined)) = shards.next() else {
@@ -274,15 +346,16 @@ pub fn join(mut shards: Vec<(String, Shard)>) -> Result<Shard, ShardError> {
             "no shards; give files that `cophase campaign` wrote, or a folder of them".to_owned(),
         ));
     };
+    let requested = from..to.unwrap_or(joined.header.of);
     let missing = |what: &str, from: u64, to: u64| {
         ShardError(format!(
             "{what}; give the missing cases, --from {from} --to {to}"
         ))
     };
     let start = joined.header.numbers.start;
-    if start > 0 {
+    if start > requested.start {
         let what = format!("{last}: is the first shard, and begins with case {start}");
-        return Err(missing(&what, 0, start));
+        return Err(missing(&what, requested.start, start));
     }
     for (name, shard) in shards {
         if let Some(what) = joined.header.differs(&shard.header) {
@@ -308,10 +381,17 @@ pub fn join(mut shards: Vec<(String, Shard)>) -> Result<Shard, ShardError> {
         joined.rows.extend(shard.rows);
         last = name;
     }
-    let (end, of) = (joined.header.numbers.end, joined.header.of);
-    if end < of {
+    let Range { start, end } = joined.header.numbers;
+    if end < requested.end {
+        let of = joined.header.of;
         let what = format!("{last}: is the last shard, and the campaign has {of} cases");
-        return Err(missing(&what, end, of));
+        return Err(missing(&what, end, requested.end));
+    }
+    if (start..end) != requested {
+        return Err(ShardError(format!(
+            "the shards have cases {start} to {}; leave out those that are not requested",
+            end - 1
+        )));
     }
     Ok(joined)
 }

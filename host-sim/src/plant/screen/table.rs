@@ -166,7 +166,7 @@ impl Table for ScreenTable {
             return Err(SceneError::at(
                 "limits.speed_hz",
                 format!(
-                    "{top_hz} rev/s lies where the box resonates, at {from_hz:.2} to {to_hz:.2} rev/s; raise it above that, or lower it below{}",
+                    "{top_hz} rev/s lies where the box resonates, at {from_hz:.2} to {to_hz:.2} rev/s; give one below or above{}",
                     if screen.excites_pitch() {
                         ", or place the shafts so that they do not pitch the box (screen.shafts_mm)"
                     } else {
@@ -176,7 +176,11 @@ impl Table for ScreenTable {
             ));
         }
         let bands = &mut scene.limits.band;
-        for (from_hz, to_hz) in bands_hz {
+        // The machine does not reach a resonance above its limit.
+        for (from_hz, to_hz) in bands_hz
+            .into_iter()
+            .filter(|(from_hz, _)| *from_hz < top_hz)
+        {
             let own = Band { from_hz, to_hz };
             if !bands.contains(&own) {
                 bands.push(own);

@@ -75,10 +75,20 @@ fn points(text: &str, table: &CamTable) -> Result<Vec<f64>, String> {
             .phase
             .is_some_and(|phase| (phase - due).abs() > SAME_TURNS)
         {
+            let phase = row.phase.unwrap_or_default();
+            let is = |scale: f64| (phase - due * scale).abs() <= SAME_TURNS * scale;
+            let fix = if is(360.0) {
+                "the first column has degrees; divide them by 360, as it is in turns"
+            } else if is(std::f64::consts::TAU) {
+                "the first column has radians; divide them by 2π, as it is in turns"
+            } else if is(count) {
+                "the first column has numbers of rows; leave it out, or give the master's turns"
+            } else {
+                "space them equally, from 0 on"
+            };
             return Err(format!(
-                ":{}: the master's phase is {}, where that of {count} equally spaced points is {due:.6}; space them equally, from 0 on",
+                ":{}: the master's phase is {phase}, where that of {count} equally spaced points is {due:.6}; {fix}",
                 row.line,
-                row.phase.unwrap_or_default()
             ));
         }
     }
@@ -116,6 +126,12 @@ fn rows(text: &str) -> Result<Vec<Row>, String> {
         let source = source.trim();
         if source.is_empty() || source.starts_with('#') {
             continue;
+        }
+        if let Some(number) = decimal_comma(source) {
+            return Err(format!(
+                ":{line}: `{number}` has a decimal comma; write `{}`, and a comma between two columns",
+                number.replace(',', ".")
+            ));
         }
         let fields: Vec<&str> = source.split([',', ';', '\t']).map(str::trim).collect();
         let numbers: Result<Vec<f64>, _> =
@@ -160,6 +176,22 @@ fn rows(text: &str) -> Result<Vec<Row>, String> {
         rows.push(row);
     }
     Ok(rows)
+}
+
+/// Returns a number with a decimal comma. In a row without other separators it is one if zeros follow the comma: `0,031904`.
+fn decimal_comma(source: &str) -> Option<&str> {
+    let cells = || source.split([';', '\t']).map(str::trim);
+    let is_alone = cells().count() == 1;
+    cells().find(|cell| {
+        let Some((whole, fraction)) = cell.split_once(',') else {
+            return false;
+        };
+        let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+        let has_zeros = fraction.len() > 1 && fraction.starts_with('0');
+        is_digits(whole.trim_start_matches(['-', '+']))
+            && is_digits(fraction)
+            && (!is_alone || has_zeros)
+    })
 }
 
 #[cfg(test)]
@@ -207,6 +239,26 @@ mod tests {
             (
                 "0,0\n0.25,1\n0.5,1\n0.75,0\n1,0.5\n",
                 ":5: the axis is 0.5 turns",
+            ),
+            (
+                "0,000000\n0,031904\n0,126645\n",
+                ":1: `0,000000` has a decimal comma; write `0.000000`",
+            ),
+            (
+                "master;axis\n0;0\n0,25;0,5\n",
+                ":3: `0,25` has a decimal comma; write `0.25`",
+            ),
+            (
+                "0,0\n90,1\n180,2\n270,1\n",
+                ":2: the master's phase is 90, where that of 4 equally spaced points is 0.250000; the first column has degrees",
+            ),
+            (
+                "0,0\n1.5707963,1\n3.1415927,2\n4.712389,1\n",
+                ":2: the master's phase is 1.5707963, where that of 4 equally spaced points is 0.250000; the first column has radians",
+            ),
+            (
+                "0,0\n1,1\n2,2\n3,1\n",
+                ":2: the master's phase is 1, where that of 4 equally spaced points is 0.250000; the first column has numbers of rows",
             ),
         ] {
             let problem = points(text, &table(0)).unwrap_err();

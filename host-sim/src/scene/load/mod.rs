@@ -11,6 +11,7 @@ use std::path::Path;
 
 use super::library::{BuiltIn, SCENES};
 use super::{Checked, Scene, SceneError};
+use crate::file_kind::FileKind;
 use crate::input_file::{self, Unreadable};
 use explain::{explain, not_toml};
 pub use nearest::nearest;
@@ -25,6 +26,8 @@ const FIRMWARE: [(&[u8], &str); 3] = [
     (b":02000004", "firmware (Intel HEX)"),
 ];
 
+/// Most NUL bytes in a file that is text otherwise.
+const MOST_NULS: usize = 8;
 const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to start from";
 
 /// Reads a scene from a file and checks its values.
@@ -57,6 +60,11 @@ pub fn checked_from_text(text: &str, folder: Option<&Path>) -> Result<Checked, S
 
 fn from_path(path: &Path) -> Result<String, SceneError> {
     let whole = |problem: String| SceneError::at("", problem);
+    if let Some(kind) = FileKind::of(path).filter(|kind| *kind != FileKind::Scene) {
+        return Err(whole(format!(
+            "is {kind} and no scene; a scene is a TOML file: {START_FROM}"
+        )));
+    }
     let bytes = input_file::read(path, MAX_BYTES).map_err(|error| {
         let fix = match &error {
             Unreadable::Open(_) => instead(path),
@@ -80,19 +88,23 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
         ));
     }
     if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
-        return Err(whole(format!(
-            "is not text: byte {at} is NUL; a scene is a TOML file: {START_FROM}"
-        )));
+        let are_few = bytes.iter().filter(|&&byte| byte == 0).count() <= MOST_NULS;
+        return Err(SceneError {
+            line: Some(place::line_of(&bytes, at)),
+            ..whole(match are_few {
+                true => format!(
+                    "byte {at} is NUL (U+0000), which no text has and most editors do not show; delete it"
+                ),
+                false => {
+                    format!("is not text: byte {at} is NUL; a scene is a TOML file: {START_FROM}")
+                }
+            })
+        });
     }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
-        let line = error.as_bytes()[..valid]
-            .iter()
-            .filter(|&&byte| byte == b'\n')
-            .count()
-            + 1;
         SceneError {
-            line: Some(line),
+            line: Some(place::line_of(error.as_bytes(), valid)),
             ..whole(format!(
                 "is not text: byte {valid} is not UTF-8; a scene is a TOML file, so save it as UTF-8"
             ))

@@ -2,6 +2,8 @@
 //!
 //! A *key path* has the form `limits.band[0].from_hz`, with entries counted from 0.
 
+use std::collections::BTreeSet;
+
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
@@ -9,7 +11,12 @@ use crate::scene::library::SCENES;
 
 /// Returns the line of a byte, counted from 1.
 pub(super) fn line_at(text: &str, byte: usize) -> usize {
-    let before = &text.as_bytes()[..byte.min(text.len())];
+    line_of(text.as_bytes(), byte)
+}
+
+/// Returns the line of a byte in what may not be text, counted from 1.
+pub(super) fn line_of(bytes: &[u8], byte: usize) -> usize {
+    let before = &bytes[..byte.min(bytes.len())];
     before.iter().filter(|&&byte| byte == b'\n').count() + 1
 }
 
@@ -131,16 +138,18 @@ pub(super) fn home_of(key: &str) -> Option<String> {
     if scenes.iter().any(is_at_top) {
         return Some("at the top, above the first [table]".to_owned());
     }
-    scenes
+    let homes = scenes
         .into_iter()
         .flatten()
-        .find_map(|(name, value)| match value {
-            Value::Table(table) if table.contains_key(key) => Some(format!("under [{name}]")),
+        .filter_map(|(name, value)| match value {
+            Value::Table(table) if table.contains_key(key) => Some(format!("[{name}]")),
             Value::Array(entries) if entries.iter().any(|e| e.get(key).is_some()) => {
-                Some(format!("under [[{name}]]"))
+                Some(format!("[[{name}]]"))
             }
             _ => None,
-        })
+        });
+    let homes: Vec<_> = homes.collect::<BTreeSet<_>>().into_iter().collect();
+    (!homes.is_empty()).then(|| format!("under {}", homes.join(" or ")))
 }
 
 /// Returns a plain value of a built-in scene at a key path.

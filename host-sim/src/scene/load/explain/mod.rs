@@ -209,6 +209,15 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
                 such_as
             }
         }
+        ("text", inner) if expected_kind == "a list of two numbers" => {
+            let numbers: Vec<_> = inner.split([':', '/', ',', 'x']).map(str::trim).collect();
+            match numbers[..] {
+                [one, other] if [one, other].iter().all(|text| text.parse::<f64>().is_ok()) => {
+                    format!("; write [{one}, {other}]")
+                }
+                _ => such_as,
+            }
+        }
         _ if kind.contains("fraction") && path.ends_with("steps_per_turn") => {
             "; give the motor's own, and its belt or gearbox as gear = [motor turns, crank turns]"
                 .to_owned()

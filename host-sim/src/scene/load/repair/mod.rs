@@ -6,12 +6,14 @@
 mod numbers;
 mod rules;
 mod tokens;
+mod unclosed;
 
 use toml::de::DeTable;
 
-use numbers::other_unit;
+use numbers::{ambiguous_comma, ambiguous_zeros, other_unit};
 pub(super) use rules::QUOTES;
-use rules::REPAIRS;
+use rules::{REPAIRS, keyless};
+use unclosed::unclosed;
 
 /// Longest line that is repaired, bytes.
 const MOST_BYTES: usize = 4096;
@@ -29,10 +31,23 @@ pub(super) struct Repaired {
     pub(super) line: Option<String>,
 }
 
-/// Repairs the line around the first error of a text that is not TOML, or the line before, if that is incomplete.
+/// Mistakes that only the author can repair. Each gives the broken rule.
+const ADVICE: [fn(&str) -> Option<String>; 4] =
+    [other_unit, ambiguous_comma, ambiguous_zeros, keyless];
+
+/// Repairs the line around the first error of a text that is not TOML; or the line above, if that is incomplete.
 pub(super) fn repair(text: &str, error_at: usize) -> Option<Repaired> {
     let begin = text[..error_at].rfind('\n').map_or(0, |at| at + 1);
     let end = text[begin..].find('\n').map_or(text.len(), |at| begin + at);
+    if let Some(open) = unclosed(text, error_at) {
+        return Some(
+            repair_line(text, open.begin, end).unwrap_or_else(|| Repaired {
+                begin: open.begin,
+                rules: vec![open.rule()],
+                line: None,
+            }),
+        );
+    }
     let before = text[..begin].trim_end().rfind('\n').map_or(0, |at| at + 1);
     repair_line(text, begin, end)
         .or_else(|| repair_line(text, before, end).filter(|_| before < begin))
@@ -68,7 +83,7 @@ fn repair_line(text: &str, begin: usize, end: usize) -> Option<Repaired> {
             gets_further.then_some((rule, repaired))
         });
         let Some((rule, repaired)) = found else {
-            rules.push(other_unit(&line)?);
+            rules.push(ADVICE.iter().find_map(|advice| advice(&line))?);
             return Some(Repaired {
                 begin,
                 rules,

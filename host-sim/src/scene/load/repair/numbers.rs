@@ -14,7 +14,8 @@ pub(super) fn decimal_commas(line: &str) -> Option<(String, String)> {
         let (whole, fraction) = (tokens[at].words(), tokens[at + 2].words());
         let is_whole = tokens[at - 1].is('=') && is_number(&whole.replace('.', ""));
         let is_fraction = fraction.starts_with(|first: char| first.is_ascii_digit())
-            && !tokens.get(at + 3).is_some_and(|next| next.is('='));
+            && !tokens.get(at + 3).is_some_and(|next| next.is('='))
+            && !is_ambiguous(whole, fraction);
         if is_whole && tokens[at + 1].is(',') && is_fraction {
             let number = format!("{}.{fraction}", whole.replace('.', ""));
             tokens[at].put(&number);
@@ -33,6 +34,52 @@ pub(super) fn decimal_commas(line: &str) -> Option<(String, String)> {
     is_changed.then(|| ("a number has a decimal point".to_owned(), joined(&tokens)))
 }
 
+/// True for digits around a comma that may be thousands, or a fraction.
+fn is_ambiguous(whole: &str, fraction: &str) -> bool {
+    let digits = fraction.split('.').next().unwrap_or_default();
+    digits.len() == 3 && is_number(digits) && !whole.contains('.') && !matches!(whole, "0" | "-0")
+}
+
+/// The rule for a comma that may stand before thousands, or before a fraction: `40,000`.
+pub(super) fn ambiguous_comma(line: &str) -> Option<String> {
+    let tokens = tokens(line);
+    let mut places = tokens.windows(4).filter_map(|window| match window {
+        [Token::Mark('='), whole, Token::Mark(','), fraction] => {
+            Some((whole.words(), fraction.words()))
+        }
+        _ => None,
+    });
+    let is_meant =
+        |(whole, fraction): &(&str, &str)| is_number(whole) && is_ambiguous(whole, fraction);
+    let (whole, fraction) = places.find(is_meant)?;
+    let fractional = match fraction.contains('.') {
+        true => String::new(),
+        false => format!(", or `{whole}.{fraction}` if the comma is a decimal one"),
+    };
+    Some(format!(
+        "a number has no comma: write `{whole}{fraction}`{fractional}"
+    ))
+}
+
+/// The rule for a number of a list that may be the thousands of the one before: `[175, 2,030]`.
+pub(super) fn ambiguous_zeros(line: &str) -> Option<String> {
+    let tokens = tokens(line);
+    let mut places = tokens.windows(3).filter_map(|window| match window {
+        [whole, Token::Mark(','), digits] => Some((whole.words(), digits.words())),
+        _ => None,
+    });
+    let is_meant = |(whole, digits): &(&str, &str)| is_number(whole) && is_group(digits);
+    let (whole, digits) = places.find(is_meant)?;
+    Some(format!(
+        "`{whole},{digits}` is two numbers, and none has a zero before its digits: write `{whole}{digits}` if it is one"
+    ))
+}
+
+/// True for the digits of a thousand with zeros in front.
+fn is_group(digits: &str) -> bool {
+    digits.len() == 3 && digits.starts_with('0') && is_number(digits)
+}
+
 pub(super) fn powers(line: &str) -> Option<(String, String)> {
     let line = values(line, |value, _| {
         let forms = [
@@ -46,7 +93,12 @@ pub(super) fn powers(line: &str) -> Option<(String, String)> {
 }
 
 pub(super) fn thousands(line: &str) -> Option<(String, String)> {
-    let line = values(line, |value, _| {
+    let line = values(line, |value, key| {
+        // In a list, they may be several numbers.
+        let is_in_list = key.is_empty() && value.contains(' ');
+        if is_in_list && !value.split(' ').skip(1).all(is_group) {
+            return None;
+        }
         let mut groups = value.split([' ', '\'']);
         let first = groups.next()?;
         let is_grouped = groups.all(|group| {
@@ -101,7 +153,10 @@ fn number_and_unit(value: &str) -> Option<(&str, &str)> {
 }
 
 pub(super) fn points(line: &str) -> Option<(String, String)> {
-    let line = values(line, |value, _| {
+    let line = values(line, |value, key| {
+        if key.is_empty() && is_group(value) {
+            return None;
+        }
         let (sign, digits) = match value.strip_prefix(['-', '+']) {
             Some(digits) => (&value[..1], digits),
             None => ("", value),

@@ -1,13 +1,13 @@
 //! One repair for each kind of mistake.
 
 use super::numbers::{decimal_commas, points, powers, thousands, units};
-use super::tokens::{Token, joined, tokens, values};
+use super::tokens::{Token, is_number, joined, tokens, values};
 use crate::scene::load::place::bare;
 
 type Repair = fn(&str) -> Option<(String, String)>;
 
 /// All repairs, in the order in which they are tried. Each gives the broken rule and the repaired line.
-pub(super) const REPAIRS: [Repair; 16] = [
+pub(super) const REPAIRS: [Repair; 18] = [
     comment,
     pasted,
     decimal_commas,
@@ -20,8 +20,10 @@ pub(super) const REPAIRS: [Repair; 16] = [
     missing_commas,
     missing_equals,
     extra_commas,
+    parentheses,
     brackets,
     entries,
+    comma_after_entry,
     line_ends,
     quotes,
 ];
@@ -84,11 +86,57 @@ const PASTED: [(&str, &str, &str); 12] = [
 /// Distance of a full-width character from its usual form.
 const FULL_WIDTH: u32 = 0xfee0;
 
+/// Greek and Cyrillic letters that look like Latin ones.
+const LIKE_LATIN: [(char, char); 34] = [
+    ('а', 'a'),
+    ('е', 'e'),
+    ('о', 'o'),
+    ('р', 'p'),
+    ('с', 'c'),
+    ('у', 'y'),
+    ('х', 'x'),
+    ('і', 'i'),
+    ('ј', 'j'),
+    ('ѕ', 's'),
+    ('һ', 'h'),
+    ('ԁ', 'd'),
+    ('А', 'A'),
+    ('В', 'B'),
+    ('Е', 'E'),
+    ('К', 'K'),
+    ('М', 'M'),
+    ('Н', 'H'),
+    ('О', 'O'),
+    ('Р', 'P'),
+    ('С', 'C'),
+    ('Т', 'T'),
+    ('Х', 'X'),
+    ('ο', 'o'),
+    ('ν', 'v'),
+    ('Α', 'A'),
+    ('Β', 'B'),
+    ('Ε', 'E'),
+    ('Η', 'H'),
+    ('Κ', 'K'),
+    ('Μ', 'M'),
+    ('Ν', 'N'),
+    ('Ο', 'O'),
+    ('Τ', 'T'),
+];
+
 /// A pasted character: its name, and what TOML has in its place.
 fn pasted_character(c: char) -> Option<(&'static str, String)> {
     if let '\u{ff01}'..='\u{ff5e}' = c {
         let usual = char::from_u32(c as u32 - FULL_WIDTH)?;
         return Some(("a full-width character", usual.to_string()));
+    }
+    if let Some((_, usual)) = LIKE_LATIN.iter().find(|(other, _)| *other == c) {
+        let name = if c < '\u{400}' {
+            "a Greek letter"
+        } else {
+            "a Cyrillic letter"
+        };
+        return Some((name, usual.to_string()));
     }
     let (_, name, usual) = PASTED.iter().find(|(all, ..)| all.contains(c))?;
     Some((name, (*usual).to_owned()))
@@ -96,18 +144,31 @@ fn pasted_character(c: char) -> Option<(&'static str, String)> {
 
 fn pasted(line: &str) -> Option<(String, String)> {
     let mut found: Option<(char, &str, String)> = None;
+    let mut is_in_number = false;
     let mut tokens = tokens(line);
-    for token in &mut tokens {
-        let Token::Words(words) = token else { continue };
+    for at in 0..tokens.len() {
+        let is_value = at > 0 && tokens[at - 1].is('=');
+        let Token::Words(words) = &mut tokens[at] else {
+            continue;
+        };
         let mut usual_words = String::new();
-        for c in words.chars() {
-            match pasted_character(c) {
-                None => usual_words.push(c),
-                Some((name, usual)) => {
-                    usual_words.push_str(&usual);
-                    found.get_or_insert((c, name, usual));
-                }
+        let mut rest = words.chars();
+        while let Some(c) = rest.next() {
+            let Some((name, usual)) = pasted_character(c) else {
+                usual_words.push(c);
+                continue;
+            };
+            // Typography has such spaces between the digits of a number.
+            let before = usual_words.ends_with(|before: char| before.is_ascii_digit());
+            let after = rest
+                .as_str()
+                .starts_with(|after: char| after.is_ascii_digit());
+            let is_between = is_value && usual == " " && before && after;
+            is_in_number |= is_between;
+            if !is_between {
+                usual_words.push_str(&usual);
             }
+            found.get_or_insert((c, name, usual));
         }
         *words = usual_words;
     }
@@ -120,6 +181,7 @@ fn pasted(line: &str) -> Option<(String, String)> {
     };
     let rule = match usual.as_str() {
         "" => format!("{shown}; delete it"),
+        " " if is_in_number => format!("{shown}; the digits of a number stay together"),
         " " => format!("{shown}; a plain space belongs there"),
         usual => format!("{shown}; `{usual}` belongs there"),
     };
@@ -171,7 +233,10 @@ fn missing_commas(line: &str) -> Option<(String, String)> {
         let before_equals = tokens.get(at + 1).is_some_and(|next| next.is('='));
         let is_after_value = matches!(tokens[at - 1], Token::Quoted(_));
         let words = tokens[at].words();
-        let new = if is_after_value && before_equals {
+        let is_in_list = matches!(tokens[at - 1], Token::Mark('[' | ',')) && !before_equals;
+        let new = if is_in_list && are_numbers(words) {
+            words.split_whitespace().collect::<Vec<_>>().join(", ")
+        } else if is_after_value && before_equals {
             format!(", {}", words.trim_start_matches([';', ' ']))
         } else if let Some((value, key)) = words.split_once(';') {
             format!("{}, {}", value.trim_end(), key.trim_start())
@@ -184,6 +249,12 @@ fn missing_commas(line: &str) -> Option<(String, String)> {
         is_changed = true;
     }
     is_changed.then(|| ("a comma is between two entries".to_owned(), joined(&tokens)))
+}
+
+/// Returns true for several numbers with spaces between them. Groups of digits with a zero in front may be parts of one number.
+fn are_numbers(words: &str) -> bool {
+    let is_other = |group: &str| is_number(group) && !(group.len() > 1 && group.starts_with('0'));
+    words.contains(' ') && words.split_whitespace().all(is_other)
 }
 
 /// A key without `=`, or with a space in it.
@@ -229,15 +300,39 @@ fn extra_commas(line: &str) -> Option<(String, String)> {
     None
 }
 
+/// Parentheses, around keys or around numbers.
+fn parentheses(line: &str) -> Option<(String, String)> {
+    let mut changed = line.to_owned();
+    let mut rule = "";
+    while let Some(end) = changed.find(')') {
+        let begin = changed[..end].rfind('(')?;
+        let has_keys = changed[begin..end].contains('=');
+        let (open, close);
+        (open, close, rule) = match has_keys {
+            true => ("{", "}", "an entry is in { }, not in ( )"),
+            false => ("[", "]", "a list is in [ ], not in ( )"),
+        };
+        changed.replace_range(end..=end, close);
+        changed.replace_range(begin..=begin, open);
+    }
+    (!rule.is_empty()).then(|| (rule.to_owned(), changed))
+}
+
 /// Brackets that do not match. A list may begin on a line above, or end on one below.
 fn brackets(line: &str) -> Option<(String, String)> {
-    let line = line.replace('(', "{").replace(')', "}");
-    let tokens = tokens(&line);
+    let tokens = tokens(line);
     let mut matching: Vec<Token> = Vec::new();
     // The brackets that close those that are open.
     let mut open = Vec::new();
+    // True if the innermost list has numbers or words as entries, and so no lists.
+    let mut is_flat = false;
     for (at, token) in tokens.iter().enumerate() {
         match token {
+            Token::Mark('[') if is_flat && open.last() == Some(&']') => {
+                let comma = matching.iter().rposition(|token| token.is(','));
+                matching.insert(comma.unwrap_or(matching.len()), Token::Mark(']'));
+                is_flat = false;
+            }
             Token::Mark('{') if matching.last().is_some_and(|last| last.is('{')) => continue,
             Token::Mark('{') => open.push('}'),
             Token::Mark('[') => open.push(']'),
@@ -261,14 +356,29 @@ fn brackets(line: &str) -> Option<(String, String)> {
             },
             _ => {}
         }
+        match token {
+            Token::Mark('{' | '[' | '}' | ']') => is_flat = false,
+            Token::Words(words) => is_flat |= !words.trim().is_empty(),
+            _ => {}
+        }
         matching.push(token.clone());
     }
+    let comment = matching.pop_if(|last| matches!(last, Token::Comment(_)));
     let mut matching = joined(&matching);
     if open.last() == Some(&'}') {
         let entries = matching.trim_end();
         let comma = if entries.ends_with(',') { "," } else { "" };
         matching = format!("{} }}{comma}", entries.trim_end_matches([',', ' ']));
+        open.pop();
     }
+    let (code, spaces) = matching.split_at(matching.trim_end().len());
+    // A list that goes on in the next line ends with a comma or with its bracket.
+    let closes = match code.ends_with([',', '[']) {
+        true => String::new(),
+        false => open.iter().rev().collect(),
+    };
+    let comment = comment.map_or(String::new(), |comment| joined(&[comment]));
+    let matching = format!("{code}{closes}{spaces}{comment}");
     let rule = "brackets come in pairs: { } around an entry, [ ] around a list";
     Some((rule.to_owned(), matching))
 }
@@ -277,6 +387,7 @@ fn brackets(line: &str) -> Option<(String, String)> {
 fn entries(line: &str) -> Option<(String, String)> {
     let has_keys = line.contains('=');
     if let (Some(begin), Some(end)) = (line.find('{'), line.rfind('}'))
+        && has_keys
         && begin < end
         && !line[begin..end].contains('=')
     {
@@ -301,6 +412,32 @@ fn entries(line: &str) -> Option<(String, String)> {
     }
     let inner = line.trim().trim_end_matches(',');
     has_keys.then(|| (rule, format!("{{ {inner} }},")))
+}
+
+/// An entry of a list in a line of its own, without a comma after it.
+fn comma_after_entry(line: &str) -> Option<(String, String)> {
+    let tokens = tokens(line);
+    let is_comment = |token: &Token| matches!(token, Token::Comment(_));
+    let comment = tokens.iter().position(is_comment);
+    let (code, comment) = tokens.split_at(comment.unwrap_or(tokens.len()));
+    let code = joined(code);
+    let entry = code.trim_end();
+    let is_entry = entry.trim_start().starts_with(['{', '[']) && entry.ends_with(['}', ']']);
+    is_entry.then(|| {
+        let rule = "a comma is between two entries, also of two lines".to_owned();
+        let spaces = &code[entry.len()..];
+        (rule, format!("{entry},{spaces}{}", joined(comment)))
+    })
+}
+
+/// The rule for an entry in braces without keys. Only its author knows them.
+pub(super) fn keyless(line: &str) -> Option<String> {
+    let entry = line.trim().trim_end_matches(',');
+    let has_keys = entry.contains(['=', ':']);
+    let is_keyless = entry.starts_with('{') && entry.ends_with('}') && !has_keys;
+    is_keyless.then(|| {
+        "the values of an entry in { } have keys: `{ key = value, key = value }`".to_owned()
+    })
 }
 
 fn line_ends(line: &str) -> Option<(String, String)> {

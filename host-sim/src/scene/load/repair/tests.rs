@@ -56,6 +56,26 @@ fn each_mistake_is_repaired_and_its_rule_is_named() {
         ),
         ("a = 60,5", "a = 60.5", "a number has a decimal point"),
         (
+            "a = 40\u{2009}000",
+            "a = 40000",
+            "U+2009 is a wide or thin space; the digits of a number stay together",
+        ),
+        (
+            "\u{430}max_g = 80",
+            "amax_g = 80",
+            "`\u{430}` (U+0430) is a Cyrillic letter; `a` belongs there",
+        ),
+        (
+            "a = [[0, 300], [200 300]]",
+            "a = [[0, 300], [200, 300]]",
+            "a comma is between two entries",
+        ),
+        (
+            "a = [(0, 300), (200, 300)]",
+            "a = [[0, 300], [200, 300]]",
+            "a list is in [ ], not in ( )",
+        ),
+        (
             "a = 1.000,5 # c",
             "a = 1000.5 # c",
             "a number has a decimal point",
@@ -152,7 +172,7 @@ fn each_mistake_is_repaired_and_its_rule_is_named() {
         (
             "a = ( b = 1 )",
             "a = { b = 1 }",
-            "brackets come in pairs: { } around an entry, [ ] around a list",
+            "an entry is in { }, not in ( )",
         ),
         ("a = { 1, 2 }", "a = [1, 2]", "a list is in [ ]"),
         (
@@ -230,4 +250,86 @@ fn quoted_text_and_comments_stay_as_they_are() {
     assert_eq!(line.unwrap(), "a = 60.5 # „60,5” – kg");
     let Repaired { line, .. } = repaired("a = { b = \"5 – 6, x = 7;\", c = −1 }");
     assert_eq!(line.unwrap(), "a = { b = \"5 – 6, x = 7;\", c = -1 }");
+}
+
+/// The repair of a text with several lines.
+#[track_caller]
+fn repaired_text(text: &str) -> Repaired {
+    let error = DeTable::parse(text).expect_err("the text is TOML");
+    let at = error.span().map_or(0, |span| span.start);
+    repair(text, at).unwrap_or_else(|| panic!("`{text}` is not repaired"))
+}
+
+/// The reader finds the mistake only at the heading after it.
+#[test]
+fn a_list_or_table_that_is_not_closed_is_named_where_it_begins() {
+    for (line, right) in [
+        (
+            "a = [[0, 12.0], [5, 11.0, [10, 9.0]]",
+            "a = [[0, 12.0], [5, 11.0], [10, 9.0]]",
+        ),
+        ("a = [[0, 12.0], [10, 9.0]", "a = [[0, 12.0], [10, 9.0]]"),
+        ("a = [0, 12.0 # Nm", "a = [0, 12.0] # Nm"),
+        ("a = { b = 1, c = 2", "a = { b = 1, c = 2 }"),
+    ] {
+        for next in ["[[axis]]\nb = 1\n", "", "\n# note\n\n[u]\n"] {
+            let found = repaired_text(&format!("[t]\n{line}\n{next}"));
+            assert_eq!(
+                (found.begin, found.line.as_deref()),
+                (4, Some(right)),
+                "{line}, {next}"
+            );
+        }
+    }
+    let found = repaired_text("a = [\n  { b = 1 },\n  { b = 2 },\n[[axis]]\nb = 1\n");
+    assert_eq!((found.begin, found.line), (0, None));
+    assert!(
+        found.rules[0].contains("before `[[axis]]` in line 4; write `]` after"),
+        "{:?}",
+        found.rules
+    );
+    let found = repaired_text("x = 1\na = { b = 1, # note, c = 2 }\n\n[[axis]]\nb = 1\n");
+    assert_eq!((found.begin, found.line), (6, None));
+    assert!(
+        found.rules[0].contains("its `}` is behind a `#`"),
+        "{:?}",
+        found.rules
+    );
+}
+
+#[test]
+fn a_comma_between_entries_of_two_lines_is_added_to_the_first() {
+    let found = repaired_text("a = [\n  { b = 1 } # c\n  { b = 2 },\n]\n");
+    assert_eq!(
+        (found.begin, found.line.as_deref()),
+        (6, Some("{ b = 1 }, # c"))
+    );
+    let found = repaired_text("a = [\n  [1, 2]\n  [3, 4],\n]\n");
+    assert_eq!((found.begin, found.line.as_deref()), (6, Some("[1, 2],")));
+}
+
+/// A line that has two meanings is not changed to one of them.
+#[test]
+fn what_only_the_author_knows_is_left_to_the_author() {
+    for (line, rule) in [
+        (
+            "a = 40,000",
+            "a number has no comma: write `40000`, or `40.000` if the comma is a decimal one",
+        ),
+        ("a = 1,234.5", "a number has no comma: write `1234.5`"),
+        (
+            "a = [402, 175, 2,030]",
+            "`2,030` is two numbers, and none has a zero before its digits: write `2030` if it is one",
+        ),
+    ] {
+        let found = repaired(line);
+        assert_eq!(
+            (found.line, found.rules),
+            (None, vec![rule.to_owned()]),
+            "{line}"
+        );
+    }
+    let found = repaired_text("a = [\n  { b = 1 },\n  { 1, 2 },\n]\n");
+    assert_eq!(found.line, None);
+    assert!(found.rules[0].contains("have keys"), "{:?}", found.rules);
 }

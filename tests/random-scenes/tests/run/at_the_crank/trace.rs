@@ -22,7 +22,7 @@ impl Trace {
             for ((name, field), column) in names.iter().zip(line.split(',')).zip(&mut columns) {
                 if *name == "state" {
                     states.push(field.to_owned());
-                } else {
+                } else if !["version", "commit"].contains(name) {
                     column.push(field.parse().map_err(|_| format!("{name} is {field}"))?);
                 }
             }
