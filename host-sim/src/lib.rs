@@ -13,7 +13,7 @@ mod drawing;
 pub mod dynamics;
 pub mod faults;
 pub mod fidelity;
-mod ink;
+pub mod ink;
 pub mod input_file;
 pub mod live;
 pub mod machine;

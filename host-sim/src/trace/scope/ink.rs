@@ -1,7 +1,7 @@
 //! Colours, texts and places on the page.
 
 use super::scale::TimeAxis;
-pub use crate::ink::{INK, MUTED, VERMILION, text, text_anchored};
+pub use crate::ink::{INK, MUTED, VERMILION, svg, text, text_anchored};
 
 /// Colours of curves.
 pub const PALE_BLUE: &str = "#A6D0EC";

@@ -3,14 +3,13 @@
 //! The first run is drawn wide and pale, the second one thin and dark on top of it. So equal curves appear as a dark line
 //! within a pale one.
 
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::LegendShape;
 use kuva::render::render::Scene;
 
 use super::data::TurnAmplitude;
 use super::draft::{Draft, Panel, Pen};
 use super::envelope::{Envelope, Extent, PAGE_BUCKETS};
-use super::ink::{BLUE, DARK_BLUE, GREEN, INK, LEFT, MUTED, PALE_BLUE, WIDTH, text};
+use super::ink::{BLUE, DARK_BLUE, GREEN, INK, LEFT, MUTED, PALE_BLUE, WIDTH, svg, text};
 use super::page::{FONT, GAP, TIME_AXIS, embed};
 use super::panel::{AXES, peak};
 use super::scale::{TimeAxis, padded};
@@ -134,7 +133,7 @@ impl Overlay {
             embed(&mut scene, panel, i, top, height, label);
             top += height + GAP;
         }
-        SvgBackend::new().render_scene(&scene)
+        svg(&scene)
     }
 
     fn amplitudes_of_both(&self, time: TimeAxis) -> Panel {

@@ -2,14 +2,13 @@
 //!
 //! kuva draws each panel. This module stacks them on kuva's scene.
 
-use kuva::backend::svg::SvgBackend;
 use kuva::render::layout::Layout;
 use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
 use kuva::render::theme::Theme;
 
 use super::data::{Moved, ScopeData};
 use super::draft::Panel;
-use super::ink::{INK, LEFT, MUTED, RIGHT, VERMILION, WIDTH, at, fits, text, text_anchored};
+use super::ink::{INK, LEFT, MUTED, RIGHT, VERMILION, WIDTH, at, fits, svg, text, text_anchored};
 use super::labels::{LANE, Labels};
 use super::panel;
 use super::scale::TimeAxis;
@@ -76,7 +75,7 @@ fn page(scope: &ScopeData) -> String {
         );
         top += plot_height + GAP;
     }
-    SvgBackend::new().render_scene(&scene)
+    svg(&scene)
 }
 
 fn heading(scene: &mut Scene, scope: &ScopeData) {
