@@ -34,6 +34,8 @@ pub enum Topic {
     Axis(usize),
     /// Platform, or the part that another machine moves.
     Platform,
+    /// Measured amplitude of its acceleration.
+    Amplitude,
     /// Pitch of that part.
     Pitch,
 }
@@ -42,9 +44,11 @@ impl Topic {
     /// Returns the topics of a run, in the order of their columns.
     pub fn of_run(shape: RowShape) -> impl Iterator<Item = Self> {
         let each = (0..shape.axes).map(Self::Axis);
+        let amplitude = shape.amplitude.then_some(Self::Amplitude);
         let pitch = shape.pitches.then_some(Self::Pitch);
         ([Self::Loop].into_iter().chain(each))
             .chain([Self::Platform])
+            .chain(amplitude)
             .chain(pitch)
     }
 
@@ -53,6 +57,7 @@ impl Topic {
             Self::Loop => LOOP,
             Self::Axis(_) => AXIS,
             Self::Platform => PLATFORM,
+            Self::Amplitude => AMPLITUDE,
             Self::Pitch => PITCH,
         }
     }
@@ -129,7 +134,9 @@ impl Column {
     pub fn name(&self) -> String {
         match self.topic {
             Topic::Axis(i) => format!("{}_{i}", self.field.name),
-            Topic::Loop | Topic::Platform | Topic::Pitch => self.field.name.to_owned(),
+            Topic::Loop | Topic::Platform | Topic::Amplitude | Topic::Pitch => {
+                self.field.name.to_owned()
+            }
         }
     }
 
@@ -145,7 +152,7 @@ impl Column {
     pub fn value(&self, row: &Row) -> Value {
         let axis = match self.topic {
             Topic::Axis(i) => i,
-            Topic::Loop | Topic::Platform | Topic::Pitch => 0,
+            Topic::Loop | Topic::Platform | Topic::Amplitude | Topic::Pitch => 0,
         };
         match self.field.read {
             Read::Number(decimals, read) => Value::Number(rounded(read(row, axis), decimals)),
@@ -270,6 +277,13 @@ const PLATFORM: &[Field] = &[
         Number(decimals::ACCELERATION, |row, _| row.accel_mps2),
     ),
 ];
+
+const AMPLITUDE: &[Field] = &[Field::new(
+    "amax_actual_mps2",
+    "m/s²",
+    Machine,
+    Number(decimals::ACCELERATION, |row, _| row.amax_actual_mps2),
+)];
 
 const PITCH: &[Field] = &[Field::new(
     "pitch_mrad",

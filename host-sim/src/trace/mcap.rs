@@ -51,6 +51,7 @@ impl<W: Write + Seek> TraceMcap<W> {
                 Topic::Loop => ("cophase.loop", "/loop".to_owned()),
                 Topic::Axis(i) => ("cophase.axis", format!("/axis/{i}")),
                 Topic::Platform => ("cophase.platform", "/platform".to_owned()),
+                Topic::Amplitude => ("cophase.amplitude", "/amplitude".to_owned()),
                 Topic::Pitch => ("cophase.pitch", "/pitch".to_owned()),
             };
             let schema = serde_json::to_vec(&schema(name, topic))?;

@@ -6,12 +6,14 @@
 use crate::scene::Checked;
 
 /// Machine whose rows a trace has. It decides the columns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RowShape {
     /// Number of axes.
     pub axes: usize,
     /// True if the moved part pitches, and rows have its pitch.
     pub pitches: bool,
+    /// True if rows have the measured amplitude, as those of all runs do.
+    pub amplitude: bool,
 }
 
 impl RowShape {
@@ -20,16 +22,17 @@ impl RowShape {
         Self {
             axes: checked.scene.axes.count,
             pitches: checked.plant.as_ref().is_some_and(|plant| plant.pitches()),
+            amplitude: true,
         }
     }
 }
 
-/// A machine with this number of axes, which does not pitch.
+/// A machine with this number of axes, which does not pitch, and whose amplitude is not measured.
 impl From<usize> for RowShape {
     fn from(axes: usize) -> Self {
         Self {
             axes,
-            pitches: false,
+            ..Self::default()
         }
     }
 }
@@ -63,6 +66,8 @@ pub struct Row {
     pub z_m: f64,
     /// The platform's acceleration, upwards, m/s².
     pub accel_mps2: f64,
+    /// Amplitude of that acceleration, m/s²: the greatest magnitude in the last whole turn of the master; NaN if there is none.
+    pub amax_actual_mps2: f64,
     /// Pitch of the moved part, milliradians; only machines that pitch have it.
     pub pitch_mrad: f64,
 }
@@ -87,6 +92,7 @@ impl Row {
             &mut self.warp_deg,
             &mut self.z_m,
             &mut self.accel_mps2,
+            &mut self.amax_actual_mps2,
             &mut self.pitch_mrad,
         ] {
             *truth = f64::NAN;
