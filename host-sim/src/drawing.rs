@@ -2,11 +2,10 @@
 //!
 //! A *view* is a part of the sheet with a scale of its own. A drawing has one that fills the sheet, or several side by side.
 
-use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
-use crate::ink::{INK, MUTED, text, text_anchored};
+use crate::ink::{INK, MUTED, svg, text, text_anchored};
 
 /// Width of the sheet, px.
 pub const WIDTH: f64 = 900.0;
@@ -267,6 +266,6 @@ impl Drawing {
 
     /// Returns the drawing as SVG text.
     pub fn render(self) -> String {
-        SvgBackend::new().render_scene(&self.scene)
+        svg(&self.scene)
     }
 }

@@ -14,7 +14,7 @@ pub mod dynamics;
 pub mod faults;
 pub mod fidelity;
 pub mod file_kind;
-mod ink;
+pub mod ink;
 pub mod input_file;
 pub mod live;
 pub mod machine;

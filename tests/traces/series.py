@@ -36,7 +36,7 @@ def read(folder):
 
 
 def columns(path):
-    """Columns of a trace, without those of the command that wrote it. No field is quoted. The digests are of numbers without `.0`."""
+    """Columns of a trace. No field of it is quoted. The digests are of numbers without `.0`."""
     with open(path, encoding="utf-8", newline="") as file:
         names = file.readline().rstrip("\r\n").split(",")
         rows = [line.rstrip("\r\n").split(",") for line in file]
@@ -46,8 +46,7 @@ def columns(path):
     if len(set(names)) != len(names):
         raise ValueError(f"{path}: two columns have the same name")
     by_column = zip(*rows) if rows else ([] for _ in names)
-    return {name: [value.removesuffix(".0") for value in values] for name, values in zip(names, by_column)
-            if name not in ("version", "commit")}
+    return {name: [value.removesuffix(".0") for value in values] for name, values in zip(names, by_column)}
 
 
 def wires(path):

@@ -61,7 +61,7 @@ hold_s = 0.1
 "#;
 
 /// Columns that a controller cannot measure.
-const UNKNOWN: [&str; 8] = [
+const UNKNOWN: [&str; 9] = [
     "actual_turns_0",
     "actual_turns_1",
     "actual_turns_2",
@@ -70,6 +70,7 @@ const UNKNOWN: [&str; 8] = [
     "warp_deg",
     "z_m",
     "accel_mps2",
+    "amax_actual_mps2",
 ];
 
 fn cophase() -> Command {

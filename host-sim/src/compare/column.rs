@@ -66,7 +66,7 @@ fn default_tolerance(column: &str) -> f64 {
 /// True if a column keeps its value until the next row, so that nothing is interpolated between two rows.
 pub(super) fn is_held(column: &str) -> bool {
     let name = without_axis(column);
-    name == "phase_error_deg" || default_tolerance(column) == 0.0
+    ["phase_error_deg", "amax_actual_mps2"].contains(&name) || default_tolerance(column) == 0.0
 }
 
 /// Checks that two traces have the same columns, and that every tolerance names one of these.
@@ -161,7 +161,13 @@ mod tests {
 
     #[test]
     fn integers_and_measured_angles_are_held() {
-        for column in ["steps_0", "state_code", "phase_error_deg_2", "state"] {
+        for column in [
+            "steps_0",
+            "state_code",
+            "phase_error_deg_2",
+            "amax_actual_mps2",
+            "state",
+        ] {
             assert!(is_held(column), "{column}");
         }
         for column in ["command_turns_0", "tilt_x_mrad", "z_m", "warp_deg"] {

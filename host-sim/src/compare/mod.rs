@@ -195,9 +195,7 @@ pub fn draw(
             OverlayRow {
                 amax_requested_mps2: value("amax_requested_mps2"),
                 amax_commanded_mps2: value("amax_commanded_mps2"),
-                omega_rad_s: value("omega_rad_s"),
-                phase_turns: value("phase_turns"),
-                accel_mps2: value("accel_mps2"),
+                amax_actual_mps2: value("amax_actual_mps2"),
                 command_turns: (0..runs[i].trace.axes())
                     .map(|axis| value(&format!("command_turns_{axis}")))
                     .collect(),

@@ -70,8 +70,10 @@ impl Passages {
 /// Changes of an index line in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Line {
-    /// Cycle at which the line rose, if it did.
+    /// Cycle at which the line first rose, if it did.
     pub rose: Option<u32>,
+    /// Cycle at which the line last fell, if it did.
+    pub fell: Option<u32>,
     /// Pulse that the loop detects, if any.
     pub pulse: Option<IndexPulse>,
 }
@@ -90,6 +92,8 @@ pub struct IndexSensor {
     changes: VecDeque<(i64, bool)>,
     /// True if the sensor misses the flag that is in front of it.
     blind: bool,
+    /// Level of the line at the end of the last tick.
+    is_high: bool,
 }
 
 impl IndexSensor {
@@ -104,6 +108,7 @@ impl IndexSensor {
             edges: 0,
             changes: VecDeque::new(),
             blind: false,
+            is_high: false,
         }
     }
 
@@ -112,6 +117,7 @@ impl IndexSensor {
     pub fn of_length(mut self, width: u32, is_over: bool) -> Self {
         self.filter = IndexFilter::new(width, 1, is_over.into());
         self.has_length = true;
+        self.is_high = is_over;
         self
     }
 
@@ -149,14 +155,18 @@ impl IndexSensor {
             self.changes
                 .push_back((at + i64::from(self.high_cycles), false));
         }
-        let mut rose = None;
+        let (mut rose, mut fell) = (None, None);
         // A rise exactly at the end belongs to this tick, and a fall there to the next.
         while let Some((at, level)) = self.changes.pop_front_if(|(at, level)| {
             *at < i64::from(cycles) || (*level && *at == i64::from(cycles))
         }) {
             self.filter.change(at as i32, level.into());
+            self.is_high = level;
+            let at = at.max(0) as u32;
             if level {
-                rose = rose.or(Some(at.max(0) as u32));
+                rose = rose.or(Some(at));
+            } else {
+                fell = Some(at);
             }
         }
         for (at, _) in &mut self.changes {
@@ -165,12 +175,17 @@ impl IndexSensor {
         let mut pulses = [None];
         self.filter.end_tick(cycles, &mut pulses);
         let [pulse] = pulses;
-        Line { rose, pulse }
+        Line { rose, fell, pulse }
     }
 
     /// True if a tick without events changes nothing, and need not be played.
     pub fn is_quiet(&self) -> bool {
         self.changes.is_empty() && !self.filter.is_pending()
+    }
+
+    /// Level of the line at the end of the last tick.
+    pub const fn is_high(&self) -> bool {
+        self.is_high
     }
 
     fn fall(&mut self, fall: Option<u32>, cycles: u32) {

@@ -1,6 +1,5 @@
 //! Picture of an operating range: three panels over the speed of the cranks.
 
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::LinePlot;
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion, TextAnnotation};
@@ -10,7 +9,7 @@ use kuva::render::render::Scene;
 
 use super::OperatingRange;
 use crate::design::STANDARD_GRAVITY_MPS2;
-use crate::ink::{INK, MUTED, VERMILION, text};
+use crate::ink::{INK, MUTED, VERMILION, svg, text};
 use crate::trace::{BAND, FONT, GAP, Panel, TIME_AXIS, embed, plain, short};
 
 const WIDTH: f64 = 1200.0;
@@ -144,7 +143,7 @@ impl OperatingRange {
             embed(&mut scene, panel, i, top, height, label);
             top += height + GAP;
         }
-        SvgBackend::new().render_scene(&scene)
+        svg(&scene)
     }
 
     /// Part of the motors' torque that the program requires.

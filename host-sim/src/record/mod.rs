@@ -30,8 +30,8 @@ use crate::report::Written;
 use crate::sim::Unwrapped;
 use crate::sim::events::Event;
 use crate::trace::{
-    ControllerRows, Every, Format, RecordError, Row, ScopeData, ScopeFrame, TraceSetup, Traces,
-    Window,
+    ControllerRows, Every, Format, RecordError, Row, RowShape, ScopeData, ScopeFrame, TraceSetup,
+    Traces, Window,
 };
 use derived_edges::Derivation;
 use totals::Totalling;
@@ -84,7 +84,10 @@ impl<W: Write + Seek + 'static> Recording<W> {
         let axes = settings.axes.len();
         let unknown = stream.unknown_columns();
         let setup = TraceSetup {
-            shape: axes.into(),
+            shape: RowShape {
+                axes,
+                ..RowShape::default()
+            },
             // Every received row is written.
             every: Every::Ticks(1),
             window,

@@ -3,13 +3,14 @@
 use cophase_link::sample::{Channel, Channels};
 
 /// Columns to which no controller has access, named without the number of the axis.
-const UNKNOWN: [&str; 6] = [
+const UNKNOWN: [&str; 7] = [
     "actual_turns",
     "tilt_x_mrad",
     "tilt_y_mrad",
     "warp_deg",
     "z_m",
     "accel_mps2",
+    "amax_actual_mps2",
 ];
 
 /// Channels, and the columns that need them.

@@ -89,7 +89,7 @@ impl MotorFigures {
             ));
         }
         if let Some(torque_nm) = self.torque_required_nm {
-            parts.push(format!("{torque_nm:.3} N·m required"));
+            parts.push(format!("{torque_nm:.3} N·m required in the steepest ramp"));
         }
         if let Some(ratio) = self.inertia_ratio {
             parts.push(format!("inertia of the load over its own {ratio:.2}"));

@@ -5,7 +5,7 @@ use cophase_core::drift::{Knowledge, Mount};
 use cophase_core::supervisor::State;
 
 use super::standing::faults_at_standstill;
-use crate::fidelity::Bounds;
+use crate::operating_range::{Load, OperatingRange};
 use crate::scene::Checked;
 use crate::scene::file::{CommandAt, CommandName, Drive, FaultAt, FaultName};
 use crate::sim::Outcome;
@@ -132,7 +132,8 @@ fn in_cycles(cycles: u64) -> String {
 /// Warns of motors that lack torque for the program, on any model level. Where a motor has no torque at all,
 /// [`beyond_pull_out`] gives the reason.
 fn lacking(checked: &Checked) -> Option<String> {
-    let (axis, ratio) = Bounds::new(checked).ok()?.torque_ratio()?;
+    let range = OperatingRange::new(checked).ok()??;
+    let Load { axis, ratio, .. } = range.greatest_load()?;
     (ratio > 1.0 && ratio.is_finite()).then(|| {
         format!(
             "The motors lack torque: that of axis {axis} needs {ratio:.1} times what it has. Lower the program's speed or the load, \

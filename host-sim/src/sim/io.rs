@@ -184,6 +184,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
     /// tick is all that the loop reads, unless it is late.
     fn detect(&mut self, detected: &mut PerAxis<Option<IndexPulse>>) {
         self.now.index.fill(None);
+        self.now.index_fell.fill(None);
         let active = self.now.passages.brought() | self.awake;
         if active != 0 {
             self.read_sensors(active, detected);
@@ -195,14 +196,15 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
     fn read_sensors(&mut self, active: u8, detected: &mut PerAxis<Option<IndexPulse>>) {
         let tick_cycles = self.machine.tick_cycles();
         self.awake = 0;
-        for (i, (sensor, rose)) in self.sensors.iter_mut().zip(&mut self.now.index).enumerate() {
+        for (i, sensor) in self.sensors.iter_mut().enumerate() {
             if active >> i & 1 == 0 {
                 continue;
             }
             let passed = self.now.passages.get(i).unwrap_or_default();
             let line = sensor.tick(passed, tick_cycles, || self.faults.misses(i));
             detected[i] = line.pulse.or(detected[i]);
-            *rose = line.rose;
+            self.now.index[i] = line.rose;
+            self.now.index_fell[i] = line.fell;
             self.awake |= u8::from(!sensor.is_quiet()) << i;
         }
     }
@@ -254,7 +256,11 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             "the drives count what the loop commands"
         );
         self.detect(detected);
+        let levels = self.now.index_high.iter_mut().zip(&self.sensors);
+        levels.for_each(|(level, sensor)| *level = sensor.is_high());
         self.faults.swap(&mut self.now.index);
+        self.faults.swap(&mut self.now.index_fell);
+        self.faults.swap(&mut self.now.index_high);
         self.take_note(*start_us);
         for (actual, axis) in self.now.actual_turns.iter_mut().zip(&self.machine.axes) {
             *actual = axis.turns();
@@ -267,6 +273,8 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             drives_enabled: self.drives_enabled,
             sync: *sync,
             index: &self.now.index,
+            index_fell: &self.now.index_fell,
+            index_high: &self.now.index_high,
             master_turns,
             command_turns: &self.now.command_turns,
             aim_turns: &self.now.aim_turns,
@@ -414,6 +422,8 @@ fn ticks_in(seconds: f64, tick_hz: u32) -> u64 {
 struct Now {
     passages: Passages,
     index: Axes<Option<u32>>,
+    index_fell: Axes<Option<u32>>,
+    index_high: Axes<bool>,
     command_turns: Axes<f64>,
     aim_turns: Axes<f64>,
     actual_turns: Axes<f64>,
@@ -425,6 +435,8 @@ impl Now {
         Self {
             passages: Passages::default(),
             index: per_axis(count, |_| None),
+            index_fell: per_axis(count, |_| None),
+            index_high: per_axis(count, |_| false),
             command_turns: nowhere(),
             aim_turns: nowhere(),
             actual_turns: nowhere(),

@@ -59,6 +59,10 @@ pub struct Moment<'a> {
     pub sync: bool,
     /// Rises of the index lines: cycles from the beginning of this tick.
     pub index: &'a [Option<u32>],
+    /// Falls of the index lines: cycles from the beginning of this tick.
+    pub index_fell: &'a [Option<u32>],
+    /// Levels of the index lines at the end of the tick.
+    pub index_high: &'a [bool],
     /// Commanded phase of the master at the end of the tick, turns since power-up.
     pub master_turns: f64,
     /// Commanded phases, turns since power-up.

@@ -269,6 +269,12 @@ const PLATFORM: &[Field] = &[
         Machine,
         Number(decimals::ACCELERATION, |row, _| row.accel_mps2),
     ),
+    Field::new(
+        "amax_actual_mps2",
+        "m/s²",
+        Machine,
+        Number(decimals::ACCELERATION, |row, _| row.amax_actual_mps2),
+    ),
 ];
 
 const PITCH: &[Field] = &[Field::new(

@@ -43,7 +43,7 @@ pub enum TraceError {
 /// let mut trace = TraceCsv::new(Vec::new(), 0)?;
 /// trace.write(&Row { t_s: 0.0005, state: "idle", ..Row::default() })?;
 /// let text = String::from_utf8(trace.finish()?).unwrap();
-/// assert!(text.contains("\n0.0005,idle,0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,"));
+/// assert!(text.contains("\n0.0005,idle,0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,"));
 /// # Ok::<(), host_sim::trace::TraceError>(())
 /// ```
 pub struct TraceCsv<W: Write> {

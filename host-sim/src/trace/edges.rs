@@ -8,8 +8,8 @@ use super::{EdgeError, Levels, Row, RowShape, Signal, StepsFst, StepsVcd};
 pub(super) struct EdgeOutputs<W> {
     pub vcd: Option<W>,
     pub fst: Option<W>,
-    /// True if the rows have a pitch.
-    pub pitches: bool,
+    /// Columns of the rows.
+    pub shape: RowShape,
 }
 
 impl<W> Default for EdgeOutputs<W> {
@@ -17,7 +17,7 @@ impl<W> Default for EdgeOutputs<W> {
         Self {
             vcd: None,
             fst: None,
-            pitches: false,
+            shape: RowShape::default(),
         }
     }
 }
@@ -36,11 +36,7 @@ impl<W: Write + Seek> EdgeOutputs<W> {
             files.push(EdgeFile::Vcd(Box::new(vcd)));
         }
         if let Some(w) = self.fst {
-            let shape = RowShape {
-                axes,
-                pitches: self.pitches,
-            };
-            let fst = StepsFst::new(w, shape, from_ns, levels)?;
+            let fst = StepsFst::new(w, self.shape, from_ns, levels)?;
             files.push(EdgeFile::Fst(Box::new(fst)));
         }
         Ok(files)

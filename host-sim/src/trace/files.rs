@@ -90,7 +90,7 @@ pub struct RunFiles {
     made: Vec<PathBuf>,
     /// Names whose temporaries are not yet in place, in the order requested.
     names: Vec<String>,
-    /// Names of files that this run does not have.
+    /// Names of files of an earlier run that this run does not have.
     left_out: Vec<String>,
 }
 
@@ -161,14 +161,20 @@ impl RunFiles {
         Ok(BufWriter::with_capacity(1 << 16, file))
     }
 
-    /// Discards a file that was begun: removes its temporary now, and a file of that name of an earlier run at the commit. So a
-    /// folder never has files of two runs.
-    pub fn leave_out(&mut self, name: &str) {
+    /// Leaves out a file that this run does not have: removes its temporary now, if it was begun, and a file of that name of an
+    /// earlier run at the commit. So a folder never has files of two runs. Returns true if there is such an earlier file.
+    pub fn leave_out(&mut self, name: &str) -> bool {
         if let Some(place) = self.names.iter().position(|known| known == name) {
             let temporary = self.temporary(name);
             Unfinished::lock().take_away(&[temporary], &[]);
-            self.left_out.push(self.names.remove(place));
+            self.names.remove(place);
         }
+        // A folder of this name was not written by a run.
+        let is_there = fs::symlink_metadata(self.dir.join(name)).is_ok_and(|found| !found.is_dir());
+        if is_there {
+            self.left_out.push(name.to_owned());
+        }
+        is_there
     }
 
     /// Puts every file in place, replaces existing ones, and returns their paths in the order in which they were requested.
@@ -269,6 +275,35 @@ mod tests {
         assert_eq!(
             fs::read(scratch.path().join("trace.csv")).unwrap(),
             b"earlier"
+        );
+    }
+
+    /// If this fails, a folder has a new report beside the picture of an earlier scene, or a failed run removes files of an earlier one.
+    #[test]
+    fn files_that_a_run_leaves_out_are_removed_at_its_commit() {
+        let scratch = tempfile::tempdir().unwrap();
+        let run = |is_committed: bool| {
+            let mut files = RunFiles::create(scratch.path()).unwrap();
+            drop(files.file("report.json").unwrap());
+            let left = ["torque.svg", "steps.fst", "trace.mcap"].map(|name| files.leave_out(name));
+            if is_committed {
+                files.commit().unwrap();
+            }
+            left
+        };
+        for name in ["notes.txt", "torque.svg"] {
+            fs::write(scratch.path().join(name), "earlier").unwrap();
+        }
+        fs::create_dir(scratch.path().join("trace.mcap")).unwrap();
+        assert_eq!(run(false), [true, false, false]);
+        assert_eq!(
+            names_in(scratch.path()),
+            ["notes.txt", "torque.svg", "trace.mcap"]
+        );
+        assert_eq!(run(true), [true, false, false]);
+        assert_eq!(
+            names_in(scratch.path()),
+            ["notes.txt", "report.json", "trace.mcap"]
         );
     }
 

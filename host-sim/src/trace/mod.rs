@@ -25,6 +25,7 @@ mod rows;
 mod scope;
 mod tick_edges;
 mod traces;
+mod turn_amplitude;
 mod udp;
 mod vcd;
 mod window;

@@ -6,7 +6,7 @@
 use crate::scene::Checked;
 
 /// Machine whose rows a trace has. It decides the columns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RowShape {
     /// Number of axes.
     pub axes: usize,
@@ -29,7 +29,7 @@ impl From<usize> for RowShape {
     fn from(axes: usize) -> Self {
         Self {
             axes,
-            pitches: false,
+            ..Self::default()
         }
     }
 }
@@ -63,6 +63,8 @@ pub struct Row {
     pub z_m: f64,
     /// The platform's acceleration, upwards, m/s².
     pub accel_mps2: f64,
+    /// Amplitude of that acceleration, m/s²: the greatest magnitude in the last whole turn of the master; NaN if there is none.
+    pub amax_actual_mps2: f64,
     /// Pitch of the moved part, milliradians; only machines that pitch have it.
     pub pitch_mrad: f64,
 }
@@ -87,6 +89,7 @@ impl Row {
             &mut self.warp_deg,
             &mut self.z_m,
             &mut self.accel_mps2,
+            &mut self.amax_actual_mps2,
             &mut self.pitch_mrad,
         ] {
             *truth = f64::NAN;

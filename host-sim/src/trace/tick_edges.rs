@@ -30,8 +30,10 @@ pub struct TickEdges<'a> {
 pub struct SensedEdges<'a> {
     /// Times at which index lines rose, cycles from the tick's beginning.
     pub index: &'a [Option<u32>],
-    /// Length of an index pulse, cycles.
-    pub index_cycles: u32,
+    /// Times at which index lines fell, cycles from the tick's beginning.
+    pub index_fell: &'a [Option<u32>],
+    /// Levels of the index lines at the end of the tick.
+    pub index_high: &'a [bool],
     /// Level of the sync line.
     pub sync: bool,
 }
@@ -51,7 +53,8 @@ impl<'a> TickEdges<'a> {
             enable: moment.drives_enabled,
             sensed: Some(SensedEdges {
                 index: moment.index,
-                index_cycles: moment.machine.index_cycles,
+                index_fell: moment.index_fell,
+                index_high: moment.index_high,
                 sync: moment.sync,
             }),
         }
@@ -62,10 +65,25 @@ impl<'a> TickEdges<'a> {
         cycles * (self.end_ns - self.start_ns) / u64::from(self.tick_cycles)
     }
 
-    /// Returns the times at which the index line of an axis rose and falls again, ns since power-up.
-    pub(super) fn index_ns(&self, axis: usize) -> Option<(u64, u64)> {
-        let sensed = self.sensed.as_ref()?;
-        let rise = self.start_ns + self.ns(sensed.index[axis]?.into());
-        Some((rise, rise + self.ns(sensed.index_cycles.into())))
+    /// Returns the changes of the index line of an axis, in order: the time, ns since power-up, and the level.
+    pub(super) fn index_changes(&self, axis: usize) -> impl Iterator<Item = (u64, bool)> {
+        let sensed = self.sensed.as_ref();
+        let at = |cycle: Option<u32>| Some(self.start_ns + self.ns(cycle?.into()));
+        let rise = sensed.and_then(|sensed| at(sensed.index[axis]));
+        let fall = sensed.and_then(|sensed| at(sensed.index_fell[axis]));
+        let (rise, fall) = (rise.map(|at| (at, true)), fall.map(|at| (at, false)));
+        let is_down_first = fall.map(|(at, _)| at) < rise.map(|(at, _)| at);
+        let changes = if is_down_first {
+            [fall, rise]
+        } else {
+            [rise, fall]
+        };
+        changes.into_iter().flatten()
+    }
+
+    /// Returns the level of the index line of an axis at the end of the tick.
+    pub(super) fn is_index_high(&self, axis: usize) -> bool {
+        let sensed = self.sensed.as_ref();
+        sensed.is_some_and(|sensed| sensed.index_high[axis])
     }
 }

@@ -45,7 +45,7 @@ impl<'a, W: Write + Seek + 'a> Traces<'a, W> {
         let shape = setup.shape;
         let mut rows: Vec<Box<dyn RowWriter + 'a>> = Vec::new();
         let mut edges = EdgeOutputs {
-            pitches: shape.pitches,
+            shape,
             ..EdgeOutputs::default()
         };
         for (format, w) in files {

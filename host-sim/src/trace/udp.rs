@@ -125,6 +125,7 @@ mod tests {
             warp_deg: -17_999.123_45,
             z_m: -0.123_456_789,
             accel_mps2: -12_345.678_9,
+            amax_actual_mps2: 12_345.678_9,
             pitch_mrad: -1_234.567_89,
             ..Row::default()
         };

@@ -98,7 +98,10 @@ impl<W: Write + Seek> StepWindow<W> {
         self.last_ns = end_ns;
         if self.levels.step.is_empty() {
             self.levels.step = vec![false; axes];
-            self.levels.index = vec![false; axes];
+            // A line that changes in the first tick had the other level before.
+            let before = |axis| tick.index_changes(axis).next().map(|(_, level)| !level);
+            let before = |axis| before(axis).unwrap_or(tick.is_index_high(axis));
+            self.levels.index = (0..axes).map(before).collect();
             self.levels.dir = tick.reversed.iter().map(|reversed| !reversed).collect();
             self.levels.is_sensed_unknown = tick.sensed.is_none();
         }
@@ -110,7 +113,7 @@ impl<W: Write + Seek> StepWindow<W> {
             Window::Between(from_ns, to_ns) => (from_ns, to_ns),
             Window::FirstMotion => (u64::MAX, u64::MAX),
         };
-        self.edges.retain(|(at, ..)| *at >= start_ns); // keeps the ends of the previous tick's index pulses
+        self.edges.retain(|(at, ..)| *at >= start_ns); // keeps edges at the end of the previous tick
         if end_ns <= from_ns || start_ns > to_ns {
             self.pass(tick);
             return self.close_after(end_ns, to_ns);
@@ -165,10 +168,7 @@ impl<W: Write + Seek> StepWindow<W> {
                     self.levels.dir[i] = run.forward() != reversed;
                 }
             }
-            let end = tick.index_ns(i).map(|(_, fall)| fall);
-            self.levels.index[i] = end.is_some_and(|end| end >= tick.end_ns);
-            self.edges
-                .extend(end.map(|end| (end, Signal::Index(i), false)));
+            self.levels.index[i] = tick.is_index_high(i);
         }
     }
 
@@ -207,10 +207,9 @@ impl<W: Write + Seek> StepWindow<W> {
                         .push((start_ns + tick.ns(cycle), Signal::Step(i), high));
                 }
             }
-            if let Some((rise, fall)) = tick.index_ns(i) {
-                self.edges.push((rise, Signal::Index(i), true));
-                self.edges.push((fall, Signal::Index(i), false));
-            }
+            let changes = tick.index_changes(i);
+            self.edges
+                .extend(changes.map(|(at, level)| (at, Signal::Index(i), level)));
         }
     }
 

@@ -15,7 +15,7 @@ fn the_csv_header_has_the_specified_columns() {
         "t_s,state,state_code,amax_requested_mps2,amax_commanded_mps2,omega_rad_s,phase_turns,\
          steps_0,command_turns_0,actual_turns_0,phase_error_deg_0,\
          steps_1,command_turns_1,actual_turns_1,phase_error_deg_1,\
-         tilt_x_mrad,tilt_y_mrad,warp_deg,z_m,accel_mps2,version,commit\n"
+         tilt_x_mrad,tilt_y_mrad,warp_deg,z_m,accel_mps2,amax_actual_mps2,version,commit\n"
     );
 }
 

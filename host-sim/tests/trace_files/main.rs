@@ -85,6 +85,7 @@ fn mixing(slips: &[f64], mut each: impl FnMut(&Row)) {
             warp_deg: 0.0,
             z_m: RADIUS_M * cos,
             accel_mps2: -amax_commanded_mps2 * cos,
+            amax_actual_mps2: amax_commanded_mps2,
             pitch_mrad: 0.0,
             axes,
         });

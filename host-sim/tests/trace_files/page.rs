@@ -152,14 +152,12 @@ fn three_amplitudes_are_drawn_by_their_names() {
         for tick in 0..8000_u32 {
             let t_s = f64::from(tick) * TICK_S;
             let phase_turns = 10.0 * t_s;
-            // The last tick but one is a spike in an incomplete turn.
-            let spike = if tick == 7998 { 90.0 } else { 1.0 };
             scope.push(&Row {
                 t_s,
                 state: "run",
                 amax_requested_mps2: 36.0 * GRAVITY_MPS2,
                 amax_commanded_mps2: 35.0 * GRAVITY_MPS2,
-                accel_mps2: -32.25 * spike * GRAVITY_MPS2 * (phase_turns * TAU).cos(),
+                amax_actual_mps2: 32.25 * GRAVITY_MPS2,
                 omega_rad_s: 10.0 * TAU,
                 phase_turns,
                 axes: axes(1),
@@ -226,4 +224,36 @@ fn runs_with_hardly_any_data_give_pages() {
     wild.mark(f64::NAN, "never");
     wild.mark(1e300, "late");
     keep("scope-wild.svg", &wild.render());
+}
+
+/// If this fails, a machine without sensors has an empty panel, or a long legend ends beyond the edge of the page.
+#[test]
+fn a_page_has_only_panels_with_data_and_room_for_its_legends() {
+    let page = |is_overdue: bool, band_hz: (f64, f64)| {
+        let frame = ScopeFrame {
+            bands_hz: vec![band_hz],
+            ..frame("fitting", "")
+        };
+        let mut scope = ScopeData::new(1, frame);
+        for tick in 0..100 {
+            let mut axes = axes(1);
+            axes[0].is_overdue = is_overdue;
+            scope.push(&Row {
+                t_s: f64::from(tick) * TICK_S,
+                state: "run",
+                axes,
+                ..Row::default()
+            });
+        }
+        scope.render()
+    };
+    let short = page(false, (5.0, 6.0));
+    assert!(short.contains("phase error, deg") && short.contains("width=\"1200\""));
+    assert!(!page(true, (5.0, 6.0)).contains("phase error"));
+    let long = page(false, (1000.125, 1000.375));
+    assert!(long.contains("avoid 1000.125–1000.375 (above)"));
+    let width = long.split("width=\"").nth(1).unwrap();
+    let width: f64 = width.split('"').next().unwrap().parse().unwrap();
+    // 31 letters of at least 6 px, from 1053 px on.
+    assert!(width > 1053.0 + 31.0 * 6.0, "{width} px");
 }

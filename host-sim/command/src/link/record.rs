@@ -19,7 +19,7 @@ use super::error::LinkError;
 use super::operate::{begin, confirm};
 use super::session::Session;
 use crate::Status;
-use crate::run::{PAGE, REPORT, refuse_folders};
+use crate::run::{PAGE, REPORT, optional_files, refuse_folders, removed_line};
 
 /// Channel of a sample, as `--channels` names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -162,9 +162,10 @@ pub(super) fn record(
     );
     write_page(&mut report, &mut svg, &written, &recorded).map_err(|e| input(e.to_string()))?;
     drop((report, svg));
-    if recorded.no_edges.is_some() {
-        files.leave_out(FILES[2]);
-    }
+    let without_edges = recorded.no_edges.is_some().then_some(FILES[2]);
+    let others = optional_files().filter(|name| !FILES.contains(name));
+    let mut removed: Vec<_> = others.chain(without_edges).collect();
+    removed.retain(|name| files.leave_out(name));
     let written_files = files.commit().map_err(|e| input(e.to_string()))?;
     if !args.quiet {
         out.write_all(recorded_summary(identity, &recorded, lost_line.as_deref()).as_bytes())?;
@@ -178,6 +179,7 @@ pub(super) fn record(
             args.out.display(),
             names.join(", ")
         )?;
+        out.write_all(removed_line(&removed).as_bytes())?;
     }
     let went_wrong = recorded.totals.has_fault || lost_line.is_some();
     Ok(if went_wrong {

@@ -134,7 +134,7 @@ pub(super) fn run(
     let mut live = Live::new(args, &checked).map_err(CommandError::Input)?;
     let range = OperatingRange::of(&checked).map_err(refused)?;
     let range = range.map(|range| range.render());
-    let (checked, outcome, written) =
+    let (checked, outcome, written, removed) =
         record(args, checked, began, &mut live, range.as_deref()).map_err(CommandError::Input)?;
     if !args.quiet {
         let wall_s = began.elapsed().as_secs_f64();
@@ -152,6 +152,7 @@ pub(super) fn run(
                 .map_or_else(String::new, |name| format!(", {name}")),
             range.map_or_else(String::new, |_| format!(", {RANGE}")),
         )?;
+        out.write_all(removed_line(&removed).as_bytes())?;
         if let Some((receiver, SentRows { rows, lost })) = live.finish() {
             writeln!(out, "Sent to {receiver}: {rows} rows, {lost} of them lost.")?;
         }
@@ -185,19 +186,36 @@ const RANGE: &str = "torque.svg";
 /// Name of the layout with which GTKWave shows steps.fst.
 const LAYOUT: &str = "steps.gtkw";
 
-/// Runs a scene and writes all of its files, or none. Returns the scene with the answers to its questions.
+/// Names of the files that a run writes, depending on its scene and options.
+pub(super) fn optional_files() -> impl Iterator<Item = &'static str> {
+    let traces = Format::ALL.into_iter().map(Format::file_name);
+    traces.chain([LAYOUT, RANGE])
+}
+
+/// Returns a line that names the files of an earlier run that were removed; empty if there were none.
+pub(super) fn removed_line(names: &[&str]) -> String {
+    if names.is_empty() {
+        return String::new();
+    }
+    let names = names.join(", ");
+    format!("Removed from there, as it was of an earlier run: {names}.\n")
+}
+
+/// Runs a scene and writes all of its files, or none. Returns the scene with the answers to its questions, and the names of the files
+/// of an earlier run that this run does not have and has removed.
 fn record(
     args: &RunArgs,
     checked: Checked,
     began: Instant,
     live: &mut Live,
     range: Option<&str>,
-) -> Result<(Checked, Outcome, Written), String> {
+) -> Result<(Checked, Outcome, Written, Vec<&'static str>), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     let names = args.files().map(Format::file_name);
     let names = names.chain([REPORT, PAGE]);
     let names = names.chain(range.map(|_| RANGE)).chain(args.layout());
-    refuse_folders(&args.out, names)?;
+    let names: Vec<_> = names.collect();
+    refuse_folders(&args.out, names.iter().copied())?;
     let is_requested = args.window.is_some() || checked.scene.scope.is_some();
     let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
     let (mut files, checked, outcome, written) =
@@ -235,8 +253,10 @@ fn record(
             .and_then(|()| file.flush())
             .map_err(|e| place(&e))?;
     }
+    let mut removed: Vec<_> = optional_files().collect();
+    removed.retain(|name| !names.contains(name) && files.leave_out(name));
     files.commit().map_err(|e| place(&e))?;
-    Ok((checked, outcome, written))
+    Ok((checked, outcome, written, removed))
 }
 
 /// Refuses an output folder in which a folder has the name of a file. This is checked before the run. Later, some of the files would

@@ -23,6 +23,8 @@ const SET_SWINGING: f64 = 2.0;
 #[derive(Clone, Debug)]
 pub struct Cranks {
     worst: Worst,
+    /// Ratio of the [greatest load](crate::operating_range::OperatingRange::greatest_load) of a motor; 0 if the torque of none is known.
+    steady_load: f64,
     /// Change of the platform's acceleration by a moving frame, relative to amax; 0 without a frame.
     frame: f64,
     /// Change of the platform's acceleration by elastic rods, relative to amax. Only levels from phased on compute it. It is 0 for
@@ -47,6 +49,7 @@ impl Cranks {
         driven: &Driven,
         drive: &Drive,
         worst: Worst,
+        steady_load: f64,
         standing_apart_rad: f64,
         leads_apart: bool,
         (elastic, rod_zeta): (bool, f64),
@@ -79,6 +82,7 @@ impl Cranks {
                 rods::quasi_static_m(body, rod_zeta, drive)
             },
             worst,
+            steady_load,
         }
     }
 
@@ -100,7 +104,8 @@ impl Cranks {
             "the scene limits no motor's torque".to_owned()
         } else {
             format!(
-                "the motors need at most {:.0} % of their torque ({:.0} % with oscillations)",
+                "the motors need {:.0} % of their torque at a steady speed (bounds: {:.0} % with ramps, {:.0} % with oscillations)",
+                100.0 * self.steady_load,
                 100.0 * required,
                 100.0 * most(&worst.torque_ratio)
             )
@@ -109,15 +114,6 @@ impl Cranks {
             "{torque}, the load oscillates at no more than {:.2} times a crank's natural frequency, and {lag}",
             worst.frequency_ratio
         )
-    }
-
-    /// Returns the axis with the highest torque ratio at a steady speed, and that ratio: required over available torque. It is infinite
-    /// where the motor has no torque.
-    pub fn torque_ratio(&self) -> (usize, f64) {
-        let ratios = self.worst.torque_ratio_steady.iter().copied();
-        // The first of equal ones.
-        let most = ratios.enumerate().rev().max_by(|a, b| a.1.total_cmp(&b.1));
-        most.unwrap_or((0, 0.0))
     }
 
     /// Returns the largest distance of the platform from its position on quasi-static rods, m.

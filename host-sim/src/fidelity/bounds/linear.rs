@@ -62,13 +62,10 @@ pub struct Worst {
     pub torque_of_amax: f64,
     /// Ratio of a motor's greatest stiffness to the greatest torque of its load, 1/rad.
     pub spring_per_rad: f64,
-    /// Torque over the motor's greatest torque (pull-out torque, or a servo's limit), of each axis.
+    /// Upper bound on the torque over the motor's greatest torque (pull-out torque, or a servo's limit), of each axis.
     pub torque_ratio: Vec<f64>,
-    /// The same ratio for the torque of the load alone, without oscillation.
+    /// The same bound for the torque of the load alone, without oscillation: the sum of its harmonics, and the torque of ramps.
     pub torque_ratio_required: Vec<f64>,
-    /// The same ratio at a steady speed, with the load's greatest torque in a turn in place of the sum of its harmonics. The other
-    /// two are upper bounds; this is a lower one.
-    pub torque_ratio_steady: Vec<f64>,
     /// Ratio of the load's frequency at top speed (its second harmonic) to the lowest frequency of motor and crank.
     pub frequency_ratio: f64,
 }
@@ -149,7 +146,6 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     let mut worst = Worst {
         torque_ratio: vec![0.0; axes],
         torque_ratio_required: vec![0.0; axes],
-        torque_ratio_steady: vec![0.0; axes],
         ..Worst::default()
     };
     for omega in speeds(driven, drive, &required) {
@@ -157,11 +153,6 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
             .map(|i| crank(driven, drive, &required, i, omega))
             .collect();
         at_speed(&cranks, driven, drive, &mut worst);
-        for (i, crank) in cranks.iter().enumerate() {
-            let steady_nm = greatest_nm(body, crank.omega_rad_s) + body.friction_nm[i];
-            let ratio = steady_nm / crank.most_nm;
-            worst.torque_ratio_steady[i] = worst.torque_ratio_steady[i].max(ratio);
-        }
     }
     let greatest_nm = greatest_nm(body, drive.top_rad_s);
     worst.torque /= greatest_nm;

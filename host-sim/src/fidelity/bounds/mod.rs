@@ -15,6 +15,7 @@ use cophase_methods::problems::Chain;
 use super::Output;
 use crate::dynamics::{Driven, Mode};
 use crate::machine::{Machine, Rotors};
+use crate::operating_range::OperatingRange;
 use crate::scene::file::{self, Fidelity, Rods};
 use crate::scene::{Checked, SceneError};
 use cranks::Cranks;
@@ -74,7 +75,7 @@ impl Bounds {
             driven.ok_or_else(|| SceneError::at("machine", "has no cranks that torque moves"))?;
         Ok(Self {
             imposed: imposed(&top, driven.fastest_mode())?,
-            of: Of::Cranks(Box::new(cranks(&top, driven))),
+            of: Of::Cranks(Box::new(cranks(&top, driven)?)),
         })
     }
 
@@ -138,15 +139,6 @@ impl Bounds {
         }
     }
 
-    /// Returns the axis with the highest torque ratio at a steady speed, and that ratio: required over available torque; `None` for
-    /// cams, whose motors' torque is not modelled.
-    pub fn torque_ratio(&self) -> Option<(usize, f64)> {
-        match &self.of {
-            Of::Cranks(cranks) => Some(cranks.torque_ratio()),
-            Of::Followers(_) | Of::None { .. } => None,
-        }
-    }
-
     /// Returns a sentence with the numbers from which the bounds follow.
     pub fn numbers(&self) -> String {
         match &self.of {
@@ -195,7 +187,7 @@ fn follower_mode(top: &Checked) -> Mode {
     })
 }
 
-fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
+fn cranks(checked: &Checked, driven: &Driven) -> Result<Cranks, SceneError> {
     let settings = &checked.settings;
     let drive = Drive {
         top_rad_s: std::f64::consts::TAU * checked.top_speed_hz(),
@@ -224,10 +216,13 @@ fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
     let (least, most) = standing.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), deg| {
         (least.min(deg), most.max(deg))
     });
-    Cranks::new(
+    let range = OperatingRange::new(checked)?;
+    let load = range.and_then(|range| range.greatest_load());
+    Ok(Cranks::new(
         driven,
         &drive,
         worst(driven, &drive),
+        load.map_or(0.0, |load| load.ratio),
         most - least,
         matches!(checked.cranks_apart(), Some("ratio" | "offset_deg")),
         checked
@@ -237,5 +232,5 @@ fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
             .map_or((false, 0.0), |machine| {
                 (machine.rods == Rods::Elastic, machine.rod_zeta)
             }),
-    )
+    ))
 }

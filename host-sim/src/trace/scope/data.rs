@@ -77,42 +77,6 @@ pub(super) mod channel {
     pub const PHASE_ERROR: usize = 9;
 }
 
-/// Measured acceleration amplitude: the greatest in a turn of the master, available at the end of the turn.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TurnAmplitude {
-    turn: f64,
-    /// Greatest magnitude in this turn so far; `None` in a turn whose beginning was missed.
-    greatest: Option<f64>,
-    /// Greatest magnitude of the last whole turn; NaN if there is none.
-    measured: f64,
-}
-
-impl TurnAmplitude {
-    pub const NONE: Self = Self {
-        turn: f64::NAN,
-        greatest: None,
-        measured: f64::NAN,
-    };
-
-    /// Amplitude of the last whole turn, from the speed, phase and acceleration of the next row.
-    pub fn measure(&mut self, omega_rad_s: f64, phase_turns: f64, accel_mps2: f64) -> f64 {
-        if omega_rad_s == 0.0 {
-            *self = Self::NONE;
-            return f64::NAN;
-        }
-        // Turns are counted from half-way, so that the peak, at phase 0, is in the middle of a turn.
-        let (turn, accel) = ((phase_turns + 0.5).floor(), accel_mps2.abs());
-        if turn == self.turn {
-            self.greatest = self.greatest.map(|greatest| greatest.max(accel));
-        } else {
-            self.measured = self.greatest.unwrap_or(f64::NAN);
-            self.greatest = (!self.turn.is_nan()).then_some(accel);
-            self.turn = turn;
-        }
-        self.measured
-    }
-}
-
 /// Collects a run and draws it.
 ///
 /// ```
@@ -133,7 +97,6 @@ pub struct ScopeData {
     pub(super) envelope: Envelope,
     pub(super) timeline: Timeline,
     pub(super) is_corrected: bool,
-    amplitude: TurnAmplitude,
     /// One row's values in channel order, kept to save an allocation per row.
     values: Vec<f64>,
 }
@@ -148,7 +111,6 @@ impl ScopeData {
             envelope: Envelope::new(channels, PAGE_BUCKETS),
             timeline: Timeline::default(),
             is_corrected: false,
-            amplitude: TurnAmplitude::NONE,
             values: vec![f64::NAN; channels],
         }
     }
@@ -169,9 +131,7 @@ impl ScopeData {
         fixed[channel::ACCEL] = row.accel_mps2;
         fixed[channel::PLACE] = row.z_m;
         fixed[channel::PITCH] = row.pitch_mrad;
-        fixed[channel::ACTUAL] =
-            self.amplitude
-                .measure(row.omega_rad_s, row.phase_turns, row.accel_mps2);
+        fixed[channel::ACTUAL] = row.amax_actual_mps2;
         for (i, phase_error) in phase_errors.iter_mut().enumerate() {
             let measured = row.axes.get(i).filter(|axis| !axis.is_overdue);
             *phase_error = measured.map_or(f64::NAN, |axis| axis.phase_error_deg);

@@ -1,7 +1,9 @@
 //! Colours, texts and places on the page.
 
+use kuva::render::render::{Primitive, Scene, TextAnchor};
+
 use super::scale::TimeAxis;
-pub use crate::ink::{INK, MUTED, VERMILION, text, text_anchored};
+pub use crate::ink::{INK, MUTED, VERMILION, svg, text, text_anchored};
 
 /// Colours of curves.
 pub const PALE_BLUE: &str = "#A6D0EC";
@@ -30,6 +32,34 @@ pub fn at(time: TimeAxis, t_s: f64) -> f64 {
 /// Returns the approximate width of a text, px; the viewer's font is not known here.
 pub fn width(text: &str, size: u32) -> f64 {
     0.58 * f64::from(size) * text.chars().count() as f64
+}
+
+/// Writes a text on a white background, for places where lines pass behind it.
+pub fn text_on_white(
+    scene: &mut Scene,
+    (x, y): (f64, f64),
+    content: &str,
+    size: u32,
+    colour: &str,
+    anchor: TextAnchor,
+) {
+    let width = width(content, size);
+    let left = match anchor {
+        TextAnchor::Start => x,
+        TextAnchor::Middle => x - 0.5 * width,
+        TextAnchor::End => x - width,
+    };
+    scene.add(Primitive::Rect {
+        x: left,
+        y: y - f64::from(size) + 1.0,
+        width,
+        height: f64::from(size) + 2.0,
+        fill: "#ffffff".into(),
+        stroke: None,
+        stroke_width: None,
+        opacity: None,
+    });
+    text_anchored(scene, (x, y), content, size, colour, anchor);
 }
 
 /// Returns true if a text of the ribbon's size fits a width in px.

@@ -6,7 +6,7 @@
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::data::ScopeData;
-use super::ink::{MUTED, VERMILION, WIDTH, at, fits, text, text_anchored, width};
+use super::ink::{MUTED, VERMILION, WIDTH, at, fits, text_on_white, width};
 use super::scale::TimeAxis;
 
 /// Height of a lane, px.
@@ -82,7 +82,6 @@ impl Labels {
     /// Draws the labels upwards from `ribbon_top`, and the lines of marks down to `bottom`.
     pub fn draw(&self, scene: &mut Scene, ribbon_top: f64, bottom: f64) {
         for label in &self.all {
-            let colour = if label.is_fault { VERMILION } else { MUTED };
             let top = ribbon_top
                 - label
                     .lane
@@ -92,31 +91,32 @@ impl Labels {
                 y1: top,
                 x2: label.x,
                 y2: if label.is_mark { bottom } else { ribbon_top },
-                stroke: colour.into(),
+                stroke: label.colour().into(),
                 stroke_width: if label.is_fault { 1.2 } else { 0.8 },
                 stroke_dasharray: label.is_mark.then(|| "3 3".to_owned()),
             });
-            let Some(lane) = label.lane else {
-                continue;
-            };
+        }
+        for (label, lane) in self
+            .all
+            .iter()
+            .filter_map(|label| Some((label, label.lane?)))
+        {
             let y = ribbon_top - lane as f64 * LANE - 4.0;
-            if label.is_to_the_left() {
-                text_anchored(
-                    scene,
-                    (label.x - 4.0, y),
-                    &label.text,
-                    12,
-                    colour,
-                    TextAnchor::End,
-                );
+            let (x, anchor) = if label.is_to_the_left() {
+                (label.x - 4.0, TextAnchor::End)
             } else {
-                text(scene, (label.x + 4.0, y), &label.text, 12, colour);
-            }
+                (label.x + 4.0, TextAnchor::Start)
+            };
+            text_on_white(scene, (x, y), &label.text, 12, label.colour(), anchor);
         }
     }
 }
 
 impl Label {
+    const fn colour(&self) -> &'static str {
+        if self.is_fault { VERMILION } else { MUTED }
+    }
+
     /// Returns true for a label whose text would run off the page at the right end.
     fn is_to_the_left(&self) -> bool {
         self.x + width(&self.text, 12) + 4.0 > WIDTH - 8.0

@@ -3,14 +3,12 @@
 //! The first run is drawn wide and pale, the second one thin and dark on top of it. So equal curves appear as a dark line
 //! within a pale one.
 
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::LegendShape;
 use kuva::render::render::Scene;
 
-use super::data::TurnAmplitude;
 use super::draft::{Draft, Panel, Pen};
 use super::envelope::{Envelope, Extent, PAGE_BUCKETS};
-use super::ink::{BLUE, DARK_BLUE, GREEN, INK, LEFT, MUTED, PALE_BLUE, WIDTH, text};
+use super::ink::{BLUE, DARK_BLUE, GREEN, INK, LEFT, MUTED, PALE_BLUE, WIDTH, svg, text};
 use super::page::{FONT, GAP, TIME_AXIS, embed};
 use super::panel::{AXES, peak};
 use super::scale::{TimeAxis, padded};
@@ -23,12 +21,8 @@ pub struct OverlayRow {
     pub amax_requested_mps2: f64,
     /// Commanded amax, m/s².
     pub amax_commanded_mps2: f64,
-    /// Commanded speed of the master, rad/s.
-    pub omega_rad_s: f64,
-    /// Commanded phase of the master, turns.
-    pub phase_turns: f64,
-    /// Acceleration of the platform, m/s².
-    pub accel_mps2: f64,
+    /// Actual amax, m/s².
+    pub amax_actual_mps2: f64,
     /// Commanded phase of each axis, turns.
     pub command_turns: Vec<f64>,
     /// True phase of each axis, turns.
@@ -60,7 +54,6 @@ pub struct Overlay {
     names: [String; 2],
     axes: usize,
     envelope: Envelope,
-    amplitudes: [TurnAmplitude; 2],
     values: Vec<f64>,
 }
 
@@ -74,7 +67,6 @@ impl Overlay {
             names: names.map(String::clone),
             axes,
             envelope: Envelope::new(channels, PAGE_BUCKETS),
-            amplitudes: [TurnAmplitude::NONE; 2],
             values: vec![f64::NAN; channels],
         }
     }
@@ -83,9 +75,11 @@ impl Overlay {
     pub fn push(&mut self, t_s: f64, rows: &[OverlayRow; 2]) {
         let axes = self.axes;
         for (i, row) in rows.iter().enumerate() {
-            let actual =
-                self.amplitudes[i].measure(row.omega_rad_s, row.phase_turns, row.accel_mps2);
-            let signals = [row.amax_requested_mps2, row.amax_commanded_mps2, actual];
+            let signals = [
+                row.amax_requested_mps2,
+                row.amax_commanded_mps2,
+                row.amax_actual_mps2,
+            ];
             for (signal, mps2) in signals.into_iter().enumerate() {
                 self.values[i * SECOND + signal] = mps2 / STANDARD_GRAVITY_MPS2;
             }
@@ -134,7 +128,7 @@ impl Overlay {
             embed(&mut scene, panel, i, top, height, label);
             top += height + GAP;
         }
-        SvgBackend::new().render_scene(&scene)
+        svg(&scene)
     }
 
     fn amplitudes_of_both(&self, time: TimeAxis) -> Panel {

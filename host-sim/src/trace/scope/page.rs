@@ -2,20 +2,24 @@
 //!
 //! kuva draws each panel. This module stacks them on kuva's scene.
 
-use kuva::backend::svg::SvgBackend;
 use kuva::render::layout::Layout;
 use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
 use kuva::render::theme::Theme;
 
 use super::data::{Moved, ScopeData};
 use super::draft::Panel;
-use super::ink::{INK, LEFT, MUTED, RIGHT, VERMILION, WIDTH, at, fits, text, text_anchored};
+use super::ink::{
+    INK, LEFT, MUTED, RIGHT, VERMILION, WIDTH, at, fits, svg, text, text_anchored, text_on_white,
+    width,
+};
 use super::labels::{LANE, Labels};
 use super::panel;
 use super::scale::TimeAxis;
 
 const LANES_TOP: f64 = 72.0;
 const RIBBON: f64 = 20.0;
+/// Distance of a legend's texts from the plot, and their margin on the right, px.
+const LEGEND: f64 = 40.0;
 pub const GAP: f64 = 14.0;
 pub const TIME_AXIS: f64 = 50.0;
 pub const FONT: &str = "sans-serif";
@@ -27,13 +31,15 @@ fn panels(scope: &ScopeData) -> Vec<(MakePanel, f64)> {
     let mut panels: Vec<(MakePanel, f64)> = vec![
         (panel::acceleration, 190.0),
         (panel::speed, 150.0),
-        (panel::phase_error, 170.0),
         match scope.frame.moved {
             Moved::Platform => (panel::tilt, 150.0),
             Moved::Pushers => (panel::pushers, 150.0),
             Moved::Machine(_) => (panel::place, 150.0),
         },
     ];
+    if panel::has_phase_error(scope) {
+        panels.insert(2, (panel::phase_error, 170.0));
+    }
     if panel::has_pitch(scope) {
         panels.push((panel::pitch, 120.0));
     }
@@ -76,7 +82,7 @@ fn page(scope: &ScopeData) -> String {
         );
         top += plot_height + GAP;
     }
-    SvgBackend::new().render_scene(&scene)
+    svg(&scene)
 }
 
 fn heading(scene: &mut Scene, scope: &ScopeData) {
@@ -104,10 +110,17 @@ pub fn embed(
         layout,
         note,
     } = panel;
+    // A page is as wide as its longest legend.
+    let entries = layout.legend_entries.iter().flatten();
+    let longest = entries
+        .map(|entry| width(&entry.label, 12))
+        .fold(0.0, f64::max);
+    let extra = (LEGEND + longest - RIGHT).max(0.0).ceil();
+    page.width = page.width.max(WIDTH + extra);
     let mut layout: Layout = layout
-        .with_width(WIDTH)
+        .with_width(WIDTH + extra)
         .with_height(plot_height + bottom)
-        .with_force_margins(LEFT, RIGHT)
+        .with_force_margins(LEFT, RIGHT + extra)
         .with_force_margins_y(0.0, bottom)
         .with_theme(Theme {
             grid_color: "#e6e6e6".into(),
@@ -151,7 +164,14 @@ pub fn embed(
     page.elements.append(&mut elements);
     page.add(Primitive::GroupEnd);
     if let Some(note) = note {
-        text(page, (LEFT, top + plot_height + GAP - 3.0), note, 11, MUTED);
+        text_on_white(
+            page,
+            (LEFT, top + plot_height + GAP - 3.0),
+            note,
+            11,
+            MUTED,
+            TextAnchor::Start,
+        );
     }
 }
 

@@ -186,6 +186,14 @@ pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
     draft.done()
 }
 
+/// Returns true if a sensor measures the phase error of an axis.
+pub fn has_phase_error(scope: &ScopeData) -> bool {
+    let channels = channel::PHASE_ERROR..channel::PHASE_ERROR + scope.axes;
+    channels
+        .into_iter()
+        .any(|channel| !scope.envelope.total(channel).is_empty())
+}
+
 /// Phase error of each axis in degrees, with its limit. Curves that coincide are drawn one within the other, the first axis widest,
 /// and the legend names them. The curve of an axis that nothing measures any more ends with a bar.
 pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {

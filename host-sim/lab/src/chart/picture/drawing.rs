@@ -1,6 +1,6 @@
 //! Conversion of a picture to SVG with kuva.
 
-use kuva::backend::svg::SvgBackend;
+use host_sim::ink::svg;
 use kuva::plot::legend::{LegendEntry, LegendShape};
 use kuva::plot::scatter::ScatterPlot;
 use kuva::plot::{LabelStyle, LinePlot, LineStyle};
@@ -41,7 +41,7 @@ pub fn render(picture: Picture) -> String {
     let mut scene = figure.render();
     number_clips(&mut scene);
     say(&mut scene, &picture.says);
-    SvgBackend::new().render_scene(&scene)
+    svg(&scene)
 }
 
 /// Returns an entry for each name, in the order of the panels.
