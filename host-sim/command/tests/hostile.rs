@@ -80,7 +80,10 @@ fn a_lost_reply_states_what_may_have_happened_and_how_to_find_out() {
         (
             &["log"],
             "Events",
-            ["nothing has changed", "check that the port"],
+            [
+                "nothing has changed",
+                "check that a controller's server listens at",
+            ],
         ),
     ];
     std::thread::scope(|threads| {

@@ -33,9 +33,7 @@ fn row(said: &str) -> serde_json::Value {
 
 /// Returns the rows of a file of a campaign, with the names of the columns.
 fn rows(file: &Path) -> Vec<serde_json::Map<String, serde_json::Value>> {
-    let text = fs::read_to_string(file).unwrap();
-    let (_, rows) = text.split_once('\n').unwrap();
-    let mut reader = csv::Reader::from_reader(rows.as_bytes());
+    let mut reader = csv::Reader::from_path(file).unwrap();
     reader.deserialize().map(Result::unwrap).collect()
 }
 
@@ -47,14 +45,17 @@ fn is_of(row: &serde_json::Value, file: &Path) -> bool {
         other => other.to_string(),
     };
     let is_equal = |listed: &serde_json::Map<String, serde_json::Value>| {
-        listed.iter().all(|(name, value)| {
-            let (listed, shown) = (text(value), text(&row[name]));
-            match (listed.parse::<f64>(), shown.parse::<f64>()) {
-                // JSON loses the last digit.
-                (Ok(listed), Ok(shown)) => (listed - shown).abs() <= 1e-12 * listed.abs(),
-                _ => listed == shown,
-            }
-        })
+        // The columns from `version` on are of the campaign.
+        let of_run = listed.iter().filter(|(name, _)| row.get(name).is_some());
+        of_run.clone().count() == row.as_object().unwrap().len()
+            && of_run.clone().all(|(name, value)| {
+                let (listed, shown) = (text(value), text(&row[name]));
+                match (listed.parse::<f64>(), shown.parse::<f64>()) {
+                    // JSON loses the last digit.
+                    (Ok(listed), Ok(shown)) => (listed - shown).abs() <= 1e-12 * listed.abs(),
+                    _ => listed == shown,
+                }
+            })
     };
     rows(file).iter().any(is_equal)
 }

@@ -68,7 +68,7 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
             traces: Traces::new(&setup, files, udp, scope)?,
             rows: ControllerRows::new(&checked.settings),
             row: Row::of_axes(axes),
-            amplitude: TurnAmplitude::NONE,
+            amplitude: TurnAmplitude::AT_REST,
             sensors: (0..axes).map(|i| PhaseSensor::new(checked, i)).collect(),
             reversed,
             failed: None,

@@ -195,8 +195,8 @@ fn toml_syntax_errors_are_refused() {
             "JSON",
             "{\"name\": \"x\"}\n".to_owned(),
             "",
-            "is not TOML",
-            "write `key = value`",
+            "is data (JSON) and no scene",
+            "cophase scenes default > my.toml",
         ),
         case(
             "prose",
