@@ -30,13 +30,21 @@ pub enum FileKind {
     Html,
     /// A bitmap.
     Bitmap,
+    /// Compressed files.
+    Archive,
+    /// A document.
+    Pdf,
     /// A program.
     Python,
 }
 
 /// Beginnings of files. Spaces before them are left out; capitals do not matter.
-const BEGINNINGS: [(&[u8], FileKind); 15] = [
+const BEGINNINGS: [(&[u8], FileKind); 19] = [
     (&MAGIC, FileKind::Settings),
+    (b"\x1f\x8b", FileKind::Archive),
+    (b"PK\x03\x04", FileKind::Archive),
+    (b"\x28\xb5\x2f\xfd", FileKind::Archive),
+    (b"%PDF", FileKind::Pdf),
     (b"\x89PNG", FileKind::Bitmap),
     (b"\xff\xd8\xff", FileKind::Bitmap),
     (b"\x89MCAP0", FileKind::Mcap),
@@ -147,6 +155,8 @@ impl fmt::Display for FileKind {
             Self::Svg => "a drawing (SVG)",
             Self::Html => "a web page (HTML)",
             Self::Bitmap => "a bitmap",
+            Self::Archive => "a compressed file",
+            Self::Pdf => "a document (PDF)",
             Self::Python => "a Python program",
         })
     }

@@ -225,7 +225,13 @@ impl Tcp {
         };
         let stream = match parts.problem() {
             Some(problem) => Err(wrong(&problem, &parts.full())),
-            None => open_stream(address).map_err(|e| wrong(&e.to_string(), "HOST:PORT")),
+            None => open_stream(address).map_err(|e| match e.kind() {
+                io::ErrorKind::ConnectionRefused => {
+                    "nothing listens there; start the controller's server, or give its port"
+                        .to_owned()
+                }
+                _ => wrong(&e.to_string(), "HOST:PORT"),
+            }),
         };
         Ok(Self {
             address: address.to_owned(),

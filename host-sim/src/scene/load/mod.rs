@@ -88,7 +88,8 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
         ));
     }
     if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
-        let are_few = bytes.iter().filter(|&&byte| byte == 0).count() <= MOST_NULS;
+        let are_few = std::str::from_utf8(&bytes).is_ok()
+            && bytes.iter().filter(|&&byte| byte == 0).count() <= MOST_NULS;
         return Err(SceneError {
             line: Some(place::line_of(&bytes, at)),
             ..whole(match are_few {

@@ -12,7 +12,7 @@ use toml::de::DeTable;
 
 use numbers::{ambiguous_comma, ambiguous_zeros, other_unit};
 pub(super) use rules::QUOTES;
-use rules::{REPAIRS, keyless};
+use rules::{REPAIRS, closed_in_comment, keyless};
 use unclosed::unclosed;
 
 /// Longest line that is repaired, bytes.
@@ -32,8 +32,13 @@ pub(super) struct Repaired {
 }
 
 /// Mistakes that only the author can repair. Each gives the broken rule.
-const ADVICE: [fn(&str) -> Option<String>; 4] =
-    [other_unit, ambiguous_comma, ambiguous_zeros, keyless];
+const ADVICE: [fn(&str) -> Option<String>; 5] = [
+    closed_in_comment,
+    other_unit,
+    ambiguous_comma,
+    ambiguous_zeros,
+    keyless,
+];
 
 /// Repairs the line around the first error of a text that is not TOML; or the line above, if that is incomplete.
 pub(super) fn repair(text: &str, error_at: usize) -> Option<Repaired> {

@@ -82,14 +82,37 @@ fn is_group(digits: &str) -> bool {
 
 pub(super) fn powers(line: &str) -> Option<(String, String)> {
     let line = values(line, |value, _| {
+        let value = plain_exponent(value);
         let forms = [
-            "×10^", "*10^", "x10^", " × 10^", " * 10^", " x 10^", "*10**",
+            "×10^", "*10^", "x10^", "·10^", " × 10^", " * 10^", " x 10^", " · 10^", "*10**",
         ];
         let form = forms.iter().find(|form| value.contains(**form))?;
         let number = value.replacen(form, "e", 1);
         is_number(&number).then_some(number)
     })?;
     Some(("a power of ten is written with e".to_owned(), line))
+}
+
+/// Returns a number with `^-3` in the place of superscript digits.
+fn plain_exponent(value: &str) -> String {
+    const SUPERSCRIPTS: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+    let mut plain = String::new();
+    let mut is_exponent = false;
+    for c in value.chars() {
+        let digit = SUPERSCRIPTS
+            .chars()
+            .position(|superscript| superscript == c);
+        if !is_exponent && (digit.is_some() || c == '⁻') {
+            plain.push('^');
+            is_exponent = true;
+        }
+        match digit {
+            Some(digit) => plain.push_str(&digit.to_string()),
+            None if c == '⁻' => plain.push('-'),
+            None => plain.push(c),
+        }
+    }
+    plain
 }
 
 pub(super) fn thousands(line: &str) -> Option<(String, String)> {

@@ -7,7 +7,7 @@ use crate::scene::load::place::bare;
 type Repair = fn(&str) -> Option<(String, String)>;
 
 /// All repairs, in the order in which they are tried. Each gives the broken rule and the repaired line.
-pub(super) const REPAIRS: [Repair; 18] = [
+pub(super) const REPAIRS: [Repair; 19] = [
     comment,
     pasted,
     decimal_commas,
@@ -21,6 +21,7 @@ pub(super) const REPAIRS: [Repair; 18] = [
     missing_equals,
     extra_commas,
     parentheses,
+    extra_bracket,
     brackets,
     entries,
     comma_after_entry,
@@ -158,12 +159,12 @@ fn pasted(line: &str) -> Option<(String, String)> {
                 usual_words.push(c);
                 continue;
             };
-            // Typography has such spaces between the digits of a number.
+            // Typography has such spaces and apostrophes between the digits of a number.
             let before = usual_words.ends_with(|before: char| before.is_ascii_digit());
             let after = rest
                 .as_str()
                 .starts_with(|after: char| after.is_ascii_digit());
-            let is_between = is_value && usual == " " && before && after;
+            let is_between = is_value && [" ", "'"].contains(&&*usual) && before && after;
             is_in_number |= is_between;
             if !is_between {
                 usual_words.push_str(&usual);
@@ -181,7 +182,7 @@ fn pasted(line: &str) -> Option<(String, String)> {
     };
     let rule = match usual.as_str() {
         "" => format!("{shown}; delete it"),
-        " " if is_in_number => format!("{shown}; the digits of a number stay together"),
+        " " | "'" if is_in_number => format!("{shown}; the digits of a number stay together"),
         " " => format!("{shown}; a plain space belongs there"),
         usual => format!("{shown}; `{usual}` belongs there"),
     };
@@ -320,6 +321,9 @@ fn parentheses(line: &str) -> Option<(String, String)> {
 
 /// Brackets that do not match. A list may begin on a line above, or end on one below.
 fn brackets(line: &str) -> Option<(String, String)> {
+    if closed_in_comment(line).is_some() {
+        return None;
+    }
     let tokens = tokens(line);
     let mut matching: Vec<Token> = Vec::new();
     // The brackets that close those that are open.
@@ -381,6 +385,46 @@ fn brackets(line: &str) -> Option<(String, String)> {
     let matching = format!("{code}{closes}{spaces}{comment}");
     let rule = "brackets come in pairs: { } around an entry, [ ] around a list";
     Some((rule.to_owned(), matching))
+}
+
+/// The rule for a list or table whose end is behind a `#`.
+pub(super) fn closed_in_comment(line: &str) -> Option<String> {
+    let tokens = tokens(line);
+    let Some(Token::Comment(comment)) = tokens.last() else {
+        return None;
+    };
+    let count = |marks: [char; 2]| {
+        tokens
+            .iter()
+            .filter(|token| marks.iter().any(|mark| token.is(*mark)))
+            .count()
+    };
+    let closes = comment.chars().find(|c| "]}".contains(*c))?;
+    (count(['{', '[']) > count(['}', ']'])).then(|| {
+        format!(
+            "its `{closes}` is behind a `#`, which begins a comment; move the comment to the end of the line"
+        )
+    })
+}
+
+/// More brackets at the end of a line than it has opened.
+fn extra_bracket(line: &str) -> Option<(String, String)> {
+    let mut tokens = tokens(line);
+    let closes = |token: &Token| token.is('}') || token.is(']');
+    let opened = tokens
+        .iter()
+        .filter(|token| token.is('{') || token.is('['))
+        .count();
+    let closed = tokens.iter().filter(|token| closes(token)).count();
+    let last = tokens
+        .iter()
+        .rposition(closes)
+        // A bracket alone ends a list of the lines above.
+        .filter(|_| closed > opened && opened > 0)?;
+    let Token::Mark(mark) = tokens.remove(last) else {
+        return None;
+    };
+    Some((format!("one `{mark}` is too many"), joined(&tokens)))
 }
 
 /// A list in braces, and an entry without braces.
@@ -448,6 +492,10 @@ fn line_ends(line: &str) -> Option<(String, String)> {
     let (code, comment) = tokens.split_at(comment.unwrap_or(tokens.len()));
     let code = joined(code);
     let end = code.trim_end();
+    // The comma after an entry of a list is right.
+    if end.trim_start().starts_with(['{', '[']) {
+        return None;
+    }
     let kept = end.trim_end_matches([';', ',']).trim_end();
     let rest = &code[end.len()..];
     (kept.len() < end.len()).then(|| {

@@ -71,6 +71,22 @@ fn each_mistake_is_repaired_and_its_rule_is_named() {
             "a comma is between two entries",
         ),
         (
+            "a = 35\u{2019}000",
+            "a = 35000",
+            "`\u{2019}` (U+2019) is a curly quotation mark; the digits of a number stay together",
+        ),
+        (
+            "a = 1.5·10⁻³",
+            "a = 1.5e-3",
+            "a power of ten is written with e",
+        ),
+        (
+            "a = [[0, 33.0], [61, 30.0]]]",
+            "a = [[0, 33.0], [61, 30.0]]",
+            "one `]` is too many",
+        ),
+        ("a = { b = 1 }}", "a = { b = 1 }", "one `}` is too many"),
+        (
             "a = [(0, 300), (200, 300)]",
             "a = [[0, 300], [200, 300]]",
             "a list is in [ ], not in ( )",
@@ -329,7 +345,12 @@ fn what_only_the_author_knows_is_left_to_the_author() {
             "{line}"
         );
     }
-    let found = repaired_text("a = [\n  { b = 1 },\n  { 1, 2 },\n]\n");
-    assert_eq!(found.line, None);
-    assert!(found.rules[0].contains("have keys"), "{:?}", found.rules);
+    for entry in ["{ 1, 2 },", "{ 135 },"] {
+        let found = repaired_text(&format!("a = [\n  {{ b = 1 }},\n  {entry}\n]\n"));
+        assert_eq!(found.line, None);
+        assert!(found.rules[0].contains("have keys"), "{:?}", found.rules);
+    }
+    let found = repaired_text("a = [\n  { b = 1, # c = 2 },\n  { b = 2 },\n]\n");
+    assert_eq!((found.begin, found.line), (6, None));
+    assert!(found.rules[0].contains("behind a `#`"), "{:?}", found.rules);
 }

@@ -1,5 +1,6 @@
 //! Lists and tables that are still open where a heading or another key begins. The reader reports what follows, and the mistake is above.
 
+use super::rules::closed_in_comment;
 use super::tokens::{Token, tokens};
 use crate::scene::load::place::bare;
 
@@ -68,14 +69,8 @@ impl Unclosed<'_> {
             '{' => ("table", '}'),
             _ => ("list", ']'),
         };
-        let tokens = tokens(self.source);
-        let is_behind =
-            |token: &Token| matches!(token, Token::Comment(text) if text.contains(closes));
-        if tokens.iter().any(is_behind) {
-            return format!(
-                "the {what} that begins here is not closed: its `{closes}` is behind a `#`, which begins a comment; move the comment to the \
-                 end of the line"
-            );
+        if let Some(rule) = closed_in_comment(self.source) {
+            return format!("the {what} that begins here is not closed: {rule}");
         }
         let place = match self.next {
             Some((next, line)) => format!(" before `{next}` in line {line}"),
