@@ -291,10 +291,6 @@ pub(super) fn check_steppers(scene: &Scene) -> Result<(), SceneError> {
             return Err(SceneError::at(key, problem));
         }
     }
-    if axes.servo.is_some() && (0..axes.count).all(is_stepper) {
-        let problem = "has the gains of servo drives, and all axes here are steppers; leave it out, or give axes.drive = \"pulse-servo\"";
-        return Err(SceneError::at("axes.servo", problem));
-    }
     for (entry, own) in scene.axis.iter().enumerate() {
         if own.pull_out_scale == 1.0 {
             continue;
