@@ -227,8 +227,7 @@ impl Shard {
     pub fn parse(text: &str) -> Result<Self, ShardError> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let names = reader.headers().cloned().unwrap_or_default();
-        let is_shard =
-            names.iter().next() == Some("number") && names.iter().last() == Some("crc32");
+        let is_shard = names.get(0) == Some("number") && names.iter().next_back() == Some("crc32");
         if !is_shard {
             let problem = "is no campaign: its columns are not from `number` to `crc32`; give a file that `cophase campaign` wrote";
             return Err(ShardError(problem.to_owned()));
