@@ -9,6 +9,7 @@
 //! - 130 and 143: ended by SIGINT and SIGTERM, and nothing was written.
 #![forbid(unsafe_code)]
 
+mod address;
 mod campaign;
 mod chart;
 mod compare;

@@ -1,6 +1,5 @@
 //! `cophase link`: operates a controller over a serial port or TCP, or a simulated one.
 
-pub(crate) mod address;
 mod args;
 mod bring_up;
 pub(crate) mod connection;
@@ -12,6 +11,7 @@ mod record;
 mod session;
 pub(crate) mod show;
 pub(crate) mod stops;
+mod tcp;
 pub(crate) mod transport;
 pub(crate) mod write;
 

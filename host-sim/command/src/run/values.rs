@@ -2,7 +2,7 @@
 
 use std::net::{SocketAddr, ToSocketAddrs};
 
-use crate::link::address::Parts;
+use crate::address::Parts;
 use crate::numbers::{in_range, meant};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use host_sim::trace::{Format, Window};

@@ -27,7 +27,7 @@ use std::sync::mpsc::{channel, sync_channel};
 use clap::Args;
 use cophase_link::line::UART_BAUD;
 
-use super::link::address::Parts;
+use super::address::Parts;
 use super::link::connection::Connection;
 use super::link::transport::{self, Faults};
 use super::numbers::whole;
