@@ -14,6 +14,12 @@ pub enum FileKind {
     Scene,
     /// A settings file.
     Settings,
+    /// Firmware in one of its forms.
+    Uf2,
+    /// As [`Self::Uf2`].
+    Elf,
+    /// As [`Self::Uf2`].
+    IntelHex,
     /// A table, such as `trace.csv`.
     Table,
     /// `report.json`, or other JSON.
@@ -39,8 +45,11 @@ pub enum FileKind {
 }
 
 /// Beginnings of files. Spaces before them are left out; capitals do not matter.
-const BEGINNINGS: [(&[u8], FileKind); 19] = [
+const BEGINNINGS: [(&[u8], FileKind); 22] = [
     (&MAGIC, FileKind::Settings),
+    (b"UF2\n", FileKind::Uf2),
+    (b"\x7fELF", FileKind::Elf),
+    (b":02000004", FileKind::IntelHex),
     (b"\x1f\x8b", FileKind::Archive),
     (b"PK\x03\x04", FileKind::Archive),
     (b"\x28\xb5\x2f\xfd", FileKind::Archive),
@@ -147,6 +156,9 @@ impl fmt::Display for FileKind {
         f.write_str(match self {
             Self::Scene => "a scene (TOML)",
             Self::Settings => "a settings file",
+            Self::Uf2 => "a UF2 file for a board (docs/first-machine.md)",
+            Self::Elf => "firmware (ELF) for a board (docs/first-machine.md)",
+            Self::IntelHex => "firmware (Intel HEX) for a board (docs/first-machine.md)",
             Self::Table => "a table (CSV)",
             Self::Json => "data (JSON)",
             Self::Vcd => "a waveform (VCD)",

@@ -30,8 +30,8 @@ use crate::report::Written;
 use crate::sim::Unwrapped;
 use crate::sim::events::Event;
 use crate::trace::{
-    ControllerRows, Every, Format, RecordError, Row, RowShape, ScopeData, ScopeFrame, TraceSetup,
-    Traces, Window,
+    ControllerRows, Every, Format, RecordError, Row, ScopeData, ScopeFrame, TraceSetup, Traces,
+    Window,
 };
 use derived_edges::Derivation;
 use totals::Totalling;
@@ -84,10 +84,7 @@ impl<W: Write + Seek + 'static> Recording<W> {
         let axes = settings.axes.len();
         let unknown = stream.unknown_columns();
         let setup = TraceSetup {
-            shape: RowShape {
-                axes,
-                ..RowShape::default()
-            },
+            shape: axes.into(),
             // Every received row is written.
             every: Every::Ticks(1),
             window,

@@ -63,7 +63,7 @@ pub struct Row {
     pub z_m: f64,
     /// The platform's acceleration, upwards, m/s².
     pub accel_mps2: f64,
-    /// Amplitude of that acceleration, m/s²: the greatest magnitude in the last whole turn of the master; NaN if there is none.
+    /// Amplitude of that acceleration, m/s²: the greatest magnitude in the last whole turn of the master; NaN in a recording.
     pub amax_actual_mps2: f64,
     /// Pitch of the moved part, milliradians; only machines that pitch have it.
     pub pitch_mrad: f64,

@@ -19,13 +19,6 @@ pub use nearest::nearest;
 /// Largest size of a scene file, bytes.
 pub const MAX_BYTES: u64 = 1 << 20;
 
-/// Beginnings of files for boards, and what they are.
-const FIRMWARE: [(&[u8], &str); 3] = [
-    (b"UF2\n", "a UF2 file for drag and drop"),
-    (b"\x7fELF", "firmware (ELF)"),
-    (b":02000004", "firmware (Intel HEX)"),
-];
-
 /// Most NUL bytes in a file that is text otherwise.
 const MOST_NULS: usize = 8;
 const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to start from";
@@ -77,11 +70,6 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
         };
         whole(format!("{error}; {fix}"))
     })?;
-    if let Some((_, what)) = FIRMWARE.iter().find(|(begin, _)| bytes.starts_with(begin)) {
-        return Err(whole(format!(
-            "is {what}, and no scene; that is copied or flashed onto a board (docs/first-machine.md). A scene is a TOML file: {START_FROM}"
-        )));
-    }
     if matches!(bytes[..], [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) {
         return Err(whole(
             "is UTF-16 text; a scene is a TOML file, so save it as UTF-8".to_owned(),

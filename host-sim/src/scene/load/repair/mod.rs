@@ -3,16 +3,19 @@
 //! Each repair is for one kind of mistake, such as a decimal comma or a pasted minus sign. It is kept if the reader of TOML gets
 //! further with it. So a message only proposes what is TOML.
 
+mod brackets;
 mod numbers;
+mod pasted;
 mod rules;
 mod tokens;
 mod unclosed;
 
 use toml::de::DeTable;
 
+use brackets::{closed_in_comment, keyless};
 use numbers::{ambiguous_comma, ambiguous_zeros, other_unit};
 pub(super) use rules::QUOTES;
-use rules::{REPAIRS, closed_in_comment, keyless};
+use rules::REPAIRS;
 use unclosed::unclosed;
 
 /// Longest line that is repaired, bytes.

@@ -1,6 +1,6 @@
 //! Lists and tables that are still open where a heading or another key begins. The reader reports what follows, and the mistake is above.
 
-use super::rules::closed_in_comment;
+use super::brackets::closed_in_comment;
 use super::tokens::{Token, tokens};
 use crate::scene::load::place::bare;
 
@@ -11,7 +11,7 @@ pub(super) struct Unclosed<'a> {
     pub(super) begin: usize,
     source: &'a str,
     opens: char,
-    /// What follows, and its line.
+    /// The line at which it should be closed already, and its number.
     next: Option<(&'a str, usize)>,
 }
 
