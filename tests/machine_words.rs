@@ -17,7 +17,7 @@ fn reports_of_machines_without_a_platform_name_none() {
             "[screen]",
             "fidelity = \"phased\"\n[screen]\nallow_capture = true",
         ),
-        ("limit_nm = 700, following_error_deg = 30", "limit_nm = 90"),
+        ("limit_nm = 399, following_error_deg = 30", "limit_nm = 90"),
         ("acceleration_hz_per_s = 8", "acceleration_hz_per_s = 1"),
         ("hold_s = 1", "hold_s = 3"),
     ];

@@ -77,9 +77,9 @@ fn the_box_moves_by_its_throw() {
 /// homing at the lower acceleration, and run the screen up until the resonance takes their torque.
 #[test]
 fn capture_is_reported_and_stopped() {
-    let weak = ("limit_nm = 700, following_error_deg = 30", "limit_nm = 100");
+    let weak = ("limit_nm = 399, following_error_deg = 30", "limit_nm = 100");
     let run_on = ("[screen]", "[screen]\nallow_capture = true");
-    let weaker = ("limit_nm = 700, following_error_deg = 30", "limit_nm = 90");
+    let weaker = ("limit_nm = 399, following_error_deg = 30", "limit_nm = 90");
     let gently = ("acceleration_hz_per_s = 8", "acceleration_hz_per_s = 1");
     let long = ("hold_s = 1", "hold_s = 3");
     let blind = (
@@ -87,7 +87,7 @@ fn capture_is_reported_and_stopped() {
         "steps_per_turn = 2000\nindex = false",
     );
     // At the scene's acceleration 100 N·m pass, if late.
-    let weakest = ("limit_nm = 700, following_error_deg = 30", "limit_nm = 80");
+    let weakest = ("limit_nm = 399, following_error_deg = 30", "limit_nm = 80");
     let run = with(&[weakest, run_on, gently, long, blind]);
     let captured_hz = run.report["machine_figures"]["captured_hz"].as_f64();
     let natural_hz = (STIFFNESS_N_PER_M / MASS_KG).sqrt() / TAU;
@@ -135,7 +135,7 @@ fn what_the_controller_stops_as_captured_the_report_calls_captured() {
         "steps_per_turn = 2000",
         "steps_per_turn = 2000\nencoder = true",
     );
-    let limit = |nm: &'static str| ("limit_nm = 700, following_error_deg = 30", nm);
+    let limit = |nm: &'static str| ("limit_nm = 399, following_error_deg = 30", nm);
     let at = |hz: &'static str| ("acceleration_hz_per_s = 8", hz);
     for changes in [
         &[
@@ -318,7 +318,7 @@ fn one_failed_crank_of_four_is_no_capture() {
         (2.0_f64 / 3.0).sqrt() * natural_hz..2.0_f64.sqrt() * natural_hz
     };
     let servo = "drive = \"pulse-servo\"\nsteps_per_turn = 2000\nrotor_inertia_kgm2 = 3\nfriction_nm = 2\nservo = { position_gain_per_s = 40, \
-                 velocity_gain_nms = 700, limit_nm = 700, following_error_deg = 30 }";
+                 velocity_gain_nms = 700, limit_nm = 399, following_error_deg = 30 }";
     let stepper = "drive = \"stepper\"\nsteps_per_turn = 3200\nrotor_inertia_kgm2 = 3\nfriction_nm = 2\ndamping_nms = 30\npull_out = [[0, 3000], [60, 3000]]";
     let encoders = format!("{stepper}\nencoder = true");
     let at_one_angle = "[[program]]";
@@ -392,7 +392,7 @@ fn a_screen_with_one_shaft_runs() {
         ("count = 2", "count = 1"),
         ("[-600, 600]", "[0]"),
         ("block_kg = 83 ", "block_kg = 166 "),
-        ("limit_nm = 700", "limit_nm = 1400"),
+        ("limit_nm = 399", "limit_nm = 800"),
     ]);
     assert!(run.report["faults"].as_array().unwrap().is_empty());
     let working = run.report["machine_figures"]["displacement_working_mm"].as_f64();

@@ -85,9 +85,9 @@ fn each_picture_labels_its_curves_and_limits() {
         "available",
         "required",
         "in the steepest ramp",
-        "avoid 25–29",
-        "limit 60 rev/s",
-        "120 g",
+        "avoid 10–12",
+        "limit 22 rev/s",
+        "20 g",
         "limit 781 k (above)",
     ] {
         assert!(svg.contains(&format!(">{label}</text>")), "no {label}");

@@ -120,10 +120,18 @@ impl RunFiles {
         let missing: Vec<_> = missing.collect();
         unfinished.folders.extend(missing.iter().cloned());
         self.made.extend(missing);
-        fs::create_dir_all(&self.dir).map_err(|source| RunFilesError::Io {
-            operation: "create the folder",
-            path: self.dir.clone(),
-            source,
+        fs::create_dir_all(&self.dir).map_err(|source| {
+            let file = self.dir.ancestors().find(|above| above.is_file());
+            RunFilesError::Io {
+                operation: "create the folder",
+                path: self.dir.clone(),
+                source: file.map_or(source, |file| {
+                    io::Error::new(
+                        io::ErrorKind::AlreadyExists,
+                        format!("{} is a file", file.display()),
+                    )
+                }),
+            }
         })
     }
 

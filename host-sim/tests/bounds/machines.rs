@@ -112,7 +112,7 @@ pub fn screen(seed: u64) -> String {
     ];
     // Without a torque limit nothing saturates. A higher speed limit keeps variations from being refused.
     let changes = [
-        (", limit_nm = 700, following_error_deg = 30", ""),
+        (", limit_nm = 399, following_error_deg = 30", ""),
         ("speed_hz = 15", "speed_hz = 25"),
     ];
     varied("screen", seed, &changes, &keys)

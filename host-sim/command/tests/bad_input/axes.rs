@@ -183,14 +183,14 @@ fn invalid_pull_out_curves_are_refused() {
             "[[0, 20], [5]]",
             "axes.pull_out[1]",
             "`[5]` has 1 in it",
-            "a list of two numbers belongs; such as `[0, 60.0]`",
+            "a list of two numbers belongs; such as `[0, 5.0]`",
         ),
         pull_out(
             "a point of three",
             "[[0, 20], [5, 18, 99]]",
             "axes.pull_out[1]",
             "`[5, 18, 99]` has 3 in it",
-            "a list of two numbers belongs; such as `[0, 60.0]`",
+            "a list of two numbers belongs; such as `[0, 5.0]`",
         ),
         pull_out(
             "decimal commas",
@@ -363,6 +363,13 @@ fn torque_keys_without_effect_are_refused() {
             set("axes.drive", "\"servo\""),
             "axes.pull_out",
             "no axis here is a stepper",
+            "leave it out",
+        ),
+        case(
+            "a position loop of steppers",
+            replace("drive = \"pulse-servo\"\n", ""),
+            "axes.servo",
+            "no axis here is one",
             "leave it out",
         ),
         case(

@@ -62,7 +62,11 @@ fn files_that_are_not_text_are_refused() {
                 "cophase scenes default > my.toml",
             ],
         ),
-        ("latin-1", latin_1, ["is not UTF-8", "save it as UTF-8"]),
+        (
+            "latin-1",
+            latin_1,
+            ["is not UTF-8; in Latin-1 it is `", "save it as UTF-8"],
+        ),
         (
             "nul",
             vec![0; 100],

@@ -149,7 +149,7 @@ fn toml_syntax_errors_are_refused() {
         let text = with_line("machine.load_kg", line);
         case(name, text, "machine.load_kg", wrong, right)
     };
-    let form = "the form is `load_kg = 8`";
+    let form = "the form is `load_kg = 2`";
     assert_all_refused(&[
         line("no value", "load_kg =", "the value is missing", form),
         line(
@@ -185,11 +185,53 @@ fn toml_syntax_errors_are_refused() {
             "write [[program]] at each of its entries",
         ),
         case(
+            "twice in an entry",
+            set("limits.band", "[{ from_hz = 6, to_hz = 6.5, from_hz = 7 }]"),
+            "limits.band",
+            "`from_hz` is given before",
+            "keep one of the two",
+        ),
+        case(
             "table twice",
             replace("[control]", "[machine]"),
             "machine",
             "given before",
             "keep one of the two",
+        ),
+        case(
+            "a Greek letter for its name",
+            replace("lambda =", "λ ="),
+            "machine.lambda",
+            "`λ` (U+03BB) is a Greek letter",
+            "write `lambda = 0.3`",
+        ),
+        case(
+            "an invisible character in a value",
+            set("machine.platform", "\"ab\u{200b}ove\""),
+            "machine.platform",
+            "U+200B is an invisible character",
+            "write \"above\"",
+        ),
+        case(
+            "a decimal comma in a list",
+            set("axes.pull_out", "[[0, 20,0], [20, 15,0]]"),
+            "axes.pull_out[0]",
+            "has 3 in it",
+            "write [0, 20.0]",
+        ),
+        case(
+            "a missing heading",
+            replace("[machine]\n", ""),
+            "mechanism",
+            "the heading [machine] is missing above this line",
+            "crank_radius_mm",
+        ),
+        case(
+            "the heading of another machine",
+            replace("[machine]\n", "[screen]\n"),
+            "screen.crank_radius_mm",
+            "are keys of [machine]",
+            "write [machine] in the place of [screen]",
         ),
         case(
             "JSON",
@@ -296,7 +338,7 @@ fn messages_escape_and_shorten_quoted_text() {
             with_line("machine.load_kg", &format!("load_kg = {long}")),
             "machine.load_kg",
             "is not TOML",
-            "the form is `load_kg = 8`",
+            "the form is `load_kg = 2`",
         ),
     ]);
 }

@@ -90,7 +90,7 @@ fn invalid_forbidden_bands_are_refused() {
             "5, 7",
             "limits.band[0]",
             "`5` is a number, where a table belongs",
-            "{ from_hz = 25, to_hz = 29 }",
+            "{ from_hz = 10, to_hz = 12 }",
         ),
         band(
             "edges in rpm",

@@ -133,7 +133,7 @@ fn assert_refused(case: &Case) {
         let own = own.split('[').next().unwrap();
         // This is the key's own line (spelled differently if in quotes), or the line of the table that lacks it.
         assert!(
-            at.contains(own) || at.starts_with(['[', '"']) || said.contains(": missing"),
+            at.contains(own) || at.starts_with(['[', '"', 'λ']) || said.contains(": missing"),
             "{name}: line {number} is `{at}`: {line}"
         );
         let (place, problem) = said.split_once(": ").unwrap_or_default();

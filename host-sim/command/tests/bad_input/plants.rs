@@ -215,9 +215,9 @@ fn screens_without_torque_for_the_resonance_are_refused() {
         text.replacen(from, to, 1)
     };
     // Each shaft needs 103 N·m for the damping and 71 N·m for a block's weight (docs/machines/screen.md).
-    let weak = edit("limit_nm = 700", "limit_nm = 150");
+    let weak = edit("limit_nm = 399", "limit_nm = 150");
     let stepper = edit(
-        "servo = { position_gain_per_s = 40, velocity_gain_nms = 700, limit_nm = 700, following_error_deg = 30 }",
+        "servo = { position_gain_per_s = 40, velocity_gain_nms = 700, limit_nm = 399, following_error_deg = 30 }",
         "damping_nms = 30\npull_out = [[0, 200.0], [3, 160.0], [60, 100.0]]",
     );
     let stepper = stepper.replacen("pulse-servo", "stepper", 1);

@@ -146,14 +146,14 @@ mod tests {
         }
     }
 
-    /// If this fails, the computed stop is too short, and a slip exceeds its bound. From 60 rev/s, at 60 rev/s² and 600 rev/s³, the present
-    /// acceleration takes 0.1 s to end and adds 3 rev/s. Then the deceleration takes 63/60 s, and 0.1 s for its ends.
+    /// If this fails, the computed stop is too short, and a slip exceeds its bound. From 22 rev/s, at 25 rev/s² and 250 rev/s³, the present
+    /// acceleration takes 0.1 s to end and adds 1.25 rev/s. Then the deceleration takes 23.25/25 s, and 0.1 s for its ends.
     #[test]
     fn the_stop_time_follows_from_acceleration_and_jerk_limits() {
         let scene = library::find("default").unwrap().scene();
-        let stop_s = stop_s(&scene.limits, &place(60.0));
+        let stop_s = stop_s(&scene.limits, &place(22.0));
         assert!(
-            (stop_s - (0.1 + 63.0 / 60.0 + 0.1)).abs() < 1e-12,
+            (stop_s - (0.1 + 23.25 / 25.0 + 0.1)).abs() < 1e-12,
             "{stop_s}"
         );
     }

@@ -85,7 +85,7 @@ impl Checked {
         };
         // A controller is created as a check, because only this runs all checks of the core.
         checked.controller()?;
-        numbers::check_steppers(&checked.scene)?;
+        numbers::check_drives(&checked.scene)?;
         if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
             return Err(SceneError::at(
                 "questions.ground_percent",

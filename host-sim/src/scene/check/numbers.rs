@@ -269,9 +269,14 @@ pub fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneErro
     Err(SceneError::of(key, Problem::out_of_range(value, low, high)))
 }
 
-/// Checks that keys of steppers have an effect.
-pub(super) fn check_steppers(scene: &Scene) -> Result<(), SceneError> {
+/// Checks that keys of steppers and servos have an effect.
+pub(super) fn check_drives(scene: &Scene) -> Result<(), SceneError> {
     let axes = &scene.axes;
+    let is_servo = |number: usize| matches!(scene.drive(number), Drive::Servo | Drive::PulseServo);
+    if axes.servo.is_some() && !(0..axes.count).any(is_servo) {
+        let problem = "is the position loop of a servo, and no axis here is one; leave it out, or give drive = \"servo\" or \"pulse-servo\"";
+        return Err(SceneError::at("axes.servo", problem));
+    }
     let is_stepper = |number: usize| scene.drive(number) == Drive::Stepper;
     if !(0..axes.count).any(is_stepper) {
         let keys = [

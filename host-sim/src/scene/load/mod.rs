@@ -92,11 +92,25 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
     }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
+        let line = place::line_of(error.as_bytes(), valid);
+        // In the encoding that Western programs had before Unicode, each byte is the character of that number.
+        let byte = error.as_bytes()[valid];
+        let latin_1: String = error
+            .as_bytes()
+            .iter()
+            .map(|&byte| char::from(byte))
+            .collect();
+        let c = char::from(byte);
+        let what = match c.is_control() {
+            true => format!("byte {valid}, {byte:02X}, is not UTF-8"),
+            false => format!("byte {valid}, {byte:02X}, is not UTF-8; in Latin-1 it is `{c}`"),
+        };
         SceneError {
-            line: Some(place::line_of(error.as_bytes(), valid)),
-            ..whole(format!(
-                "is not text: byte {valid} is not UTF-8; a scene is a TOML file, so save it as UTF-8"
-            ))
+            line: Some(line),
+            ..SceneError::at(
+                place::key_on_line(&latin_1, line),
+                format!("is not text: {what}; a scene is a TOML file, so save it as UTF-8"),
+            )
         }
     })
 }
@@ -132,8 +146,22 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
         let at = repaired.as_ref().map_or(at, |repaired| repaired.begin);
         let line = place::line_at(text, at);
         let source = text.lines().nth(line - 1).unwrap_or_default();
-        let key = place::key_on_line(text, line);
-        let problem = not_toml(&key, error.message(), source, repaired);
+        // A key is recognised in what was meant.
+        let meant = repaired
+            .as_ref()
+            .and_then(|repaired| Some((repaired.begin, repaired.line.as_deref()?)));
+        let key = match meant {
+            Some((begin, meant)) => place::key_on_line(&format!("{}{meant}", &text[..begin]), line),
+            None => place::key_on_line(text, line),
+        };
+        let at = error.span().and_then(|span| text.get(span));
+        let problem = not_toml(
+            &key,
+            error.message(),
+            at.unwrap_or_default(),
+            source,
+            repaired,
+        );
         SceneError {
             line: Some(line),
             ..SceneError::at(key, problem)

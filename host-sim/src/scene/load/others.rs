@@ -3,11 +3,12 @@
 //! Checks end at the first error. To find the next one, the wrong value is *replaced*: it is left out, so that its default holds, or
 //! taken from a built-in scene. Then the scene is checked again. An error that a replaced value may have caused is not reported.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use toml::{Table, Value};
 
-use super::place::{Step, axis_of, example_value, line_of_key, steps};
+use super::explain::UNKNOWN_KEY;
+use super::place::{Step, axis_of, example_value, homes_of, line_of_key, steps};
 use crate::scene::{Checked, SceneError};
 
 /// Limit of errors that are reported together. With more, it is probably the wrong file.
@@ -56,8 +57,51 @@ pub(super) fn find(
         axis: axis_of(&original, &error.key),
         ..error
     };
-    let found = found.into_iter().map(in_its_place).collect();
-    SceneError::together(found).expect("the first is among them")
+    let mut found: Vec<_> = found.into_iter().map(in_its_place).collect();
+    found.sort_by_key(|error| error.line);
+    SceneError::together(under_one_heading(found)).expect("the first is among them")
+}
+
+/// Joins the errors of unknown keys that one wrong or missing heading explains: two keys or more of a table all belong to another one.
+fn under_one_heading(mut found: Vec<SceneError>) -> Vec<SceneError> {
+    let table_of = |error: &SceneError| {
+        let is_unknown = error.problem.starts_with(UNKNOWN_KEY);
+        let (table, _) = error.key.rsplit_once('.').unwrap_or(("", &error.key));
+        is_unknown.then(|| table.to_owned())
+    };
+    let tables: BTreeSet<String> = found.iter().filter_map(table_of).collect();
+    for table in tables {
+        let keys: Vec<String> = found
+            .iter()
+            .filter(|error| table_of(error).as_ref() == Some(&table))
+            .map(|error| error.key.rsplit('.').next().unwrap_or_default().to_owned())
+            .collect();
+        let mut homes = keys.iter().map(|key| homes_of(key));
+        let first = homes.next().unwrap_or_default();
+        let shared = homes.fold(first, |shared, homes| {
+            shared
+                .into_iter()
+                .filter(|home| homes.contains(home))
+                .collect()
+        });
+        let [heading] = &shared[..] else { continue };
+        if keys.len() < 2 || !heading.starts_with('[') {
+            continue;
+        }
+        let mut is_first = true;
+        found.retain_mut(|error| {
+            if table_of(error).as_ref() != Some(&table) {
+                return true;
+            }
+            let list = keys.join(", ");
+            error.problem = match table.as_str() {
+                "" => format!("the heading {heading} is missing above this line: {list} are its keys"),
+                table => format!("{list} are keys of {heading}; write {heading} in the place of [{table}], or move them there"),
+            };
+            std::mem::replace(&mut is_first, false)
+        });
+    }
+    found
 }
 
 /// Keys whose values are replaced, each with the number of replacements: left out first, then as in a built-in scene.
@@ -114,7 +158,7 @@ fn is_by_itself(error: &SceneError) -> bool {
         " is outside ",
         " finite number",
         " is none of its values",
-        "unknown key",
+        UNKNOWN_KEY,
     ];
     is_other_type || words.into_iter().any(has)
 }

@@ -124,8 +124,17 @@ pub(super) fn example(path: &str) -> Option<String> {
     })
 }
 
-/// Returns the place of a key, if scenes have it: the top level, or a heading.
+/// Returns the place of a key, if scenes have it: the top level, or headings.
 pub(super) fn home_of(key: &str) -> Option<String> {
+    let homes = homes_of(key);
+    match homes.first() {
+        Some(home) if home.starts_with('[') => Some(format!("under {}", homes.join(" or "))),
+        home => home.cloned(),
+    }
+}
+
+/// Returns the places of a key in scenes: the top level, in words, or headings.
+pub(super) fn homes_of(key: &str) -> Vec<String> {
     let scenes: Vec<Table> = SCENES
         .iter()
         .filter_map(|built_in| Table::try_from(built_in.scene()).ok())
@@ -136,7 +145,7 @@ pub(super) fn home_of(key: &str) -> Option<String> {
             .is_some_and(|value| !value.is_table() && !value.is_array())
     };
     if scenes.iter().any(is_at_top) {
-        return Some("at the top, above the first [table]".to_owned());
+        return vec!["at the top, above the first [table]".to_owned()];
     }
     let homes = scenes
         .into_iter()
@@ -148,8 +157,7 @@ pub(super) fn home_of(key: &str) -> Option<String> {
             }
             _ => None,
         });
-    let homes: Vec<_> = homes.collect::<BTreeSet<_>>().into_iter().collect();
-    (!homes.is_empty()).then(|| format!("under {}", homes.join(" or ")))
+    homes.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// Returns a plain value of a built-in scene at a key path.
@@ -220,11 +228,11 @@ mod tests {
     #[test]
     fn examples_come_from_the_built_in_scenes() {
         for (path, written) in [
-            ("machine.load_kg", Some("load_kg = 8")),
+            ("machine.load_kg", Some("load_kg = 2")),
             ("machine", Some("[machine]")),
             ("program", Some("[[program]]")),
             ("axis[7].number", Some("number = 1")),
-            ("limits.band[3]", Some("{ from_hz = 25, to_hz = 29 }")),
+            ("limits.band[3]", Some("{ from_hz = 10, to_hz = 12 }")),
             ("colour", None),
         ] {
             assert_eq!(example(path).as_deref(), written, "{path}");

@@ -199,12 +199,12 @@ fn drawn(stream: &mut Stream, kind: FaultName, driven: Driven) -> (String, Scene
     // A pattern that proves the wiring needs room within the limits. A few machines have none, and the next one is drawn instead.
     let mut machine = machines::draw(stream, driven, on_rotors, prove);
     for _ in 0..MOST_DRAWN {
-        if Checked::new(machine.1.clone()).is_ok() {
+        if Checked::new(machine.clone()).is_ok() {
             break;
         }
         machine = machines::draw(stream, driven, on_rotors, prove);
     }
-    (machine.0.to_owned(), machine.1)
+    (machine.name.clone(), machine)
 }
 
 /// Largest number of further draws. At least one machine in two has room.

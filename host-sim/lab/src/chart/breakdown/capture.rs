@@ -73,7 +73,7 @@ fn weak_scene() -> Option<String> {
         1,
     );
     Some(text.replacen(
-        "limit_nm = 700, following_error_deg = 30",
+        "limit_nm = 399, following_error_deg = 30",
         "limit_nm = 100",
         1,
     ))

@@ -4,13 +4,16 @@ use cophase_core::settings::Problem;
 
 use super::nearest::nearest;
 use super::place::{example, example_value, home_of};
-use super::repair::{QUOTES, Repaired, repair_value};
+use super::repair::{QUOTES, Repaired, pasted_in_text, repair_value};
 
 /// Longest piece of a file that a message repeats, in characters.
 const MOST_QUOTED: usize = 48;
 
 /// Longest line that a message proposes, in characters.
 const MOST_REPAIRED: usize = 160;
+
+/// The problem of a key that no scene has at its place.
+pub(super) const UNKNOWN_KEY: &str = "unknown key";
 
 /// Tables that occur once in a scene.
 const TABLES: [&str; 9] = [
@@ -30,10 +33,12 @@ const LISTS: [&str; 9] = [
     "limits.band",
 ];
 
-/// Returns the problem of a line that is not TOML. `key` is the key on it, if it can be recognised.
+/// Returns the problem of a line that is not TOML. `key` is the key on it, if it can be recognised, and `at` the text to which the message
+/// of the reader refers.
 pub(super) fn not_toml(
     key: &str,
     message: &str,
+    at: &str,
     source: &str,
     repaired: Option<Repaired>,
 ) -> String {
@@ -42,8 +47,13 @@ pub(super) fn not_toml(
     if message.starts_with("duplicate key") {
         return if source.starts_with('[') && LISTS.contains(&key) {
             format!("given before, and it is a list; write [[{key}]] at each of its entries")
-        } else {
+        } else if source.starts_with('[') || key.ends_with(at) {
             "given before; keep one of the two".to_owned()
+        } else {
+            format!(
+                "`{}` is given before in these braces; keep one of the two",
+                short(at)
+            )
         };
     }
     if message.contains("recurs") {
@@ -107,6 +117,11 @@ pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, Stri
     if message.starts_with("unknown variant") {
         let unknown = names.next().unwrap_or_default();
         let known: Vec<&str> = names.collect();
+        if let Some((rule, plain)) = pasted_in_text(unknown)
+            && known.contains(&plain.as_str())
+        {
+            return (path.to_owned(), format!("{rule}: write \"{plain}\""));
+        }
         let meant = nearest(unknown, &known).map(|name| format!("did you mean \"{name}\"? "));
         let problem = format!(
             "\"{}\" is none of its values; {}give one of {}",
@@ -138,7 +153,7 @@ fn unknown_key(unknown: &str, known: &[&str]) -> String {
     } else {
         String::new()
     };
-    format!("unknown key; {meant}known here: {}", known.join(", "))
+    format!("{UNKNOWN_KEY}; {meant}known here: {}", known.join(", "))
 }
 
 /// Explains messages such as "invalid type: string "10", expected f64".
@@ -177,6 +192,11 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
     };
     let whole = expected_kind.starts_with("a whole");
     if let Some(length) = found.strip_prefix("length ") {
+        if let Some(meant) = with_decimal_commas(written) {
+            return format!(
+                "`{source}` has {length} in it, where {expected_kind} belongs; if a comma in it is a decimal one, write {meant}"
+            );
+        }
         return format!("`{source}` has {length} in it, where {expected_kind} belongs{such_as}");
     }
     let (_, found) = found.split_once(": ").unwrap_or(("", found));
@@ -225,6 +245,18 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         _ => such_as,
     };
     format!("`{source}` is {kind}, where {expected_kind} belongs{right}")
+}
+
+/// Returns a list of numbers with a decimal point for each comma that no space follows, where a space follows another: `[0, 50,0]`.
+fn with_decimal_commas(list: &str) -> Option<String> {
+    let entries = list.strip_prefix('[')?.strip_suffix(']')?;
+    let numbers: Vec<String> = entries
+        .split(", ")
+        .map(|entry| entry.trim().replacen(',', ".", 1))
+        .collect();
+    let are_numbers = numbers.iter().all(|number| number.parse::<f64>().is_ok());
+    let are_other = numbers.len() > 1 && numbers.len() < entries.split(',').count();
+    (are_numbers && are_other).then(|| format!("[{}]", numbers.join(", ")))
 }
 
 fn join(path: &str, key: &str) -> String {

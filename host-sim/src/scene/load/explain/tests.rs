@@ -24,19 +24,19 @@ fn unknown_keys_suggest_the_nearest_key_and_its_table() {
                    coupler_ratio, ground_ratio, load_kg, platform, gravity_mps2, mount_radius_mm, \
                    allow_commanded_tilt, tilt_inertia_kgm2, rod_n_per_um, rods, rod_zeta";
     assert_says(
-        "load_kg = 8",
+        "load_kg = 2",
         "load_g = 8",
         "machine.load_g",
         &format!("unknown key; did you mean `load_kg`, in kg? known here: {machine}"),
     );
     assert_says(
-        "load_kg = 8",
+        "load_kg = 2",
         "colour = 8",
         "machine.colour",
         &format!("unknown key; known here: {machine}"),
     );
     assert_says(
-        "load_kg = 8",
+        "load_kg = 2",
         "speed_hz = 8",
         "machine.speed_hz",
         &format!("unknown key; it belongs under [limits]; known here: {machine}"),
@@ -62,10 +62,10 @@ fn unknown_values_list_the_valid_values() {
 #[test]
 fn missing_keys_come_with_an_example() {
     assert_says(
-        "load_kg = 8",
+        "load_kg = 2",
         "",
         "machine.load_kg",
-        "missing; it has no default, so give it, such as `load_kg = 8`",
+        "missing; it has no default, so give it, such as `load_kg = 2`",
     );
 }
 
@@ -78,23 +78,23 @@ fn wrong_types_name_the_actual_and_expected_type() {
         ),
         (
             "true",
-            "`true` is true or false, where a number belongs; such as `load_kg = 8`",
+            "`true` is true or false, where a number belongs; such as `load_kg = 2`",
         ),
         (
             "[8]",
-            "`[8]` is a list, where a number belongs; such as `load_kg = 8`",
+            "`[8]` is a list, where a number belongs; such as `load_kg = 2`",
         ),
         (
             "{ a = 8 }",
-            "`{ a = 8 }` is a table, where a number belongs; such as `load_kg = 8`",
+            "`{ a = 8 }` is a table, where a number belongs; such as `load_kg = 2`",
         ),
         (
             "2020-01-01",
-            "`2020-01-01` is a date, where a number belongs; such as `load_kg = 8`",
+            "`2020-01-01` is a date, where a number belongs; such as `load_kg = 2`",
         ),
     ] {
         assert_says(
-            "load_kg = 8",
+            "load_kg = 2",
             &format!("load_kg = {to}"),
             "machine.load_kg",
             problem,
@@ -128,9 +128,9 @@ fn wrong_types_name_the_actual_and_expected_type() {
 fn long_texts_are_cut() {
     let long = "x".repeat(10_000);
     for (from, to) in [
-        ("load_kg = 8", format!("load_kg = \"{long}\"")),
-        ("load_kg = 8", format!("{long} = 8")),
-        ("load_kg = 8", format!("load_kg = {long}")),
+        ("load_kg = 2", format!("load_kg = \"{long}\"")),
+        ("load_kg = 2", format!("{long} = 8")),
+        ("load_kg = 2", format!("load_kg = {long}")),
         ("platform = \"above\"", format!("platform = \"{long}\"")),
     ] {
         let error = error(from, &to).to_string();

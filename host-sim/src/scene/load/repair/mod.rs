@@ -14,6 +14,7 @@ use toml::de::DeTable;
 
 use brackets::{closed_in_comment, keyless};
 use numbers::{ambiguous_comma, ambiguous_zeros, other_unit};
+pub(super) use pasted::pasted_in_text;
 pub(super) use rules::QUOTES;
 use rules::REPAIRS;
 use unclosed::unclosed;

@@ -75,6 +75,18 @@ const LIKE_LATIN: [(char, char); 34] = [
     ('Τ', 'T'),
 ];
 
+/// Letters and digits that keys spell in ASCII.
+const SPELLED: [(char, &str, &str); 8] = [
+    ('λ', "a Greek letter", "lambda"),
+    ('ω', "a Greek letter", "omega"),
+    ('ζ', "a Greek letter", "zeta"),
+    ('φ', "a Greek letter", "phi"),
+    ('μ', "a Greek letter", "u"),
+    ('µ', "the sign of micro", "u"),
+    ('²', "a superscript", "2"),
+    ('³', "a superscript", "3"),
+];
+
 /// A pasted character: its name, and what TOML has in its place.
 fn pasted_character(c: char) -> Option<(&'static str, String)> {
     if let '\u{ff01}'..='\u{ff5e}' = c {
@@ -93,19 +105,37 @@ fn pasted_character(c: char) -> Option<(&'static str, String)> {
     Some((name, (*usual).to_owned()))
 }
 
+/// A character that no key has: its name, and how keys spell it.
+fn spelled_character(c: char) -> Option<(&'static str, String)> {
+    let (_, name, usual) = SPELLED.iter().find(|(other, ..)| *other == c)?;
+    Some((name, (*usual).to_owned()))
+}
+
+/// Returns a text without characters that are pasted from other programs, and the rule that the first of them breaks.
+pub(in super::super) fn pasted_in_text(text: &str) -> Option<(String, String)> {
+    let (c, (name, usual)) = text.chars().find_map(|c| Some((c, pasted_character(c)?)))?;
+    let usual_of = |c: char| pasted_character(c).map_or(c.to_string(), |(_, usual)| usual);
+    Some((
+        rule(c, name, &usual, false),
+        text.chars().map(usual_of).collect(),
+    ))
+}
+
 pub(super) fn pasted(line: &str) -> Option<(String, String)> {
     let mut found: Option<(char, &str, String)> = None;
     let mut is_in_number = false;
     let mut tokens = tokens(line);
     for at in 0..tokens.len() {
         let is_value = at > 0 && tokens[at - 1].is('=');
+        let is_key = tokens.get(at + 1).is_some_and(|next| next.is('='));
         let Token::Words(words) = &mut tokens[at] else {
             continue;
         };
         let mut usual_words = String::new();
         let mut rest = words.chars();
         while let Some(c) = rest.next() {
-            let Some((name, usual)) = pasted_character(c) else {
+            let spelled = || spelled_character(c).filter(|_| is_key);
+            let Some((name, usual)) = pasted_character(c).or_else(spelled) else {
                 usual_words.push(c);
                 continue;
             };
@@ -124,17 +154,21 @@ pub(super) fn pasted(line: &str) -> Option<(String, String)> {
         *words = usual_words;
     }
     let (c, name, usual) = found?;
+    Some((rule(c, name, &usual, is_in_number), joined(&tokens)))
+}
+
+/// The rule that a pasted character breaks.
+fn rule(c: char, name: &str, usual: &str, is_in_number: bool) -> String {
     let code = c as u32;
     let shown = if c.is_whitespace() || usual.is_empty() {
         format!("U+{code:04X} is {name}")
     } else {
         format!("`{c}` (U+{code:04X}) is {name}")
     };
-    let rule = match usual.as_str() {
+    match usual {
         "" => format!("{shown}; delete it"),
         " " | "'" if is_in_number => format!("{shown}; the digits of a number stay together"),
         " " => format!("{shown}; a plain space belongs there"),
         usual => format!("{shown}; `{usual}` belongs there"),
-    };
-    Some((rule, joined(&tokens)))
+    }
 }
