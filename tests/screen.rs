@@ -173,7 +173,7 @@ fn shafts_that_do_not_turn_with_the_master_are_refused() {
     let text = library::find("screen").unwrap().text;
     let one = format!("{text}\n[[axis]]\nnumber = 1\nratio = [2, 1]\n");
     for text in [
-        text.replacen("[axes]\n", "[axes]\nratio = [2, 1]\n", 1),
+        text.replacen("count = 2\n", "count = 2\nratio = [2, 1]\n", 1),
         one,
     ] {
         let parsed = load::parse(&text).expect("its form is right");

@@ -42,6 +42,12 @@ pub(super) fn sentence(
             .iter()
             .map(|name| name.trim_start_matches('-'))
             .collect();
+        let usual = USUAL
+            .iter()
+            .find(|(usual, name)| *usual == word && commands.contains(name));
+        if let Some((_, name)) = usual {
+            return format!("did you mean `{name}`? ");
+        }
         let dashes = &word[..word.len() - word.trim_start_matches('-').len()];
         let near = load::nearest(word.trim_start_matches('-'), &names);
         near.map_or_else(String::new, |near| {
@@ -147,6 +153,19 @@ fn is_named(option: &clap::Arg, name: &str) -> bool {
     let long = name.strip_prefix("--");
     long.is_some() && long == option.get_long()
 }
+
+/// Names that other programs have for commands. None of them moves a machine.
+const USUAL: [(&str, &str); 9] = [
+    ("simulate", "run"),
+    ("sim", "run"),
+    ("diff", "compare"),
+    ("plot", "scope"),
+    ("status", "identify"),
+    ("info", "identify"),
+    ("upload", "load"),
+    ("pause", "hold"),
+    ("abort", "stop"),
+];
 
 /// Returns the innermost subcommand that words name, with its name in full. Other words are skipped.
 fn subcommand(words: impl Iterator<Item = OsString>) -> (String, clap::Command) {

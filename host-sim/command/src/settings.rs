@@ -210,8 +210,16 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
     // The finished file is put in place by its name, which would replace anything with that name.
     let is_taken = fs::symlink_metadata(path).is_ok_and(|there| !there.is_file());
     if is_taken && path.file_name().is_some() {
+        return Err(match path.is_dir() {
+            true => format!("-o: {show} is a folder; give the name of a file in it"),
+            false => format!(
+                "-o: {show} is there and is not a plain file; take it away, or give another name"
+            ),
+        });
+    }
+    if path.starts_with("/dev") {
         return Err(format!(
-            "-o: {show} is there and is not a plain file; take it away, or give another name"
+            "-o: {show} is the name of a device, and no device is there; give the name of a file, and load it with `cophase link load`"
         ));
     }
     // Firmware is flashed, and settings are loaded; a name that confuses the two would mislead.

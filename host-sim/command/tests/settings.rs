@@ -284,10 +284,12 @@ fn unusable_output_paths_are_refused() {
     for (out, words) in [
         (
             "folder",
-            [
-                "-o: folder is there and is not a plain file",
-                "give another name",
-            ],
+            ["-o: folder is a folder", "give the name of a file in it"],
+        ),
+        // A board that is not plugged in: a plain file in its place would hide it.
+        (
+            "/dev/no-such-board",
+            ["is the name of a device", "`cophase link load`"],
         ),
         // Protects a file that is not a settings file. A scene is easily overwritten by mistake, as with `-o my.toml`.
         (

@@ -4,6 +4,9 @@ use cophase_core::settings::Problem;
 
 use crate::scene::{SceneError, range};
 
+/// Greatest speed of a point, rev/s. No motor turns faster: it was meant in another unit.
+const MOST_HZ: f64 = 1000.0;
+
 /// Torque against speed, linear between points. It is constant below the first point, and zero above
 /// the last.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,18 +24,38 @@ impl PullOut {
         for (i, &(speed_hz, torque_nm)) in points.iter().enumerate() {
             let wrong =
                 |problem: String| Err(SceneError::at(format!("axes.pull_out[{i}]"), problem));
-            for (column, value, most) in
-                [("speed_hz", speed_hz, 1e4), ("torque_nm", torque_nm, 1e5)]
-            {
+            for (column, value, most) in [
+                ("speed_hz", speed_hz, MOST_HZ),
+                ("torque_nm", torque_nm, 1e5),
+            ] {
                 if !(0.0..=most).contains(&value) {
                     let problem = Problem::out_of_range(value, 0.0, most);
-                    return wrong(range::sentence(column, problem, None));
+                    let sentence = range::sentence(column, problem, None);
+                    let hz = speed_hz / 60.0;
+                    return wrong(
+                        match column == "speed_hz" && speed_hz.is_finite() && hz > 0.0 {
+                            true => format!("{sentence} ({speed_hz} rpm would be {hz} rev/s)"),
+                            false => sentence,
+                        },
+                    );
                 }
             }
             if i > 0 && speed_hz <= points[i - 1].0 {
+                let before = points[i - 1].0;
+                let is_turned_round = points.is_sorted_by(|a, b| a.1 < b.1);
+                let fix = match is_turned_round {
+                    true => {
+                        let turned: Vec<_> =
+                            points.iter().map(|(a, b)| format!("[{b}, {a}]")).collect();
+                        format!(
+                            "a point is [speed_hz, torque_nm]; write [{}]",
+                            turned.join(", ")
+                        )
+                    }
+                    false => "list points from the lowest speed up".to_owned(),
+                };
                 return wrong(format!(
-                    "{speed_hz} rev/s is not above the point before, {} rev/s; list points from the lowest speed up",
-                    points[i - 1].0
+                    "{speed_hz} rev/s is not above the point before, {before} rev/s; {fix}"
                 ));
             }
         }

@@ -47,11 +47,13 @@ macro_rules! any {
                     let has_it = [$(($name, $Name::KEYS),)*];
                     let has_it = has_it.iter().filter(|(_, keys)| keys.contains(&key));
                     let others: Vec<_> = has_it.map(|(name, _)| format!("\"{name}\"")).collect();
+                    let own: Vec<_> = keys.iter().map(|key| key.trim_start_matches("machine.")).collect();
                     return Err(SceneError::at(
                         key,
                         format!(
-                            "is no dimension of machine.mechanism = \"{}\"; leave it out, or let machine.mechanism be {}",
+                            "is no dimension of machine.mechanism = \"{}\", which has {}; leave it out, or let machine.mechanism be {}",
                             machine.mechanism.name(),
+                            own.join(", "),
                             others.join(" or ")
                         ),
                     ));

@@ -110,7 +110,7 @@ impl Made {
             return Err(SceneError::at(
                 "axes.drive",
                 format!(
-                    "axis {i} is a servo with torque setpoints, and the controller knows no torque of {}; give a drive that takes STEP and DIR",
+                    "axis {i} is a servo with torque setpoints, and the controller knows no torque of {}; give a drive that takes STEP and DIR, such as drive = \"pulse-servo\"",
                     plant.name()
                 ),
             ));

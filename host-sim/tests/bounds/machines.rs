@@ -158,7 +158,7 @@ pub fn five_bar(seed: u64) -> String {
         ("jerk_hz_per_s2 = 1", "jerk_hz_per_s2 = 20"),
         ("homing_speed_hz = 0.05", "homing_speed_hz = 0.5"),
         ("hold_s = 40", "hold_s = 4"),
-        (", limit_nm = 20", ""),
+        (", limit_nm = 4.46", ""),
     ];
     varied("five-bar", seed, &changes, &keys)
 }

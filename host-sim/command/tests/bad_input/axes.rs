@@ -204,7 +204,7 @@ fn invalid_pull_out_curves_are_refused() {
             "[[0, 20], [nan, 3]]",
             "axes.pull_out[1]",
             "NaN is not a finite number",
-            "0 to 10000 rev/s",
+            "0 to 1000 rev/s",
         ),
         case(
             "torque requested and not given",
@@ -364,6 +364,20 @@ fn torque_keys_without_effect_are_refused() {
             "axes.pull_out",
             "no axis here is a stepper",
             "leave it out",
+        ),
+        case(
+            "speeds of a motor in rpm",
+            set("axes.pull_out", "[[0, 20], [1260, 15]]"),
+            "axes.pull_out[1]",
+            "1260",
+            "1260 rpm would be 21 rev/s",
+        ),
+        case(
+            "torque before speed",
+            set("axes.pull_out", "[[20, 0], [18, 10], [15, 20]]"),
+            "axes.pull_out[1]",
+            "18 rev/s is not above the point before, 20 rev/s",
+            "write [[0, 20], [10, 18], [20, 15]]",
         ),
         case(
             "a position loop of steppers",

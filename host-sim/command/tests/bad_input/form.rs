@@ -217,7 +217,31 @@ fn toml_syntax_errors_are_refused() {
             set("axes.pull_out", "[[0, 20,0], [20, 15,0]]"),
             "axes.pull_out[0]",
             "has 3 in it",
-            "write [0, 20.0]",
+            "write `[0, 20.0]`",
+        ),
+        case(
+            "a range in a list",
+            set("axes.ratio", "[1..2]"),
+            "axes.ratio",
+            "two numbers have a comma between them",
+            "write `ratio = [1, 2]`",
+        ),
+        case(
+            "a list of entries in braces",
+            set(
+                "limits.band",
+                "{ { from_hz = 6, to_hz = 6.5 }, { from_hz = 8, to_hz = 9 } }",
+            ),
+            "limits.band",
+            "a list is in [ ]",
+            "write `band = [{ from_hz = 6, to_hz = 6.5 }, { from_hz = 8, to_hz = 9 }]`",
+        ),
+        case(
+            "a usual name of a key",
+            replace("position_gain_per_s =", "kp ="),
+            "axes.servo.kp",
+            "unknown key",
+            "did you mean `position_gain_per_s`",
         ),
         case(
             "a missing heading",

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::Crusher;
 use crate::machine::AtCrank;
 use crate::plant::{Made, Table};
+use crate::scene::file::lengths;
 use crate::scene::{Scene, SceneError, in_range};
 
 /// Table of a jaw crusher.
@@ -36,6 +37,7 @@ pub struct CrusherTable {
     /// Peak force of the rock across the jaw, kN.
     pub rock_kn: f64,
     /// Turns of the shaft since power-up between which rock is fed.
+    #[serde(deserialize_with = "lengths::two")]
     pub rock_turns: (f64, f64),
 }
 

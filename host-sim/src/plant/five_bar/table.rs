@@ -13,7 +13,7 @@ use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::machine::AtCrank;
 use crate::mechanism::five_bar::{FiveBar, Unreachable};
 use crate::plant::{Made, Table};
-use crate::scene::file::{AxisOverrides, CamTable};
+use crate::scene::file::{AxisOverrides, CamTable, lengths};
 use crate::scene::{Scene, SceneError, in_range};
 
 /// Table of a five-bar arm.
@@ -21,8 +21,10 @@ use crate::scene::{Scene, SceneError, in_range};
 #[serde(deny_unknown_fields)]
 pub struct FiveBarTable {
     /// Lengths of links 1, 2 and 4, mm. Link 3 is as long as link 1.
+    #[serde(deserialize_with = "lengths::all")]
     pub links_mm: [f64; 3],
     /// Masses of links 1 to 4, kg: uniform rods.
+    #[serde(deserialize_with = "lengths::all")]
     pub links_kg: [f64; 4],
     /// Mass of the tool at the hand, kg.
     #[serde(default)]
@@ -34,6 +36,7 @@ pub struct FiveBarTable {
     #[serde(default)]
     pub mode: Assembly,
     /// Points of the hand's path, mm. The path leads from point to point and back to the first.
+    #[serde(deserialize_with = "lengths::each")]
     pub path_mm: Vec<[f64; 2]>,
     /// Speed of the hand between the blends, mm/s.
     pub speed_mm_per_s: f64,
@@ -49,7 +52,11 @@ pub struct FiveBarTable {
     #[serde(default = "default_rope_mm")]
     pub rope_mm: f64,
     /// Point below the balancer, mm. The default is the point a quarter along the path, the middle of a path of two points.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "lengths::some_of",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub balancer_mm: Option<[f64; 2]>,
     /// Surface along the path that the hand presses against.
     #[serde(skip_serializing_if = "Option::is_none")]

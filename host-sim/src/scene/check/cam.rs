@@ -119,7 +119,7 @@ pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
         Some(number) => Err(SceneError::at(
             "axes.drive",
             format!(
-                "axis {number} is a servo with torque setpoints, and those are for cranks, not for screws; give a drive that takes STEP and DIR"
+                "axis {number} is a servo with torque setpoints, and those are for cranks, not for screws; give a drive that takes STEP and DIR, such as drive = \"pulse-servo\""
             ),
         )),
     }

@@ -198,6 +198,10 @@ pub(super) fn check_questions(questions: &file::Questions) -> Result<(), SceneEr
 
 pub(super) fn check_times(scene: &Scene) -> Result<(), SceneError> {
     const MOST_S: f64 = 1e6;
+    if scene.link.timeout_s == 0.0 && scene.link.reaction != file::LossReaction::default() {
+        let problem = "has no effect without link.timeout_s, the time without a frame after which the host is lost; give it, or leave both out";
+        return Err(SceneError::at("link.reaction", problem));
+    }
     for (i, command) in scene.command.iter().enumerate() {
         range(&format!("command[{i}].at_s"), command.at_s, 0.0, MOST_S)?;
     }

@@ -3,7 +3,7 @@
 use cophase_methods::problems::{Cam, Law, Shaft};
 use serde::{Deserialize, Serialize};
 
-use super::lengths::some_three;
+use super::lengths::some_of;
 
 /// Cam shaft and its follower. Every axis has such a shaft.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -26,21 +26,21 @@ pub struct CamShaft {
     /// Masses of the follower from the shaft to the pusher, referred to the pusher, kg.
     #[serde(
         default,
-        deserialize_with = "some_three",
+        deserialize_with = "some_of",
         skip_serializing_if = "Option::is_none"
     )]
     pub masses_kg: Option<[f64; 3]>,
     /// Stiffnesses before these masses, of shaft, arm and link, N/mm.
     #[serde(
         default,
-        deserialize_with = "some_three",
+        deserialize_with = "some_of",
         skip_serializing_if = "Option::is_none"
     )]
     pub stiffness_n_per_mm: Option<[f64; 3]>,
     /// Dampers in parallel to them, N·s/m; give these or `zeta`.
     #[serde(
         default,
-        deserialize_with = "some_three",
+        deserialize_with = "some_of",
         skip_serializing_if = "Option::is_none"
     )]
     pub dampers_ns_per_m: Option<[f64; 3]>,

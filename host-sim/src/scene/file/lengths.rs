@@ -56,11 +56,32 @@ pub(super) fn some_pair<'de, D: Deserializer<'de>>(
 
 /// Reads `[[a, b], …]`.
 pub(super) fn pairs<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<(f64, f64)>, D::Error> {
-    let pairs = Vec::<Exactly<f64, 2>>::deserialize(from)?;
-    Ok(pairs.into_iter().map(|Exactly([a, b])| (a, b)).collect())
+    Ok(each(from)?.into_iter().map(|[a, b]| (a, b)).collect())
 }
 
-/// Reads `[a, b, c]` of a key that may be missing; give the field `default` as well.
-pub(super) fn some_three<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[f64; 3]>, D::Error> {
-    Exactly::deserialize(from).map(|Exactly(values)| Some(values))
+/// Reads `[a, b]` of numbers.
+pub(crate) fn two<'de, D: Deserializer<'de>>(from: D) -> Result<(f64, f64), D::Error> {
+    all(from).map(|[a, b]| (a, b))
+}
+
+/// Reads a list of numbers.
+pub(crate) fn all<'de, D: Deserializer<'de>, const N: usize>(
+    from: D,
+) -> Result<[f64; N], D::Error> {
+    Exactly::deserialize(from).map(|Exactly(values)| values)
+}
+
+/// Reads a list of numbers of a key that may be missing; give the field `default` as well.
+pub(crate) fn some_of<'de, D: Deserializer<'de>, const N: usize>(
+    from: D,
+) -> Result<Option<[f64; N]>, D::Error> {
+    all(from).map(Some)
+}
+
+/// Reads a list of lists of numbers.
+pub(crate) fn each<'de, D: Deserializer<'de>, const N: usize>(
+    from: D,
+) -> Result<Vec<[f64; N]>, D::Error> {
+    let lists = Vec::<Exactly<f64, N>>::deserialize(from)?;
+    Ok(lists.into_iter().map(|Exactly(values)| values).collect())
 }

@@ -10,7 +10,7 @@ mod control;
 mod events;
 mod fault;
 mod fidelity;
-mod lengths;
+pub(crate) mod lengths;
 mod machine;
 mod program;
 mod questions;

@@ -15,7 +15,7 @@ use crate::scene::file::{CamTable, Scene};
 
 /// Difference up to which two phases or positions are equal, turns: the rounding of six decimals.
 const SAME_TURNS: f64 = 2e-6;
-/// Position of an axis, turns, from which a message asks whether it is in degrees: few machines turn a screw so far.
+/// Position of an axis, turns, from which a message asks for its unit: few machines turn a screw so far.
 const LIKE_DEGREES: f64 = 30.0;
 /// Largest size of a file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -82,7 +82,7 @@ fn points(text: &str, table: &CamTable) -> Result<Vec<f64>, String> {
             let most = rows.iter().map(|row| row.turns.abs()).fold(0.0, f64::max);
             let fix = if is(360.0) && most >= LIKE_DEGREES {
                 &format!(
-                    "the first column has degrees; divide them by 360, as it is in turns, and the second one, too: {most} turns look like degrees"
+                    "the first column has degrees; divide them by 360, as it is in turns, and so is the second one: its {most} look like degrees or mm, so divide it by 360, or by the screw's lead"
                 )
             } else if is(360.0) {
                 "the first column has degrees; divide them by 360, as it is in turns"
@@ -261,7 +261,7 @@ mod tests {
             ),
             (
                 "0,0\n90,100\n180,200\n270,100\n",
-                ":2: the master's phase is 90, where that of 4 equally spaced points is 0.250000; the first column has degrees; divide them by 360, as it is in turns, and the second one, too: 200 turns look like degrees",
+                ":2: the master's phase is 90, where that of 4 equally spaced points is 0.250000; the first column has degrees; divide them by 360, as it is in turns, and so is the second one: its 200 look like degrees or mm",
             ),
             (
                 "0,0\n1.5707963,1\n3.1415927,2\n4.712389,1\n",

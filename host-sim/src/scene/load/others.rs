@@ -76,7 +76,11 @@ fn under_one_heading(mut found: Vec<SceneError>) -> Vec<SceneError> {
             .filter(|error| table_of(error).as_ref() == Some(&table))
             .map(|error| error.key.rsplit('.').next().unwrap_or_default().to_owned())
             .collect();
-        let mut homes = keys.iter().map(|key| homes_of(key));
+        // No built-in scene has some keys.
+        let mut homes = keys
+            .iter()
+            .map(|key| homes_of(key))
+            .filter(|homes| !homes.is_empty());
         let first = homes.next().unwrap_or_default();
         let shared = homes.fold(first, |shared, homes| {
             shared
@@ -84,10 +88,24 @@ fn under_one_heading(mut found: Vec<SceneError>) -> Vec<SceneError> {
                 .filter(|home| homes.contains(home))
                 .collect()
         });
-        let [heading] = &shared[..] else { continue };
-        if keys.len() < 2 || !heading.starts_with('[') {
-            continue;
-        }
+        let heading = match &shared[..] {
+            [heading] if keys.len() > 1 && heading.starts_with('[') => heading,
+            // The keys that are known there are listed once.
+            _ => {
+                let errors = found
+                    .iter_mut()
+                    .filter(|error| table_of(error).as_ref() == Some(&table));
+                for error in errors.skip(1) {
+                    let before = error
+                        .problem
+                        .split("known here: ")
+                        .next()
+                        .unwrap_or_default();
+                    error.problem = before.trim_end_matches([';', ' ']).to_owned();
+                }
+                continue;
+            }
+        };
         let mut is_first = true;
         found.retain_mut(|error| {
             if table_of(error).as_ref() != Some(&table) {

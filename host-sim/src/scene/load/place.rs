@@ -3,6 +3,7 @@
 //! A *key path* has the form `limits.band[0].from_hz`, with entries counted from 0.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
@@ -100,28 +101,41 @@ pub(super) fn bare(key: &str) -> bool {
 /// Returns the form of a key path in the built-in scenes: `load_kg = 8`, `[limits]`, `[[program]]`.
 pub(super) fn example(path: &str) -> Option<String> {
     SCENES.iter().find_map(|scene| {
-        let mut value = DeValue::Table(DeTable::parse(scene.text).ok()?.into_inner());
-        let mut span = 0..0;
-        for step in steps(path) {
-            let next = match step {
-                Step::Name(name) => value.get(name),
-                // Any entry serves as the example.
-                Step::Entry(_) => value.get(0),
-            }?;
-            span = next.span();
-            value = next.get_ref().clone();
-        }
+        let whole = DeValue::Table(DeTable::parse(scene.text).ok()?.into_inner());
+        let path_steps: Vec<_> = steps(path).collect();
+        let (value, span) = first_at(&whole, 0..0, &path_steps)?;
         let root = path.split('[').next().unwrap_or(path);
         match (value.is_table(), steps(path).last()?) {
             _ if path == root && value.is_array() && !root.contains('.') => {
                 Some(format!("[[{root}]]"))
             }
             (true, _) if path == root && !root.contains('.') => Some(format!("[{root}]")),
-            (true, Step::Entry(_)) if !root.contains('.') => Some(format!("[[{root}]]")),
+            (true, Step::Entry(_)) if !path.contains('.') => Some(format!("[[{root}]]")),
             (_, Step::Name(name)) => Some(format!("{name} = {}", scene.text.get(span)?)),
             (_, Step::Entry(_)) => Some(scene.text.get(span)?.to_owned()),
         }
     })
+}
+
+/// Returns the first value at a path, and its place. Any entry of a list serves.
+fn first_at<'a>(
+    value: &DeValue<'a>,
+    span: Range<usize>,
+    path: &[Step],
+) -> Option<(DeValue<'a>, Range<usize>)> {
+    let Some((step, rest)) = path.split_first() else {
+        return Some((value.clone(), span));
+    };
+    match (step, value) {
+        (Step::Name(name), value) => {
+            let next = value.get(*name)?;
+            first_at(next.get_ref(), next.span(), rest)
+        }
+        (Step::Entry(_), DeValue::Array(entries)) => entries
+            .iter()
+            .find_map(|entry| first_at(entry.get_ref(), entry.span(), rest)),
+        _ => None,
+    }
 }
 
 /// Returns the place of a key, if scenes have it: the top level, or headings.

@@ -4,7 +4,7 @@ use cophase_core::settings::Problem;
 
 use super::nearest::nearest;
 use super::place::{example, example_value, home_of};
-use super::repair::{QUOTES, Repaired, pasted_in_text, repair_value};
+use super::repair::{QUOTES, Repaired, commas_in_list, pasted_in_text, repair_value};
 
 /// Longest piece of a file that a message repeats, in characters.
 const MOST_QUOTED: usize = 48;
@@ -14,6 +14,24 @@ const MOST_REPAIRED: usize = 160;
 
 /// The problem of a key that no scene has at its place.
 pub(super) const UNKNOWN_KEY: &str = "unknown key";
+
+/// Names that other programs and data sheets have for keys.
+const USUAL: [(&str, &str); 14] = [
+    ("kp", "position_gain_per_s"),
+    ("kv", "velocity_gain_nms"),
+    ("ki", "integral_s"),
+    ("ti", "integral_s"),
+    ("max_torque", "limit_nm"),
+    ("peak_torque_nm", "limit_nm"),
+    ("inertia", "rotor_inertia_kgm2"),
+    ("microsteps", "steps_per_turn"),
+    ("steps", "steps_per_turn"),
+    ("mass_kg", "load_kg"),
+    ("acceleration_g", "amax_g"),
+    ("ramp", "ramp_s"),
+    ("hold", "hold_s"),
+    ("mm", "turns"),
+];
 
 /// Tables that occur once in a scene.
 const TABLES: [&str; 9] = [
@@ -133,9 +151,17 @@ pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, Stri
     }
     if message.starts_with("missing field") {
         let key = join(path, names.next().unwrap_or_default());
+        // A reader who has no servo meets the keys of one first.
+        let other = match path {
+            "axes.servo" => "; if no axis is a servo, leave axes.servo out",
+            "axes.induction" => "; if no axis has an induction motor, leave axes.induction out",
+            _ => "",
+        };
         let problem = match example(&key) {
-            Some(example) => format!("missing; it has no default, so give it, such as `{example}`"),
-            None => "missing; it has no default, so give it".to_owned(),
+            Some(example) => {
+                format!("missing; it has no default, so give it, such as `{example}`{other}")
+            }
+            None => format!("missing; it has no default, so give it{other}"),
         };
         return (key, problem);
     }
@@ -143,7 +169,13 @@ pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, Stri
 }
 
 fn unknown_key(unknown: &str, known: &[&str]) -> String {
-    let meant = if let Some(key) = nearest(unknown, known) {
+    let usual = USUAL
+        .iter()
+        .find(|(usual, key)| *usual == unknown && known.contains(key));
+    let meant = if let Some(key) = usual
+        .map(|(_, key)| *key)
+        .or_else(|| nearest(unknown, known))
+    {
         match Problem::unit(key) {
             "" => format!("did you mean `{key}`? "),
             unit => format!("did you mean `{key}`, in {unit}? "),
@@ -192,10 +224,8 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
     };
     let whole = expected_kind.starts_with("a whole");
     if let Some(length) = found.strip_prefix("length ") {
-        if let Some(meant) = with_decimal_commas(written) {
-            return format!(
-                "`{source}` has {length} in it, where {expected_kind} belongs; if a comma in it is a decimal one, write {meant}"
-            );
+        if let Some(rule) = commas_in_list(&format!("{path} = {written}")) {
+            return format!("`{source}` has {length} in it, where {expected_kind} belongs; {rule}");
         }
         return format!("`{source}` has {length} in it, where {expected_kind} belongs{such_as}");
     }
@@ -245,18 +275,6 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         _ => such_as,
     };
     format!("`{source}` is {kind}, where {expected_kind} belongs{right}")
-}
-
-/// Returns a list of numbers with a decimal point for each comma that no space follows, where a space follows another: `[0, 50,0]`.
-fn with_decimal_commas(list: &str) -> Option<String> {
-    let entries = list.strip_prefix('[')?.strip_suffix(']')?;
-    let numbers: Vec<String> = entries
-        .split(", ")
-        .map(|entry| entry.trim().replacen(',', ".", 1))
-        .collect();
-    let are_numbers = numbers.iter().all(|number| number.parse::<f64>().is_ok());
-    let are_other = numbers.len() > 1 && numbers.len() < entries.split(',').count();
-    (are_numbers && are_other).then(|| format!("[{}]", numbers.join(", ")))
 }
 
 fn join(path: &str, key: &str) -> String {

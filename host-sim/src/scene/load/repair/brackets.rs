@@ -145,6 +145,19 @@ pub(super) fn entries(line: &str) -> Option<(String, String)> {
         return Some(("a list is in [ ]".to_owned(), list));
     }
     let rule = "an entry of a list is in { }".to_owned();
+    if let Some((key, value)) = line.split_once('=')
+        && let (Some(begin), Some(end)) = (value.find('{'), value.rfind('}'))
+        && begin < end
+        && value[begin + 1..].trim_start().starts_with('{')
+    {
+        let list = format!(
+            "{key}={}[{}]{}",
+            &value[..begin],
+            value[begin + 1..end].trim(),
+            &value[end + 1..]
+        );
+        return Some(("a list is in [ ]".to_owned(), list));
+    }
     if let (Some(begin), Some(end)) = (line.find('['), line.rfind(']'))
         && begin < end
         && line[begin..end].contains('=')

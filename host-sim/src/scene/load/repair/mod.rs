@@ -13,6 +13,7 @@ mod unclosed;
 use toml::de::DeTable;
 
 use brackets::{closed_in_comment, keyless};
+pub(super) use numbers::commas_in_list;
 use numbers::{ambiguous_comma, ambiguous_zeros, other_unit};
 pub(super) use pasted::pasted_in_text;
 pub(super) use rules::QUOTES;
@@ -73,6 +74,15 @@ fn repair_line(text: &str, begin: usize, end: usize) -> Option<Repaired> {
     let rest = text.len() - end;
     let mut line = line.to_owned();
     let mut rules = Vec::new();
+    // Each of its numbers could be repaired, and some of them to others than were meant.
+    if let Some(rule) = commas_in_list(&line) {
+        rules.push(rule);
+        return Some(Repaired {
+            begin,
+            rules,
+            line: None,
+        });
+    }
     for _ in 0..MOST_MISTAKES {
         let now = with(&line);
         // An error at the end of the line is one of the line.

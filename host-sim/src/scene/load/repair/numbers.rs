@@ -61,6 +61,43 @@ pub(super) fn ambiguous_comma(line: &str) -> Option<String> {
     ))
 }
 
+/// The rule for a list of numbers with commas in them: `[7,680, 7,500]` or `[0,525, 1,02]`. Behind the comma of an entry is a space.
+pub(in super::super) fn commas_in_list(line: &str) -> Option<String> {
+    let (_, value) = line.split_once('=')?;
+    let value = value.split('#').next()?.trim();
+    let entries = value.strip_prefix('[')?.strip_suffix(']')?;
+    let entries: Vec<(&str, &str)> = entries
+        .split(", ")
+        .map(|entry| entry.trim().split_once(',').unwrap_or((entry.trim(), "")))
+        .collect();
+    let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let are_numbers = entries
+        .iter()
+        .all(|(whole, after)| is_number(whole) && digits(after));
+    if !are_numbers || entries.len() < 2 || entries.iter().all(|(_, after)| after.is_empty()) {
+        return None;
+    }
+    let with = |between: &str| {
+        let number = |(whole, after): &(&str, &str)| match after.is_empty() {
+            true => (*whole).to_owned(),
+            false => format!("{whole}{between}{after}"),
+        };
+        let numbers: Vec<_> = entries.iter().map(number).collect();
+        format!("`[{}]`", numbers.join(", "))
+    };
+    let are_thousands = entries.iter().all(|(whole, after)| {
+        matches!(after.len(), 0 | 3) && !whole.trim_start_matches('-').starts_with('0')
+    });
+    Some(match are_thousands {
+        true => format!(
+            "a number has no comma: write {}, or {} if the comma is a decimal one",
+            with(""),
+            with(".")
+        ),
+        false => format!("a number has a decimal point: write {}", with(".")),
+    })
+}
+
 /// The rule for a number of a list that may be the thousands of the one before: `[175, 2,030]`.
 pub(super) fn ambiguous_zeros(line: &str) -> Option<String> {
     let tokens = tokens(line);
@@ -165,6 +202,9 @@ fn is_unit_of(key: &str, unit: &str) -> bool {
 }
 
 fn number_and_unit(value: &str) -> Option<(&str, &str)> {
+    if is_number(value) {
+        return None;
+    }
     let is_end = |at: &usize| value.is_char_boundary(*at) && is_number(&value[..*at]);
     let end = (1..value.len()).rev().find(is_end)?;
     let (number, unit) = (&value[..end], value[end..].trim());

@@ -9,13 +9,14 @@ use crate::scene::load::place::bare;
 type Repair = fn(&str) -> Option<(String, String)>;
 
 /// All repairs, in the order in which they are tried. Each gives the broken rule and the repaired line.
-pub(super) const REPAIRS: [Repair; 19] = [
+pub(super) const REPAIRS: [Repair; 20] = [
     comment,
     pasted,
     decimal_commas,
     powers,
     thousands,
     units,
+    ranges,
     points,
     equals,
     colons,
@@ -71,6 +72,16 @@ fn equals(line: &str) -> Option<(String, String)> {
         "one `=` is between key and value".to_owned(),
         joined(&tokens),
     ))
+}
+
+/// A range of another language in a list: `[22..50]`.
+fn ranges(line: &str) -> Option<(String, String)> {
+    let line = values(line, |value, _| {
+        let (from, to) = value.split_once("..")?;
+        let (from, to) = (from.trim(), to.trim_start_matches(['=', '.', ' ']));
+        (is_number(from) && is_number(to)).then(|| format!("{from}, {to}"))
+    })?;
+    Some(("two numbers have a comma between them".to_owned(), line))
 }
 
 fn colons(line: &str) -> Option<(String, String)> {

@@ -335,6 +335,10 @@ fn what_only_the_author_knows_is_left_to_the_author() {
         ("a = 1,234.5", "a number has no comma: write `1234.5`"),
         (
             "a = [402, 175, 2,030]",
+            "a number has no comma: write `[402, 175, 2030]`, or `[402, 175, 2.030]` if the comma is a decimal one",
+        ),
+        (
+            "a = [[402, 2,030]]",
             "`2,030` is two numbers, and none has a zero before its digits: write `2030` if it is one",
         ),
     ] {
