@@ -253,7 +253,7 @@ fn toml_syntax_errors_are_refused() {
         case(
             "the heading of another machine",
             replace("[machine]\n", "[screen]\n"),
-            "screen.crank_radius_mm",
+            "screen.mechanism",
             "are keys of [machine]",
             "write [machine] in the place of [screen]",
         ),
