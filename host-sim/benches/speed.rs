@@ -18,7 +18,7 @@ use cophase_core::drift::IndexPulse;
 use cophase_core::signals::Feedback;
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{MAX_AXES, PerAxis, Phase};
-use host_sim::scene::{Checked, library, load};
+use host_sim::scene::{Checked, Scene, load};
 use host_sim::sim::simulate;
 use measure::{Figure, Work};
 
@@ -53,9 +53,14 @@ const TICKS: usize = 20_000;
 /// Crank angle of all index sensors.
 const INDEX_DEG: f64 = 15.0;
 
+/// Returns the scene that is run.
+fn scene() -> Scene {
+    load::parse(include_str!("speed.toml")).unwrap()
+}
+
 /// Returns the work of the core alone, with recorded feedback.
 fn core(count: usize) -> Work {
-    let mut scene = library::SCENES[0].scene();
+    let mut scene = scene();
     scene.axes.count = count;
     scene.axis.retain(|axis| axis.number < count);
     scene.axes.index_deg = INDEX_DEG;
@@ -154,7 +159,7 @@ fn run(checked: Checked) -> Work {
 
 /// Returns the default scene, in which the step pulses alone determine the crank angles.
 fn default_scene() -> Checked {
-    Checked::new(library::SCENES[0].scene()).unwrap()
+    Checked::new(scene()).unwrap()
 }
 
 /// Returns a scene with four steppers of NEMA 34 size and a platform of 8 kg. The motors have 200 full steps, and 8 N·m that

@@ -80,9 +80,17 @@ pub fn wiring(source: &mut Source) -> Wiring {
 }
 
 pub fn link(source: &mut Source) -> Link {
+    let timeout_s = source.or_default(0.0, 0.1, 60.0);
+    let reaction = source.one_of(&[LossReaction::Stop, LossReaction::StopNow]);
+    // Without a timeout no host is lost, and a reaction is refused.
+    let reaction = if timeout_s == 0.0 {
+        LossReaction::Stop
+    } else {
+        reaction
+    };
     Link {
-        timeout_s: source.or_default(0.0, 0.1, 60.0),
-        reaction: source.one_of(&[LossReaction::Stop, LossReaction::StopNow]),
+        timeout_s,
+        reaction,
     }
 }
 

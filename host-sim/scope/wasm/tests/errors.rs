@@ -11,19 +11,19 @@ use host_sim::scene::library;
 
 /// Changes of the built-in scene `default`, each of which makes a wrong text: the replaced text, and the new one.
 const WRONG: [(&str, &str); 12] = [
-    ("amax_g = 70", "amax_g = 700"),
-    ("amax_g = 70", "amax_g = \"70\""),
-    ("amax_g = 70", "amax_g = 7,0"),
-    ("amax_g = 70", "amax = 70"),
+    ("amax_g = 12", "amax_g = 700"),
+    ("amax_g = 12", "amax_g = \"70\""),
+    ("amax_g = 12", "amax_g = 7,0"),
+    ("amax_g = 12", "amax = 70"),
     (
-        "amax_g = 70\nramp_s = 4\nhold_s = 10",
+        "amax_g = 12\nramp_s = 4\nhold_s = 10",
         "amax_g = 70\nramp_s = 0\nhold_s = 0",
     ),
     ("repeat = 3", "repeat = 0"),
     ("shape = \"linear\"", "shape = \"straight\""),
-    ("speed_hz = 60", "speed_hz = -60"),
+    ("speed_hz = 22", "speed_hz = -22"),
     ("[limits]", "[limit]"),
-    ("load_kg = 8", "load_kg = 0"),
+    ("load_kg = 2", "load_kg = 0"),
     ("tick_hz = 2000", "tick_hz = 2001"),
     ("[[program]]              # mix", "[[program]"),
 ];
@@ -37,8 +37,8 @@ fn texts() -> Vec<String> {
     });
     // Several mistakes at once are reported together.
     let many = default
-        .replacen("amax_g = 70", "amax_g = -1", 1)
-        .replacen("load_kg = 8", "load_kg = 0", 1)
+        .replacen("amax_g = 12", "amax_g = -1", 1)
+        .replacen("load_kg = 2", "load_kg = 0", 1)
         .replacen("steps_per_turn = 3200", "steps_per_turn = 1", 1);
     let others = [String::new(), "name = 1".to_owned(), many];
     changed.chain(others).collect()

@@ -70,10 +70,10 @@ fn limits_are_those_of_the_scene() {
     let (answer, _) = whole(library::find("default").expect("a built-in scene").text);
     let limits = answer.scene.expect("the text has no mistakes").limits;
     let turn = 2.0 * std::f64::consts::PI;
-    assert_eq!(limits.speed_rad_s, 60.0 * turn);
-    assert_eq!(limits.bands_rad_s, [(25.0 * turn, 29.0 * turn)]);
-    assert_eq!(limits.acceleration_rad_s2, 60.0 * turn);
-    let amax_mps2 = (60.0 * turn).powi(2) * 0.010 * 1.25;
+    assert_eq!(limits.speed_rad_s, 22.0 * turn);
+    assert_eq!(limits.bands_rad_s, [(10.0 * turn, 12.0 * turn)]);
+    assert_eq!(limits.acceleration_rad_s2, 25.0 * turn);
+    let amax_mps2 = (22.0 * turn).powi(2) * 0.010 * 1.25;
     let error = (limits.amax_mps2 / amax_mps2 - 1.0).abs();
     assert!(error < 1e-6, "{} and {amax_mps2} m/s²", limits.amax_mps2);
 }

@@ -16,7 +16,7 @@ const MOST_REPAIRED: usize = 160;
 pub(super) const UNKNOWN_KEY: &str = "unknown key";
 
 /// Names that other programs and data sheets have for keys.
-const USUAL: [(&str, &str); 14] = [
+const USUAL: [(&str, &str); 13] = [
     ("kp", "position_gain_per_s"),
     ("kv", "velocity_gain_nms"),
     ("ki", "integral_s"),
@@ -30,7 +30,6 @@ const USUAL: [(&str, &str); 14] = [
     ("acceleration_g", "amax_g"),
     ("ramp", "ramp_s"),
     ("hold", "hold_s"),
-    ("mm", "turns"),
 ];
 
 /// Tables that occur once in a scene.
