@@ -91,8 +91,12 @@ pub(super) fn sentence(
         ErrorKind::ValueValidation => {
             let source = std::error::Error::source(error);
             let reason = source.map(|source| numbers::reason(source, option));
+            let what = match option {
+                "--every" => "; it counts control ticks",
+                _ => "",
+            };
             format!(
-                "{option} {}: {}",
+                "{option} {}: {}{what}",
                 visible(&value),
                 reason.unwrap_or_default()
             )

@@ -101,7 +101,7 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
         ),
         (
             &["run", "--every", "-3"],
-            "--every -3: give a whole number, 1 or more",
+            "--every -3: give a whole number, 1 or more; it counts control ticks",
         ),
         (
             &["run", "--trace", "csv,fsdb"],

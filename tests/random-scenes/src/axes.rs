@@ -82,7 +82,12 @@ pub fn axes(
         count: basis.count,
         drive: basis.drive,
         steps_per_turn,
-        full_steps_per_turn,
+        // Refused where no axis is a stepper.
+        full_steps_per_turn: if basis.has_drive(Drive::Stepper) {
+            full_steps_per_turn
+        } else {
+            200
+        },
         gear: basis.gear,
         ratio: basis.ratio,
         offset_deg: if source.percent(90) {

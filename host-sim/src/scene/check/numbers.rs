@@ -294,6 +294,11 @@ pub(super) fn check_drives(scene: &Scene) -> Result<(), SceneError> {
                 axes.damping_nms != 0.0,
                 "what a stepper's drive damps",
             ),
+            (
+                "axes.full_steps_per_turn",
+                axes.full_steps_per_turn != file::default_full_steps(),
+                "the full steps of a stepper",
+            ),
         ];
         if let Some((key, _, what)) = keys.into_iter().find(|(_, given, _)| *given) {
             let problem = format!("is {what}, and no axis here is a stepper; leave it out");

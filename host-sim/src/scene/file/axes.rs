@@ -219,7 +219,7 @@ impl AxisOverrides {
     }
 }
 
-const fn default_full_steps() -> u32 {
+pub(crate) const fn default_full_steps() -> u32 {
     200
 }
 const fn one_to_one() -> (u32, u32) {

@@ -16,6 +16,7 @@ mod program;
 mod questions;
 mod wiring;
 
+pub(crate) use axes::default_full_steps;
 pub use axes::{Axes, AxisOverrides, Drive, InductionDrive, ServoDrive};
 pub use cam::{CamShaft, Damper, LawName};
 pub use cam_table::{CamSegment, CamTable};

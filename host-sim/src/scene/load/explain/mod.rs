@@ -246,6 +246,13 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         return format!("is a table, where a list of tables belongs; write [[{path}]]");
     }
     let right = match (kind, written.trim_matches(['"', '\''])) {
+        ("a table", table)
+            if expected_kind == "a list"
+                && !table.contains('\n')
+                && table.len() < MOST_REPAIRED =>
+        {
+            format!("; write [{table}]")
+        }
         ("text", inner) if expected_kind == "a number" || whole => {
             let number = |text: &str| {
                 text.parse::<f64>()

@@ -2,6 +2,9 @@
 
 use super::tokens::{Token, joined, tokens};
 
+/// Keys of lists whose entries are in braces.
+const LISTS: [&str; 4] = ["band", "segments", "segment", "program"];
+
 /// Parentheses, around keys or around numbers.
 pub(super) fn parentheses(line: &str) -> Option<(String, String)> {
     let mut changed = line.to_owned();
@@ -163,9 +166,18 @@ pub(super) fn entries(line: &str) -> Option<(String, String)> {
         && line[begin..end].contains('=')
     {
         let inner = line[begin + 1..end].trim();
+        let key = line.split('=').next().unwrap_or_default().trim();
+        let (open, close) = match LISTS.contains(&key) {
+            true => ("[{", "}]"),
+            false => ("{", "}"),
+        };
         return Some((
             rule,
-            format!("{}[{{ {inner} }}]{}", &line[..begin], &line[end + 1..]),
+            format!(
+                "{}{open} {inner} {close}{}",
+                &line[..begin],
+                &line[end + 1..]
+            ),
         ));
     }
     let inner = line.trim().trim_end_matches(',');

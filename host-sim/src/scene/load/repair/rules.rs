@@ -9,9 +9,10 @@ use crate::scene::load::place::bare;
 type Repair = fn(&str) -> Option<(String, String)>;
 
 /// All repairs, in the order in which they are tried. Each gives the broken rule and the repaired line.
-pub(super) const REPAIRS: [Repair; 20] = [
+pub(super) const REPAIRS: [Repair; 21] = [
     comment,
     pasted,
+    list_without_brackets,
     decimal_commas,
     powers,
     thousands,
@@ -103,9 +104,38 @@ fn colons(line: &str) -> Option<(String, String)> {
     is_changed.then(|| ("`=` is between key and value".to_owned(), joined(&tokens)))
 }
 
+/// Numbers with a comma and a space between them, and no brackets around them: `-550, 550`.
+fn list_without_brackets(line: &str) -> Option<(String, String)> {
+    let (key, value) = line.split_once('=')?;
+    let (value, comment) = value
+        .split_once('#')
+        .map_or((value, String::new()), |(value, comment)| {
+            (value, format!("  #{comment}"))
+        });
+    let numbers = value.trim().split(", ");
+    let are_numbers = numbers.clone().count() > 1 && numbers.map(str::trim).all(is_number);
+    are_numbers.then(|| {
+        (
+            "a list is in [ ]".to_owned(),
+            format!("{key}= [{}]{comment}", value.trim()),
+        )
+    })
+}
+
 fn missing_commas(line: &str) -> Option<(String, String)> {
     let mut tokens = tokens(line);
     let mut is_changed = false;
+    for at in (2..tokens.len()).rev() {
+        let is_between =
+            tokens[at - 1].words().is_empty() && matches!(tokens[at - 1], Token::Words(_));
+        let are_entries = [(']', '['), ('}', '{')]
+            .into_iter()
+            .any(|(end, begin)| tokens[at - 2].is(end) && tokens[at].is(begin));
+        if is_between && are_entries {
+            tokens.insert(at - 1, Token::Mark(','));
+            is_changed = true;
+        }
+    }
     for at in 1..tokens.len() {
         let before_equals = tokens.get(at + 1).is_some_and(|next| next.is('='));
         let is_after_value = matches!(tokens[at - 1], Token::Quoted(_));

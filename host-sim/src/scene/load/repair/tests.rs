@@ -192,9 +192,20 @@ fn each_mistake_is_repaired_and_its_rule_is_named() {
         ),
         ("a = { 1, 2 }", "a = [1, 2]", "a list is in [ ]"),
         (
-            "a = [b = 1, c = 2]",
-            "a = [{ b = 1, c = 2 }]",
+            "band = [b = 1, c = 2]",
+            "band = [{ b = 1, c = 2 }]",
             "an entry of a list is in { }",
+        ),
+        (
+            "servo = [b = 1, c = 2]",
+            "servo = { b = 1, c = 2 }",
+            "an entry of a list is in { }",
+        ),
+        ("a = -550, 550", "a = [-550, 550]", "a list is in [ ]"),
+        (
+            "a = [[0, 5] [1, 4]]",
+            "a = [[0, 5], [1, 4]]",
+            "a comma is between two entries",
         ),
         ("a = 8;", "a = 8", "nothing ends a line but its end"),
         ("a = 8, # c", "a = 8 # c", "nothing ends a line but its end"),
