@@ -5,7 +5,7 @@ use cophase_core::settings::Problem;
 use crate::scene::{SceneError, range};
 
 /// Greatest speed of a point, rev/s. No motor turns faster: it was meant in another unit.
-const MOST_HZ: f64 = 1000.0;
+const MOST_HZ: f64 = 600.0;
 
 /// Torque against speed, linear between points. It is constant below the first point, and zero above
 /// the last.
@@ -30,14 +30,7 @@ impl PullOut {
             ] {
                 if !(0.0..=most).contains(&value) {
                     let problem = Problem::out_of_range(value, 0.0, most);
-                    let sentence = range::sentence(column, problem, None);
-                    let hz = speed_hz / 60.0;
-                    return wrong(
-                        match column == "speed_hz" && speed_hz.is_finite() && hz > 0.0 {
-                            true => format!("{sentence} ({speed_hz} rpm would be {hz} rev/s)"),
-                            false => sentence,
-                        },
-                    );
+                    return wrong(range::sentence(column, problem, None));
                 }
             }
             if i > 0 && speed_hz <= points[i - 1].0 {

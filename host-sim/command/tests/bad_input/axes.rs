@@ -204,7 +204,7 @@ fn invalid_pull_out_curves_are_refused() {
             "[[0, 20], [nan, 3]]",
             "axes.pull_out[1]",
             "NaN is not a finite number",
-            "0 to 1000 rev/s",
+            "0 to 600 rev/s",
         ),
         case(
             "torque requested and not given",

@@ -297,7 +297,7 @@ pub(super) fn check_drives(scene: &Scene) -> Result<(), SceneError> {
             (
                 "axes.full_steps_per_turn",
                 axes.full_steps_per_turn != file::default_full_steps(),
-                "the full steps of a stepper",
+                "the number of a stepper's full steps",
             ),
         ];
         if let Some((key, _, what)) = keys.into_iter().find(|(_, given, _)| *given) {

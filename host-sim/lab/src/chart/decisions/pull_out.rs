@@ -62,7 +62,7 @@ impl PullsOut {
         let points = [
             (0.0, TORQUE_NM.0),
             (60.0, TORQUE_NM.1),
-            (1000.0, TORQUE_NM.1),
+            (600.0, TORQUE_NM.1),
         ];
         Self {
             rigid: Rigid::new(body),

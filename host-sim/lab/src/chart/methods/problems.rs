@@ -95,7 +95,7 @@ pub fn body() -> Result<Body, ChartError> {
 /// # Errors
 /// Never: the numbers are constants.
 pub fn motors() -> Result<Vec<Motor>, ChartError> {
-    let pull_out = PullOut::new(&[(0.0, TORQUE_NM), (1000.0, TORQUE_NM)])
+    let pull_out = PullOut::new(&[(0.0, TORQUE_NM), (600.0, TORQUE_NM)])
         .map_err(|error| ChartError(error.to_string()))?;
     let motor = Motor::Stepper(Stepper {
         pull_out,

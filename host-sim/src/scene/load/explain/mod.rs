@@ -16,10 +16,9 @@ const MOST_REPAIRED: usize = 160;
 pub(super) const UNKNOWN_KEY: &str = "unknown key";
 
 /// Names that other programs and data sheets have for keys.
-const USUAL: [(&str, &str); 13] = [
+const USUAL: [(&str, &str); 12] = [
     ("kp", "position_gain_per_s"),
     ("kv", "velocity_gain_nms"),
-    ("ki", "integral_s"),
     ("ti", "integral_s"),
     ("max_torque", "limit_nm"),
     ("peak_torque_nm", "limit_nm"),
