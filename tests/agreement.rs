@@ -7,7 +7,7 @@ mod program;
 use std::f64::consts::TAU;
 
 use cophase_tests::{Run, Trace, built_in, record, scene};
-use host_sim::scene::Checked;
+use host_sim::checked::Checked;
 use host_sim::trace::{Every, Window};
 use program::Program;
 

@@ -5,8 +5,9 @@
 
 use cophase_core::settings::CorrectionSettings;
 use cophase_tests::scene;
-use host_sim::design::coupling::{APART, Gains};
-use host_sim::scene::{Checked, plant};
+use host_sim::checked::Checked;
+use host_sim::drives::coupling::{APART, Gains};
+use host_sim::setup::servos;
 use host_sim::sim::{Moment, Observer, simulate};
 
 const TICK_HZ: f64 = 2000.0;
@@ -53,7 +54,7 @@ fn spread(error: &[f64; 3]) -> f64 {
 /// The gains that the scene derives, and the gains that the core receives.
 fn derived() -> (Gains, CorrectionSettings) {
     let checked = scene(&text("couple = true", "torque_nm = 1"));
-    let gains = plant(&checked.scene, &checked.settings.machine)
+    let gains = servos(&checked.scene, &checked.settings.machine)
         .unwrap()
         .gains()
         .unwrap();

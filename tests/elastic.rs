@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use cophase_core::supervisor::State;
 use cophase_tests::{record, scene};
+use host_sim::checked::Checked;
 use host_sim::report::summary;
-use host_sim::scene::{Checked, load};
+use host_sim::scene::load;
 use host_sim::sim::{Moment, Observer, simulate};
 use host_sim::trace::{Every, Window};
 use nalgebra::Complex;

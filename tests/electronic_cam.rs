@@ -5,7 +5,9 @@ use std::f64::consts::{PI, TAU};
 
 use cophase_core::supervisor::State;
 use cophase_tests::scene;
-use host_sim::scene::{Checked, library, load};
+use host_sim::checked::Checked;
+use host_sim::scene::library;
+use host_sim::setup;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
 const AXES: usize = 4;
@@ -329,7 +331,7 @@ fn a_table_from_a_file_moves_the_pusher_through_its_points() {
         format!("{head}[[cam_table]]\nname = \"lobe\"\nfile = \"lobe.csv\"\n[control]{rest}");
     let file = folder.path().join("scene.toml");
     std::fs::write(&file, text).unwrap();
-    let checked = load::checked_from_file(&file).unwrap();
+    let checked = setup::checked_from_file(&file).unwrap();
     let spline_m = 5.0 / 384.0 * (TAU / 48.0).powi(4) * 0.042 + 2.0 * 5e-10 * LEAD_M;
     follows("file", &checked, lift_m, spline_m);
 }

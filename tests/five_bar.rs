@@ -124,7 +124,7 @@ fn a_force_beyond_the_sensor_is_refused_with_the_fix() {
     for force in ["19.62", "20", "100"] {
         let text = text.replacen("force_n = 5", &format!("force_n = {force}"), 1);
         let scene = host_sim::scene::load::parse(&text).unwrap();
-        let error = host_sim::scene::Checked::new(scene)
+        let error = host_sim::checked::Checked::new(scene)
             .unwrap_err()
             .to_string();
         for words in [

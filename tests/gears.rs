@@ -4,7 +4,8 @@
 //! motor per turn of the crank, speeds are divided by i, torques multiplied by i, and inertia, damping and velocity gain by i².
 
 use cophase_tests::{Run, record, scene};
-use host_sim::scene::{Checked, load};
+use host_sim::checked::Checked;
+use host_sim::scene::load;
 use host_sim::trace::{Every, Window};
 
 const MACHINE: &str = r#"

@@ -1,7 +1,8 @@
 //! The loop on cranks that torque moves: where they settle, when they slip, and whether the model levels agree.
 
 use cophase_tests::{Run, record, scene};
-use host_sim::scene::{Checked, load};
+use host_sim::checked::Checked;
+use host_sim::scene::load;
 use host_sim::sim::simulate;
 use host_sim::trace::{Every, Window};
 

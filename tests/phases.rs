@@ -10,7 +10,7 @@ mod random;
 
 use cophase_core::units::{FRACTION_BITS, ONE_TURN, Phase, Turns};
 use cophase_tests::scene;
-use host_sim::scene::Checked;
+use host_sim::checked::Checked;
 use host_sim::scene::file::Drive;
 use host_sim::sim::{Moment, Observer, simulate};
 use proptest::prelude::*;

@@ -7,7 +7,8 @@
 use std::f64::consts::TAU;
 
 use cophase_tests::{Run, built_in, record, scene};
-use host_sim::scene::{Checked, library, load};
+use host_sim::checked::Checked;
+use host_sim::scene::{library, load};
 use host_sim::trace::{Every, Window};
 
 const SCENE: &str = "pulse-servo";

@@ -1,8 +1,8 @@
 //! Reports of a run: torque, the curves of its page, causes and corrections.
 
 use cophase_tests::{Run, record, scene};
+use host_sim::checked::Checked;
 use host_sim::report::summary;
-use host_sim::scene::Checked;
 use host_sim::sim::events::{Event, EventKind};
 use host_sim::trace::{Every, Window};
 

@@ -4,7 +4,8 @@
 use std::f64::consts::TAU;
 
 use cophase_tests::{Run, built_in, record, scene};
-use host_sim::scene::{Checked, library, load};
+use host_sim::checked::Checked;
+use host_sim::scene::{library, load};
 use host_sim::trace::{Every, Window};
 
 /// Masses, springs and blocks of the scene.

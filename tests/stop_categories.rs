@@ -81,7 +81,7 @@ struct Tick {
 struct Run {
     ticks: Vec<Tick>,
     outcome: Outcome,
-    checked: host_sim::scene::Checked,
+    checked: host_sim::checked::Checked,
 }
 
 struct Eyes(Vec<Tick>);

@@ -11,8 +11,8 @@ use std::error::Error;
 
 use cophase_methods::friction::{Contact, DryFriction};
 use cophase_methods::{Equations, Scheme, advance};
+use host_sim::drives::PullOut;
 use host_sim::dynamics::{Body, Driven, Field, Freedom, MOST, Motor, Phased, Stepper};
-use host_sim::machine::PullOut;
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
 use serde::Deserialize;

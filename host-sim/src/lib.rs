@@ -7,9 +7,13 @@
 #![forbid(unsafe_code)]
 
 pub mod axes;
+pub mod cam;
+pub mod checked;
 pub mod compare;
 pub mod design;
+pub mod digits;
 mod drawing;
+pub mod drives;
 pub mod dynamics;
 pub mod faults;
 pub mod fidelity;
@@ -19,11 +23,14 @@ pub mod input_file;
 pub mod live;
 pub mod machine;
 pub mod mechanism;
+pub mod model_level;
 pub mod operating_range;
 pub mod plant;
+pub mod pose;
 pub mod record;
 pub mod report;
 pub mod scene;
+pub mod setup;
 pub mod sim;
 pub mod trace;
 pub mod units;

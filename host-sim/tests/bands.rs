@@ -1,7 +1,8 @@
 //! Forbidden bands in the log: the time of each visit, and the edges that the shaft crossed.
 
+use host_sim::checked::Checked;
 use host_sim::report;
-use host_sim::scene::{Checked, load};
+use host_sim::scene::load;
 use host_sim::sim::events::EventKind;
 use host_sim::sim::simulate;
 

@@ -1,9 +1,10 @@
 //! The parts of `report.json` about the end of a run and about its gains.
 
 use cophase_core::supervisor::{Fault, FaultKind};
+use host_sim::checked::Checked;
 use host_sim::fidelity::{self, Answers};
 use host_sim::report::{Report, describe, summary};
-use host_sim::scene::{Checked, library, load};
+use host_sim::scene::{library, load};
 use host_sim::sim::events::EventKind;
 use host_sim::sim::simulate;
 use serde_json::Value;

@@ -1,9 +1,12 @@
 //! `fidelity = "auto"`: its bounds hold, it takes no more model than is needed, and a sample checks its choice.
 
-use host_sim::fidelity::{self, Answers, Bounds, Output, answers, available, check, questions};
+use host_sim::checked::Checked;
+use host_sim::checked::Output;
+use host_sim::fidelity::{self, Answers, answers, check};
+use host_sim::model_level::{Bounds, available, questions};
 use host_sim::report::{Report, summary};
 use host_sim::scene::file::Fidelity;
-use host_sim::scene::{Checked, library, load};
+use host_sim::scene::{library, load};
 use host_sim::sim::simulate;
 
 /// A scene on all its model levels, with the answers of each in the sample.

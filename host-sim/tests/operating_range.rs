@@ -1,8 +1,10 @@
 //! The operating range that pictures show, against runs, and against the limits of the settings.
 
 use cophase_link::board::{self, Rp2040};
+use host_sim::checked::Checked;
 use host_sim::operating_range::OperatingRange;
-use host_sim::scene::{Checked, library, load};
+use host_sim::report::draw_operating_range;
+use host_sim::scene::{library, load};
 use host_sim::sim::simulate;
 
 fn checked(text: &str) -> Checked {
@@ -80,7 +82,7 @@ fn limits_of_the_step_rate_are_where_settings_are_refused() {
 #[test]
 fn each_picture_labels_its_curves_and_limits() {
     let of = |name: &str| Checked::new(library::find(name).expect("built in").scene()).unwrap();
-    let svg = range(&of("default")).render();
+    let svg = draw_operating_range(&range(&of("default")));
     for label in [
         "available",
         "required",
@@ -92,7 +94,7 @@ fn each_picture_labels_its_curves_and_limits() {
     ] {
         assert!(svg.contains(&format!(">{label}</text>")), "no {label}");
     }
-    let weak = range(&of("stiff-bearing")).render();
+    let weak = draw_operating_range(&range(&of("stiff-bearing")));
     for label in ["available", "required, 0 1", "required, 2"] {
         assert!(weak.contains(&format!(">{label}</text>")), "no {label}");
     }

@@ -16,7 +16,8 @@ use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Feedback;
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::Phase;
-use host_sim::scene::{Checked, library, load};
+use host_sim::checked::Checked;
+use host_sim::scene::{library, load};
 use host_sim::sim::simulate;
 use measure::{Figure, Work};
 

@@ -9,7 +9,7 @@ use host_sim::trace::{Every, Window};
 use super::{AT_S, KINEMATIC, Samples, TICK_S, observe, phased, scene};
 
 /// The drives are cut while cranks turn at a homing speed of 5 rev/s, with this friction on each.
-fn cut(text: &str, friction_nm: f64) -> host_sim::scene::Checked {
+fn cut(text: &str, friction_nm: f64) -> host_sim::checked::Checked {
     let text = text.replace(
         "[axes]\n",
         &format!("[axes]\nfriction_nm = {friction_nm}\n"),

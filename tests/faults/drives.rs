@@ -2,7 +2,8 @@
 
 use cophase_core::supervisor::FaultKind;
 use cophase_tests::scene;
-use host_sim::scene::{Checked, load};
+use host_sim::checked::Checked;
+use host_sim::scene::load;
 
 use super::{AT_TICK, KINEMATIC, TICK_S, began, latched, observe, phased, unread, with};
 

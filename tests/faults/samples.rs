@@ -1,7 +1,7 @@
 //! Samples of a run: its cranks and lines at every tick.
 
 use cophase_core::signals::Feedback;
-use host_sim::scene::Checked;
+use host_sim::checked::Checked;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
 /// One tick.

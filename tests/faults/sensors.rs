@@ -8,7 +8,7 @@ use host_sim::trace::{Every, Window};
 use super::samples::readings;
 use super::{AT_S, AT_TICK, KINEMATIC, began, latched, latched_in, observe, phased, unread, with};
 
-fn at(fault: &str) -> host_sim::scene::Checked {
+fn at(fault: &str) -> host_sim::checked::Checked {
     scene(&format!("{KINEMATIC}[[fault]]\nat_s = {AT_S}\n{fault}"))
 }
 

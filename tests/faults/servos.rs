@@ -1,7 +1,8 @@
 //! Faults of servos, whose command is a position instead of a distance.
 
 use cophase_tests::{built_in, scene};
-use host_sim::scene::{Checked, load};
+use host_sim::checked::Checked;
+use host_sim::scene::load;
 use host_sim::trace::{Every, Window};
 
 use super::{AT_TICK, KINEMATIC, TICK_S, unread, with};

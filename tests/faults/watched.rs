@@ -6,7 +6,7 @@ use cophase_lab::campaign::judge::{self, Verdict, judge};
 use cophase_lab::campaign::response::{Response, Twin};
 use cophase_lab::campaign::watch::{Observation, Watch};
 use cophase_tests::scene;
-use host_sim::scene::Checked;
+use host_sim::checked::Checked;
 use host_sim::sim::simulate;
 
 use super::{AT_S, AT_TICK, KINEMATIC, TICK_S, observe, unread};

@@ -16,8 +16,9 @@ pub use watch::{Tick, Watched, watch};
 
 use std::io::Cursor;
 
+use host_sim::checked::Checked;
 use host_sim::report::Report;
-use host_sim::scene::{Checked, library, load};
+use host_sim::scene::{library, load};
 use host_sim::sim::{Outcome, simulate};
 use host_sim::trace::{Every, Format, Recorder, ScopeData, ScopeFrame, Window};
 

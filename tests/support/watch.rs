@@ -2,7 +2,7 @@
 
 use cophase_core::supervisor::{Fault, State};
 use cophase_core::units::{Amax, Phase};
-use host_sim::scene::Checked;
+use host_sim::checked::Checked;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
 /// One tick of a run.

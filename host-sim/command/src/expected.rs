@@ -8,8 +8,9 @@
 use std::io::{self, Write};
 use std::time::Instant;
 
+use host_sim::checked::Checked;
 use host_sim::fidelity::{Answers, sample_run};
-use host_sim::scene::{Checked, SceneError};
+use host_sim::scene::SceneError;
 use host_sim::sim::{Observer, expected_ticks, simulate_first};
 use host_sim::trace::{Every, Format, Recorder, ScopeData, ScopeFrame, Window};
 

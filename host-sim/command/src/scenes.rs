@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use super::output::write_file;
 use super::refusal::visible;
 use super::{CommandError, Status};
+use host_sim::checked::Checked;
 use host_sim::scene::library::{self, BuiltIn, SCENES};
-use host_sim::scene::{Checked, load};
+use host_sim::scene::load;
+use host_sim::setup;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ScenesArgs {
@@ -93,7 +95,7 @@ pub(super) fn read(name: &str) -> Result<Checked, String> {
                 unknown(name)
             ));
         }
-        _ => load::checked_from_file(path),
+        _ => setup::checked_from_file(path),
     }
     .map_err(|error| error.to_string())
 }

@@ -6,7 +6,7 @@ use cophase_core::supervisor::{Fault, FaultKind};
 use cophase_core::units::Turns;
 use cophase_lab::campaign::names::{Circumstances, accepted};
 use cophase_lab::campaign::plan::Plan;
-use host_sim::scene::Checked;
+use host_sim::checked::Checked;
 use host_sim::scene::file::{Drive, FaultAt, FaultName};
 
 /// Returns the name of a fault that the controller would report with perfect sensors.

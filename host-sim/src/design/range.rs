@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::digits::plain;
+use crate::digits::plain;
 use crate::scene::range::meant;
 
 /// Range of a number on the command line.

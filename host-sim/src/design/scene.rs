@@ -1,6 +1,4 @@
-//! A design as a scene: text that `cophase run` accepts, checked as any scene is.
-
-use crate::scene::load::checked_from_text;
+//! A design as a scene: text that `cophase run` accepts. The folder `setup` checks it as any scene.
 
 /// Reason why a design is not a scene that can be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -10,22 +8,8 @@ pub struct NotRunnable {
     pub problem: String,
 }
 
-/// Checks the scene text of a design.
-///
-/// # Errors
-/// A run would refuse the scene, for instance for a speed outside the range of scenes.
-pub(super) fn checked(text: String) -> Result<String, NotRunnable> {
-    let text = aligned(&text);
-    match checked_from_text(&text, None) {
-        Ok(_) => Ok(text),
-        Err(error) => Err(NotRunnable {
-            problem: format!("{}: {}", error.key, error.problem),
-        }),
-    }
-}
-
 /// Aligns the comments behind values in one column.
-fn aligned(text: &str) -> String {
+pub(super) fn aligned(text: &str) -> String {
     const COLUMN: usize = 32;
     let line = |line: &str| match line.split_once(" #") {
         Some((value, comment)) if !value.is_empty() && !line.starts_with('#') => {

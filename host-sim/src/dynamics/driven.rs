@@ -10,8 +10,8 @@ use cophase_methods::friction::{self, Contact, Contacts, DryFriction};
 
 use super::corners::{FREEDOMS, MOST};
 use super::modes::{Bound, Mode};
+use super::plant::{Memory, Plant, Shafts};
 use super::{Body, Elastic, Field, Frame, FrameMotion, Motor, Phased, PlaneMotion, Rigid};
-use crate::plant::{Memory, Plant, Shafts};
 
 /// Degrees of freedom of the machine, by model level.
 #[derive(Clone, Debug)]

@@ -25,7 +25,9 @@ mod frame;
 mod modes;
 mod motor;
 mod phased;
+pub mod plant;
 mod rigid;
+pub mod step;
 
 pub use body::{Body, Crank, PlaneMotion};
 pub use corners::{Corners, FREEDOMS, MOST};
@@ -36,6 +38,7 @@ pub use modes::Mode;
 pub use motor::{Field, Induction, Motor, Servo, Stepper};
 pub use phased::Phased;
 pub use rigid::Rigid;
+pub use step::{Chosen, MOST_STEPS, RESOLUTION, scheme};
 
 #[cfg(test)]
 mod tests;

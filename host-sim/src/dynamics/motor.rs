@@ -1,6 +1,6 @@
 //! Torque that a motor generates from its drive's command.
 
-use crate::machine::PullOut;
+use crate::drives::PullOut;
 
 /// Command of a drive to its rotor, in crank angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,10 +2,11 @@
 
 use cophase_core::signals::Feedback;
 
-use super::{Disturbance, Planned, Sensor, Stream};
+use super::Planned;
 use crate::axes::{Axes, per_axis};
-use crate::machine::Extra;
-use crate::scene::Checked;
+use crate::checked::Checked;
+use crate::drives::Extra;
+use crate::drives::{Disturbance, Sensor, Stream};
 use crate::scene::file::{FaultAt, FaultName, Lines};
 use crate::units::nearest;
 

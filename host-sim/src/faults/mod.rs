@@ -7,12 +7,8 @@
 //!
 //! A *fault* here is the one that is injected. The controller's diagnosis of it is separate.
 
-mod disturbance;
 mod layer;
-mod noise;
 mod plan;
 
-pub use disturbance::Disturbance;
 pub use layer::Faults;
-pub use noise::{Sensor, Stream};
 pub use plan::Planned;

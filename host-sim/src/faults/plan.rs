@@ -1,6 +1,6 @@
-//! Beginning and end of each fault, and which faults touch drives and cranks.
+//! Beginning and end of each fault.
 
-use crate::scene::file::{AxisOverrides, FaultAt, FaultName, Lines, Scene};
+use crate::scene::file::{FaultAt, FaultName};
 use crate::virtual_time::TICKS_PER_S;
 
 /// Fault with its times, µs since power-up.
@@ -38,46 +38,5 @@ impl Planned {
     /// True if the fault is active at any time from `since_us` to `at_us`.
     pub const fn is_on_within(&self, since_us: u64, at_us: u64) -> bool {
         self.from_us <= at_us && since_us < self.until_us
-    }
-}
-
-impl FaultAt {
-    /// True if the fault moves a crank away from its command.
-    pub fn moves_crank(&self) -> bool {
-        match self.kind {
-            FaultName::LostSteps
-            | FaultName::Slip
-            | FaultName::Stuck
-            | FaultName::Runaway
-            | FaultName::Reversed
-            | FaultName::StepFifoUnderrun => true,
-            FaultName::SwappedWiring => self.lines == Some(Lines::Drive),
-            _ => false,
-        }
-    }
-
-    /// True if the fault acts between the loop and the drives, or on the cranks.
-    pub fn touches_drives(&self) -> bool {
-        self.moves_crank() || self.kind == FaultName::LoadStep
-    }
-}
-
-impl Scene {
-    /// Index of the first fault that moves a crank away from its command.
-    pub fn moving_fault(&self) -> Option<usize> {
-        self.fault.iter().position(FaultAt::moves_crank)
-    }
-
-    /// True if faults or noise change the commands of the drives or the loads of the cranks.
-    pub fn touches_drives(&self) -> bool {
-        self.noise.load_nm != 0.0
-            || self.has_wrong_drive()
-            || self.fault.iter().any(FaultAt::touches_drives)
-    }
-
-    /// True if a drive needs other steps for a turn than the settings say.
-    pub fn has_wrong_drive(&self) -> bool {
-        let differs = |own: &AxisOverrides| own.drive_steps_per_turn.is_some();
-        self.axis.iter().any(differs)
     }
 }

@@ -3,9 +3,9 @@
 use cophase_core::supervisor::State;
 use cophase_core::units::PerAxis;
 
-use super::Output;
 use crate::axes::per_axis;
-use crate::machine::Pose;
+use crate::checked::Output;
+use crate::pose::Pose;
 use crate::sim::{Moment, Observer};
 
 /// Largest value of a quantity that is sampled at the ends of steps, and what of its peak may be hidden between two samples.

@@ -1,11 +1,14 @@
 //! Check of the chosen model level: runs a sample of the scene on it and on other levels.
 
-use super::choice::{Choice, Judged};
-use super::choose::{STEP_PART, available, is_undisturbed, judge, questions};
 use super::settled::Settled;
-use super::{Answers, Bounds, Output, sample};
+use super::{Answers, sample};
+use crate::checked::Checked;
+use crate::checked::Output;
+use crate::checked::{Choice, Judged};
+use crate::model_level::Bounds;
+use crate::model_level::{STEP_PART, available, is_undisturbed, judge, questions};
+use crate::scene::SceneError;
 use crate::scene::file::{Fidelity, Questions};
-use crate::scene::{Checked, SceneError};
 use crate::sim::simulate;
 
 /// Part of each tolerance that the difference in a sample may use, if it is to confirm a model level. The other part is for the rest

@@ -1,9 +1,10 @@
 //! Runs that the choice of a model level makes.
 
 use super::check::needs_sample;
-use super::choose::available;
 use super::sample;
-use crate::scene::{Checked, SceneError};
+use crate::checked::Checked;
+use crate::model_level::available;
+use crate::scene::SceneError;
 
 /// Returns the longest of the sample runs that [`super::check`] will make: that on the top model level. `None` if it makes none.
 ///

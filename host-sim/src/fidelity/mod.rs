@@ -15,20 +15,11 @@
 //! The report has both the bound and the difference in the sample.
 
 mod answers;
-mod bounds;
 mod check;
-mod choice;
-mod choose;
 mod effort;
-mod output;
 pub mod sample;
 mod settled;
 
 pub use answers::Answers;
-pub use bounds::Bounds;
 pub use check::{answered, answers, check, compare};
-pub use choice::{Choice, Judged};
-pub(crate) use choose::is_undisturbed;
-pub use choose::{LADDER, available, choose, judge, questions};
 pub use effort::sample_run;
-pub use output::Output;

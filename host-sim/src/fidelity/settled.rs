@@ -1,12 +1,14 @@
 //! Step length of a method: it is halved until half of it changes no answer.
 
+use super::Answers;
 use super::check::run;
-use super::choice::Judged;
-use super::choose::STEP_PART;
-use super::{Answers, Output};
+use crate::checked::Checked;
+use crate::checked::Judged;
+use crate::checked::Output;
 use crate::machine::Machine;
+use crate::model_level::STEP_PART;
+use crate::scene::SceneError;
 use crate::scene::file::Questions;
-use crate::scene::{Checked, SceneError};
 
 /// Limit of halvings. A change that remains after that does not come from the step.
 const MOST_HALVINGS: u32 = 6;

@@ -16,8 +16,9 @@ use cophase_link::server::{Device, SettingsRefusal};
 use cophase_link::{Header, MAX_FILE_BYTES, decode_into, encode};
 
 use super::paced::{FromLoop, Paced, ToLoop};
+use crate::checked::Checked;
+use crate::scene::SceneError;
 use crate::scene::file::{FaultAt, FaultName};
-use crate::scene::{Checked, SceneError};
 use crate::sim::{SimulatedIo, schedule::Schedule};
 use crate::virtual_time;
 

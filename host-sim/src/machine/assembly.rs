@@ -3,8 +3,9 @@
 
 use std::f64::consts::TAU;
 
+use crate::checked::Checked;
 use crate::dynamics::{Corners, Driven, MOST};
-use crate::scene::{Checked, SceneError};
+use crate::scene::SceneError;
 
 /// Largest deflection of the rods, m. A scene that bends them further is refused, whatever torque the motors
 /// have.

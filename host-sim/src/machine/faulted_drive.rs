@@ -3,9 +3,10 @@
 //! The loop commands a travel of every drive in each tick, and its disturbance changes that travel. A disturbance without effect leaves
 //! every travel as it is, to the last bit.
 
-use super::{Rotors, SimulatedAxis, Travel};
+use super::Rotors;
 use crate::axes::{Axes, per_axis};
-use crate::faults::Disturbance;
+use crate::drives::Disturbance;
+use crate::drives::{SimulatedAxis, Travel};
 
 /// Applies the disturbances of a tick of `tick_s` seconds to the commanded `travel` of each drive, and to the axes.
 pub fn disturb(

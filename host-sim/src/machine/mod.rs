@@ -9,48 +9,36 @@
 //! the torque of the other axes changes after one axis has slipped.
 
 mod assembly;
-mod at_crank;
-mod axis;
 mod broken;
 mod cam;
-mod drive;
 mod faulted_drive;
-mod flag;
-mod index;
 mod instant;
+mod level;
 mod platform;
-mod played;
-mod pull_out;
-mod pulse_counter;
 mod required;
 mod rotors;
 mod sensors;
-mod step;
 mod torque;
 
-pub use at_crank::AtCrank;
-pub use axis::{SimulatedAxis, Travel};
 pub use broken::{Broken, Cause};
-pub use cam::{Followers, Peaks, Pusher, Turned, draw_follower};
-pub use drive::{AxisDrive, FollowingError};
-pub use flag::{Extra, Flag};
-pub use index::{IndexSensor, Line, Passages, Passed};
+pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use instant::{Forces, Instant};
-pub use platform::{Platform, Pose};
-pub use played::Played;
-pub use pull_out::PullOut;
+pub use platform::Platform;
 pub use rotors::{DriveCommand, Rotors};
-pub use step::{Chosen, MOST_STEPS, RESOLUTION};
 pub use torque::motor_of;
 
 use cophase_methods::Scheme;
 
 use crate::axes::{Axes, per_axis};
+use crate::checked::Checked;
+use crate::drives::{
+    AtCrank, AxisDrive, Disturbance, Flag, FollowingError, Passages, Played, SimulatedAxis,
+};
+use crate::dynamics::plant::{Record, Recorder, Tick};
 use crate::dynamics::{FrameMotion, PlaneMotion};
-use crate::faults::Disturbance;
-use crate::plant::{Record, Recorder, Tick};
+use crate::pose::Pose;
+use crate::scene::SceneError;
 use crate::scene::file::{Drive, Fidelity};
-use crate::scene::{Checked, SceneError};
 use faulted_drive::{disturb, disturb_rotors};
 
 /// Time for which an index line stays high, s: a typical flag width. A machine whose index filter needs longer levels gets wider
@@ -126,7 +114,7 @@ impl Machine {
                 start_turns,
                 friction_nm,
             )
-            .with_flag(Flag::new(checked, i))
+            .with_flag(Flag::new(own, &checked.scene.noise, i, checked.fidelity))
             .with_drive_steps(overrides.and_then(|own| own.drive_steps_per_turn))
         };
         let axes = per_axis(settings.axes.len(), make);

@@ -7,9 +7,10 @@
 use cophase_core::settings::MachineSettings;
 
 use crate::axes::per_axis;
+use crate::checked::Checked;
 use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
-use crate::scene::Checked;
+use crate::pose::Pose;
 use crate::units::spread;
 
 /// Platform with its mechanism and its load.
@@ -25,23 +26,6 @@ pub struct Platform {
 
 /// Upper bound of the rounding error of a tilt, mrad.
 const ROUNDING_MRAD: f64 = 1e-6;
-
-/// Position and acceleration of the platform.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pose {
-    /// Height above the crank axis, upwards, m.
-    pub z_m: f64,
-    /// Acceleration, upwards, m/s².
-    pub accel_mps2: f64,
-    /// Tilt that lifts the side of axis 0, mrad.
-    pub tilt_x_mrad: f64,
-    /// Tilt that lifts the side a quarter turn further, mrad.
-    pub tilt_y_mrad: f64,
-    /// Pitch of a machine that pitches, mrad: it lifts the end in the direction of the shafts' places.
-    pub pitch_mrad: f64,
-    /// Largest deviation of a crank from the plane of all cranks, degrees of crank angle.
-    pub warp_deg: f64,
-}
 
 impl Platform {
     /// Creates the platform of a scene. Without a platform it is a light one on cranks of the same relation of amplitude and speed.

@@ -1,7 +1,8 @@
 //! Required torque of each motor, on the quasi-static model level and for diagrams of it.
 
-use super::{Machine, SimulatedAxis};
+use super::Machine;
 use crate::axes::per_axis;
+use crate::drives::SimulatedAxis;
 
 impl Machine {
     /// Share of the load torque that each crank carries, N·m, with the cranks at these angles, rad. The torque at each angle is that

@@ -10,9 +10,9 @@ use cophase_methods::{Method, Scheme, advance};
 
 use super::broken::{Broken, Cause};
 use super::instant::Instant;
-use super::step::{Chosen, in_steps_per_tick};
+use crate::dynamics::plant::State;
+use crate::dynamics::step::{Chosen, in_steps_per_tick};
 use crate::dynamics::{Driven, FREEDOMS, Field, FrameMotion, PlaneMotion};
-use crate::plant::State;
 
 /// Command of a drive at the end of a tick: the position at which it would hold its rotor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

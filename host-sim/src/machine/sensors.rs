@@ -2,10 +2,11 @@
 
 use cophase_core::units::PerAxis;
 
-use super::{IndexSensor, Machine};
+use super::Machine;
 use crate::axes::{Axes, per_axis};
-use crate::faults::{Sensor, Stream};
-use crate::scene::Checked;
+use crate::checked::Checked;
+use crate::drives::IndexSensor;
+use crate::drives::{Sensor, Stream};
 use crate::units::floor;
 
 impl Machine {

@@ -3,15 +3,17 @@
 use cophase_methods::{Needs, Scheme};
 
 use super::assembly;
-use super::{AtCrank, DriveCommand, Platform, Rotors, SimulatedAxis};
+use super::{DriveCommand, Platform, Rotors};
+use crate::drives::{AtCrank, SimulatedAxis};
 use std::sync::Arc;
 
+use crate::checked::Checked;
 use crate::dynamics::{
     Body, Driven, Elastic, Frame, Freedom, Induction, Layer, Motor, OnPlant, Phased, Rigid, Servo,
     Stepper,
 };
+use crate::scene::SceneError;
 use crate::scene::file::{self, Drive, Fidelity, Rods};
-use crate::scene::{Checked, SceneError};
 
 /// Speed limit of a crank: this multiple of the largest speed of its machine, plus `COASTING_HZ`, rev/s, which a load may
 /// drive it to. A faster crank has run away (`Broken`).

@@ -8,17 +8,6 @@
 //! To add a mechanism, write its file here and add it to the list below. The tests in `conformance` then cover it too
 //! (`docs/recipes/add-a-mechanism.md`).
 
-/// Passes the list of all mechanisms to a macro: type, module, name in a scene.
-macro_rules! for_all_mechanisms {
-    ($make:ident) => {
-        $make! {
-            SliderCrank, slider_crank, "slider-crank";
-            ScotchYoke, scotch_yoke, "scotch-yoke";
-            CrankRocker, crank_rocker, "crank-rocker";
-        }
-    };
-}
-
 mod any;
 mod configured;
 #[cfg(test)]
@@ -27,7 +16,6 @@ pub mod crank_rocker;
 mod drawing;
 pub mod five_bar;
 mod motion;
-mod name;
 pub mod scotch_yoke;
 pub mod slider_crank;
 pub mod turn_search;
@@ -36,4 +24,3 @@ pub use any::AnyMechanism;
 pub use configured::Configured;
 pub use drawing::Mount;
 pub use motion::{AtAngle, Load, Mechanism, Platform};
-pub use name::MechanismName;

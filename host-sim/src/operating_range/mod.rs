@@ -4,9 +4,7 @@
 //! *Available torque* is the greatest torque of a motor at a speed. It is a stepper's pull-out torque, a servo's limit, or the
 //! breakdown torque of an induction motor.
 //!
-//! All numbers are those of the simulation; `drawing` makes a picture of them.
-
-mod drawing;
+//! All numbers are those of the simulation.
 
 use std::f64::consts::TAU;
 
@@ -14,11 +12,12 @@ use cophase_core::pulse::PulseTiming;
 use cophase_core::settings::{DriveKind, Settings};
 use cophase_link::board::{self, Board, Rp2040, Unfit};
 
+use crate::checked::Checked;
 use crate::dynamics::Motor;
 use crate::machine::{Machine, motor_of};
 use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::scene::SceneError;
 use crate::scene::file::Fidelity;
-use crate::scene::{Checked, SceneError};
 use cophase_core::program::EntrySettings;
 
 /// Speed up to which the board's limit is searched, rev/s. A board that has no limit below it counts as one without a limit.
@@ -36,7 +35,8 @@ pub struct Level {
 /// Operating range of a platform on cranks.
 #[derive(Debug)]
 pub struct OperatingRange {
-    name: String,
+    /// Name of the scene.
+    pub name: String,
     machine: Machine,
     mechanism: AnyMechanism,
     offsets_turns: Vec<f64>,
@@ -195,7 +195,11 @@ impl OperatingRange {
     }
 
     /// Groups of axes with the same values of a curve at some speeds up to `top_hz`, in the order of the first axis of each group.
-    fn kinds<T: PartialEq>(&self, top_hz: f64, curve: impl Fn(usize, f64) -> T) -> Vec<Vec<usize>> {
+    pub fn kinds<T: PartialEq>(
+        &self,
+        top_hz: f64,
+        curve: impl Fn(usize, f64) -> T,
+    ) -> Vec<Vec<usize>> {
         let key = |axis: usize| [0.0, 0.3, 0.6, 1.0].map(|part| curve(axis, part * top_hz));
         let mut kinds: Vec<Vec<usize>> = Vec::new();
         for axis in 0..self.axes() {
@@ -208,7 +212,7 @@ impl OperatingRange {
     }
 
     /// Groups of axes with the same load, in the order of the first axis of each group.
-    fn load_kinds(&self) -> Vec<Vec<usize>> {
+    pub fn load_kinds(&self) -> Vec<Vec<usize>> {
         let torques = |axis, hz| (self.required_nm(axis, hz, 0.0), self.available_nm(axis, hz));
         self.kinds(self.top_hz, torques)
     }
@@ -258,9 +262,11 @@ fn levels(checked: &Checked) -> Vec<Level> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::STANDARD_GRAVITY_MPS2;
     use crate::fidelity;
+    use crate::model_level::Bounds;
+    use crate::operating_range::tests::Bounds;
     use crate::scene::load;
+    use crate::units::STANDARD_GRAVITY_MPS2;
 
     /// If this fails, the printed summary and `torque.svg` give different parts of the motors' torque for the same run.
     #[test]

@@ -5,28 +5,20 @@
 //! - [`Plant`]: its geometry on the *kinematic* model level, and its equations of motion on the levels above;
 //! - [`Record`]: its figures in the report.
 //!
-//! To add a plant, write a folder here, add the table to [`Scene`] and to its list `plant_table`, and add a built-in scene
+//! To add a plant, write a folder here, add the table to [`Scene`] and to the list of [`table`], and add a built-in scene
 //! (`docs/recipes/add-a-machine.md`).
 
 pub mod crusher;
-mod figure;
 pub mod five_bar;
-mod record;
 pub mod screen;
-mod shafts;
 
 use std::fmt::Debug;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use crate::dynamics::{Body, Field, MOST, Mode, PlaneMotion};
-use crate::machine::Pose;
-use crate::scene::file::{Drift, Fidelity};
+use crate::dynamics::plant::Plant;
+use crate::scene::file::Drift;
 use crate::scene::{Scene, SceneError};
-
-pub use figure::Figure;
-pub use record::{Record, Recorder, State, Tick};
-pub use shafts::Shafts;
 
 /// Table of a scene that describes a plant.
 pub trait Table: Debug {
@@ -58,9 +50,6 @@ pub trait Table: Debug {
     /// A number is out of its range, or the scene has a key that has no meaning for this plant.
     fn make(&self, scene: &Scene) -> Result<Made, SceneError>;
 }
-
-/// Values that a drive law keeps from tick to tick.
-pub type Memory = [f64; 4];
 
 /// A plant, and what the controller has to know of it.
 #[derive(Clone, Debug)]
@@ -132,84 +121,15 @@ impl Made {
     }
 }
 
-/// A machine whose shafts move something other than a platform on cranks. Positions are in rad and m. The shafts' angles
-/// come first, in the order of the axes.
-pub trait Plant: Debug + Send + Sync {
-    /// Name with its article, for messages: "a screen".
-    fn name(&self) -> &'static str;
-
-    /// Drawing with its symbols, as SVG text.
-    fn draw(&self) -> String;
-
-    /// Supported model levels, the lowest first.
-    fn levels(&self) -> &'static [Fidelity];
-
-    /// Motion that a model level gives the machine, in words.
-    fn motion(&self, model_level: Fidelity) -> &'static str;
-
-    /// Effects that a model level omits, in words, for readers of the results.
-    fn left_out(&self, model_level: Fidelity) -> String;
-
-    /// Position of the moved part on the kinematic model level. The shafts are at `turns`, and turn at the master's speed,
-    /// rad/s, and acceleration, rad/s².
-    fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose;
-
-    /// Acceleration that the program's amax is, in words.
-    fn amax_words(&self) -> &'static str;
-
-    /// Part that the shafts move, in a word: "box".
-    fn moved_part(&self) -> &'static str;
-
-    /// Part that an axis turns, in a word.
-    fn axis_noun(&self) -> &'static str {
-        "shaft"
+/// Returns the table of a machine of another kind, if the scene has one.
+pub fn table(scene: &Scene) -> Option<Box<dyn Table>> {
+    fn boxed<T: Table + Clone + 'static>(table: Option<&T>) -> Option<Box<dyn Table>> {
+        table.map(|table| Box::new(table.clone()) as Box<dyn Table>)
     }
-
-    /// True if the moved part pitches.
-    fn pitches(&self) -> bool {
-        false
-    }
-
-    /// Number of positions in the equations of motion: the shafts and the parts that they move.
-    fn positions(&self) -> usize;
-
-    /// Sets the positions after the shafts' angles to their values at rest.
-    fn rest(&self, positions: &mut [f64]);
-
-    /// Accelerations of all positions, in rad/s² and m/s².
-    fn accelerations(&self, shafts: &Shafts<'_>, q: &[f64], v: &[f64], a: &mut [f64]);
-
-    /// Resistance of the plant to forward rotation of a shaft at these positions, N·m, in addition to dry friction. Like that it
-    /// only opposes motion. `None` if the plant never resists; this is the default.
-    fn resistance_nm(&self, _shaft: usize, _q: &[f64]) -> Option<f64> {
-        None
-    }
-
-    /// Computes the torques, N·m, of the plant's own drive law for a control tick. They replace each motor's position loop.
-    /// `None` if the plant has no such law. `fields` are the commands, `q` and `v` the state at the start of the tick.
-    /// `memory` belongs to the law, and is 0 when the drives are switched on.
-    fn drive_law(
-        &self,
-        _fields: &[Field],
-        _q: &[f64],
-        _v: &[f64],
-        _memory: &mut Memory,
-        _tick_s: f64,
-    ) -> Option<[f64; MOST]> {
-        None
-    }
-
-    /// Motion of the part that the shafts move, in a state with these accelerations.
-    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion;
-
-    /// Kinetic and potential energy, J. It is constant without friction, damping and motors.
-    fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64;
-
-    /// Upper bound of the fastest mode without the motors. By default there is none, and the rotors on their motors are the fastest.
-    fn fastest_mode(&self) -> Mode {
-        Mode::default()
-    }
-
-    /// Creates an empty record for the figures of a run.
-    fn record(&self) -> Box<dyn Record>;
+    let tables = [
+        boxed(scene.screen.as_ref()),
+        boxed(scene.crusher.as_ref()),
+        boxed(scene.five_bar.as_ref()),
+    ];
+    tables.into_iter().flatten().next()
 }

@@ -26,9 +26,9 @@ use cophase_core::units::{Phase, Turns};
 use cophase_link::message::EventRecord;
 use cophase_link::sample::{Channel, Sample};
 
-use crate::report::Written;
 use crate::sim::Unwrapped;
 use crate::sim::events::Event;
+use crate::trace::Written;
 use crate::trace::{
     ControllerRows, Every, Format, RecordError, Row, ScopeData, ScopeFrame, TraceSetup, Traces,
     Window,
@@ -99,7 +99,7 @@ impl<W: Write + Seek + 'static> Recording<W> {
                 .iter()
                 .map(|band| (band.from_hz, band.to_hz))
                 .collect(),
-            gravity_mps2: crate::design::STANDARD_GRAVITY_MPS2,
+            gravity_mps2: crate::units::STANDARD_GRAVITY_MPS2,
             ..ScopeFrame::default()
         };
         let edges = if stream.every != 1 {

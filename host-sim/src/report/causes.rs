@@ -146,7 +146,8 @@ pub(super) fn causes_in_words(causes: &[Cause]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Checked, library};
+    use crate::checked::Checked;
+    use crate::scene::library;
     use cophase_core::units::Turns;
 
     fn fault(kind: FaultKind, size: f64) -> Fault {

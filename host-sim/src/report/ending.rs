@@ -7,7 +7,7 @@ use cophase_core::supervisor::{Fault, FaultKind, Reaction, State, reaction};
 
 use super::causes::{causes, causes_in_words};
 use super::words::{fault_words, plural};
-use crate::scene::Checked;
+use crate::checked::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
 use crate::sim::Outcome;
 use crate::sim::events::{Event, EventKind, StoppedBy};

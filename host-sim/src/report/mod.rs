@@ -5,6 +5,7 @@ mod ending;
 mod lists;
 mod model;
 mod motors;
+mod operating_range;
 mod questions;
 mod recorded;
 mod remedy;
@@ -12,14 +13,13 @@ mod standing;
 mod summary;
 mod warnings;
 mod words;
-mod written;
 
+pub use operating_range::draw_operating_range;
 pub use recorded::{Frames, RecordedReport, recorded_summary};
 pub use remedy::remedy;
 pub use summary::{coupling, summary};
 pub use warnings::warnings;
 pub use words::{describe, fault_words, notable, refused_words};
-pub use written::Written;
 
 use std::collections::BTreeMap;
 
@@ -27,18 +27,20 @@ use cophase_core::settings::{AxisSettings, Settings};
 use cophase_core::supervisor::State;
 use serde::Serialize;
 
+use crate::trace::written::WrittenBy;
 use lists::{
     CorrectionReport, EventReport, FaultReport, InjectedReport, correction_report, event_report,
     faults_in, injected_report,
 };
 use model::{FidelityReport, MethodReport};
 use motors::MotorFigures;
-use written::WrittenBy;
 
-use crate::plant::Figure;
-use crate::scene::{Checked, Scene};
+use crate::checked::Checked;
+use crate::dynamics::plant::Figure;
+use crate::scene::Scene;
 use crate::sim::Outcome;
 use crate::sim::events::{EventKind, StoppedBy};
+use crate::trace::Written;
 
 /// Content of `report.json`.
 ///

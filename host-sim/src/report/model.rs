@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use crate::fidelity::{Bounds, Judged};
+use crate::checked::Checked;
+use crate::checked::Judged;
 use crate::mechanism::Mechanism;
-use crate::scene::Checked;
+use crate::model_level::Bounds;
 use crate::scene::file::{Fidelity, MethodName, Rods};
 use crate::sim::Outcome;
 

@@ -3,11 +3,11 @@
 use cophase_core::settings::{DriveKind, Transmission};
 use serde::Serialize;
 
-use crate::machine::AtCrank;
+use crate::checked::Checked;
+use crate::drives::AtCrank;
 use crate::mechanism::Mechanism;
 use crate::mechanism::turn_search::largest_over_turn;
 use crate::operating_range::OperatingRange;
-use crate::scene::Checked;
 
 /// Figures of the motor of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

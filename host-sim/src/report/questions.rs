@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use super::model::judged;
-use crate::fidelity::{Judged, Output, is_undisturbed};
-use crate::scene::Checked;
+use crate::checked::Checked;
+use crate::checked::{Judged, Output};
+use crate::model_level::is_undisturbed;
 use crate::scene::file::{Drive, Fidelity};
 use crate::sim::Outcome;
 use crate::sim::events::{Event, EventKind};

@@ -8,10 +8,11 @@ use cophase_link::message::{Counters, Identity};
 use serde::Serialize;
 
 use super::lists::{EventReport, FaultReport, event_report, faults_in};
-use super::written::WrittenBy;
-use super::{TimeInState, Written, round};
+use super::{TimeInState, round};
 use crate::record::{Gaps, Recorded};
 use crate::sim::events::EventKind;
+use crate::trace::Written;
+use crate::trace::written::WrittenBy;
 
 /// Content of `report.json` of a recording. Keys that a simulated run also has mean the same.
 #[derive(Clone, Debug, Serialize)]

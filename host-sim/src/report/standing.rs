@@ -4,8 +4,9 @@
 use cophase_core::drift::alternatives;
 use cophase_core::supervisor::{Fault, FaultKind, State};
 
+use crate::checked::Checked;
+use crate::scene::entry;
 use crate::scene::file::{FaultAt, FaultName};
-use crate::scene::{Checked, entry};
 use crate::sim::Statistics;
 use crate::sim::events::{Event, EventKind};
 

@@ -5,14 +5,14 @@ use std::fmt::Write;
 use super::ending::{coasting, ending, held};
 use super::questions::model;
 use super::words::plural;
-use super::written::Written;
 use super::{describe, motors, notable, warnings};
-use crate::design::STANDARD_GRAVITY_MPS2;
+use crate::checked::Checked;
 use crate::machine::Peaks;
-use crate::scene::Checked;
 use crate::scene::file::{Drive, Fidelity};
 use crate::sim::Outcome;
 use crate::sim::events::{Event, EventKind};
+use crate::trace::written::Written;
+use crate::units::STANDARD_GRAVITY_MPS2;
 
 /// Number of events that are listed at most, and number of those from the end.
 const LISTED: usize = 24;

@@ -5,8 +5,8 @@ use cophase_core::drift::{Knowledge, Mount};
 use cophase_core::supervisor::State;
 
 use super::standing::faults_at_standstill;
+use crate::checked::Checked;
 use crate::operating_range::{Load, OperatingRange};
-use crate::scene::Checked;
 use crate::scene::file::{CommandAt, CommandName, Drive, FaultAt, FaultName};
 use crate::sim::Outcome;
 use crate::sim::events::StoppedBy;

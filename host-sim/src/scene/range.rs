@@ -7,7 +7,9 @@ use core::f64::consts::TAU;
 
 use cophase_core::settings::Problem;
 
-use crate::design::{STANDARD_GRAVITY_MPS2, plain};
+use crate::digits::plain;
+use crate::scene::SceneError;
+use crate::units::STANDARD_GRAVITY_MPS2;
 
 /// Unit in which a value may have been meant, and its size in the unit of the key.
 type Other = (&'static str, f64);
@@ -139,6 +141,17 @@ pub(super) fn reason(key: &str) -> Option<&'static str> {
         "steps_per_turn" => "the resolutions that the planner counts in",
         _ => return None,
     })
+}
+
+/// Checks that a value lies within its range, ends included.
+///
+/// # Errors
+/// The value is out of its range. The error names the key and the range.
+pub fn in_range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(SceneError::of(key, Problem::out_of_range(value, low, high)))
 }
 
 #[cfg(test)]

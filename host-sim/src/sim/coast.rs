@@ -5,7 +5,7 @@
 
 use super::Moment;
 use super::places::Places;
-use crate::scene::Checked;
+use crate::checked::Checked;
 
 /// Time after which a crank that stays at one position ([`Places`]) counts as standing, s.
 pub(super) const STANDS_S: f64 = 0.05;

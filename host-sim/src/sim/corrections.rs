@@ -101,7 +101,8 @@ impl Corrections {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Checked, library};
+    use crate::checked::Checked;
+    use crate::scene::library;
     use crate::sim::{Moment, Observer, simulate, simulate_first};
 
     const ANGLE: Turns = Turns::lit("0.001");

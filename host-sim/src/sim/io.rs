@@ -20,10 +20,12 @@ use super::schedule::Schedule;
 use super::statistics::Statistics;
 use super::unwrapped::Unwrapped;
 use crate::axes::{Axes, per_axis};
+use crate::checked::Checked;
+use crate::drives::{IndexSensor, Passages, Played, SimulatedAxis};
 use crate::faults::Faults;
-use crate::machine::{IndexSensor, Machine, Passages, Played, SimulatedAxis};
+use crate::machine::Machine;
+use crate::scene::SceneError;
 use crate::scene::file::FaultAt;
-use crate::scene::{Checked, SceneError};
 use crate::units::turns;
 use crate::virtual_time::{self, TICKS_PER_S};
 

@@ -25,7 +25,8 @@ pub use outcome::Outcome;
 pub use simulation::Simulation;
 pub use statistics::Statistics;
 
-use crate::scene::{Checked, SceneError};
+use crate::checked::Checked;
+use crate::scene::SceneError;
 use crate::virtual_time;
 pub(crate) use io::SimulatedIo;
 pub use io::TAIL_S;

@@ -4,7 +4,9 @@ use std::cell::OnceCell;
 
 use cophase_core::signals::Telemetry;
 
-use crate::machine::{Machine, Played, Pose};
+use crate::drives::Played;
+use crate::machine::Machine;
+use crate::pose::Pose;
 use crate::units::turns;
 
 /// Receives each tick of a run.

@@ -10,7 +10,7 @@ use cophase_core::supervisor::State;
 
 use super::Moment;
 use crate::axes::{Axes, per_axis};
-use crate::scene::Checked;
+use crate::checked::Checked;
 use crate::scene::file::Drive;
 
 /// Monitor of the shafts' errors.

@@ -2,10 +2,11 @@
 
 use cophase_core::supervisor::{Command, SafetyInputs};
 
+use crate::checked::Checked;
+use crate::scene::SceneError;
 use crate::scene::file::{
     CommandName, FaultAt, FaultName, InputAt, InputLine, MIN_ENABLE_LOSS_US, Scene,
 };
-use crate::scene::{Checked, SceneError};
 use crate::virtual_time::TICKS_PER_S;
 
 /// Inputs that were active between two readings.

@@ -7,8 +7,9 @@ use embassy_time::Instant;
 use super::io::{Observed, SimulatedIo};
 use super::schedule::{Lateness, Schedule};
 use super::{Observer, Outcome, tick_us};
+use crate::checked::Checked;
 use crate::faults::Faults;
-use crate::scene::{Checked, SceneError};
+use crate::scene::SceneError;
 use crate::virtual_time;
 
 /// Controller and simulated machine, between two ticks of the loop.

@@ -12,10 +12,11 @@ use super::events::{Event, EventKind, StoppedBy};
 use super::forces::PeakForces;
 use super::hold::FaultHold;
 use super::off_command::OffCommand;
-use crate::machine::{Machine, Peaks, SimulatedAxis};
+use crate::checked::Checked;
+use crate::drives::SimulatedAxis;
+use crate::dynamics::plant::Figure;
+use crate::machine::{Machine, Peaks};
 use crate::mechanism::{AnyMechanism, Mechanism};
-use crate::plant::Figure;
-use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
 use crate::units::{degrees, mps2, speed_hz};
 

@@ -30,6 +30,7 @@ mod udp;
 mod vcd;
 mod window;
 mod wires;
+pub mod written;
 
 pub(crate) use column::decimals;
 pub(crate) use controller_rows::ControllerRows;
@@ -50,3 +51,4 @@ pub use udp::{RowsUdp, SentRows};
 pub use vcd::StepsVcd;
 pub use window::Window;
 pub use wires::{EdgeError, Levels, Signal};
+pub use written::Written;

@@ -1,6 +1,6 @@
 //! Measurements of the phase error that are overdue.
 
-use crate::scene::Checked;
+use crate::checked::Checked;
 
 /// Turns of an axis after its last measurement from which the next one is overdue by a turn: an index is due once a turn.
 const OVERDUE_TURNS: f64 = 2.0;

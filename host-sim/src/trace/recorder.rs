@@ -13,7 +13,7 @@ use super::window::Window;
 use super::{
     ControllerRows, EdgeError, Format, Row, RowShape, RowsUdp, ScopeData, TickEdges, TraceError,
 };
-use crate::scene::Checked;
+use crate::checked::Checked;
 use crate::sim::{Moment, Observer};
 
 /// Error while a trace was written.
@@ -79,7 +79,7 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
     ///
     /// # Errors
     /// The first error of a file.
-    pub fn finish(self) -> Result<(crate::report::Written, ScopeData), RecordError> {
+    pub fn finish(self) -> Result<(super::Written, ScopeData), RecordError> {
         match self.failed {
             Some(error) => Err(error),
             None => self.traces.finish(),

@@ -3,7 +3,7 @@
 //! Time and turns count from power-up. The program, the command and the phase error are the controller's
 //! values. The actual turns, tilt, warp, height and acceleration are the true values of the simulated machine.
 
-use crate::scene::Checked;
+use crate::checked::Checked;
 
 /// Machine whose rows a trace has. It decides the columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

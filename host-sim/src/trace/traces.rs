@@ -2,12 +2,12 @@
 
 use std::io::{Seek, Write};
 
+use super::Written;
 use super::edges::EdgeOutputs;
 use super::mcap::TraceMcap;
 use super::rows::{Every, RowWriter, Rows};
 use super::window::{StepWindow, Window};
 use super::{Format, RecordError, Row, RowShape, RowsUdp, ScopeData, TickEdges, TraceCsv};
-use crate::report::Written;
 
 /// Form of the traces.
 #[derive(Clone, Copy, Debug)]

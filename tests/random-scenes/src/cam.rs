@@ -2,6 +2,7 @@
 
 use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
+use host_sim::cam::cam_of;
 use host_sim::mechanism::{AnyMechanism, Configured};
 use host_sim::scene::file::{CamSegment, CamShaft, CamTable, Damper, LawName};
 
@@ -49,7 +50,7 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
         rise_mm: 1.0,
         ..shaft.clone()
     };
-    let peak_m = unit.cam().peak_m();
+    let peak_m = cam_of(&unit).peak_m();
     let (low_mm, high_mm) = (2e-4 / peak_m, 0.5 / peak_m);
     shaft.rise_mm = source.usual(
         (low_mm.max(1.0), high_mm.min(200.0)),
@@ -61,7 +62,7 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
 /// The mechanism of the same greatest acceleration: amax = κ ω², as a Scotch yoke has with R = κ.
 pub fn mechanism(shaft: Option<&CamShaft>) -> AnyMechanism {
     let yoke = MechanismSettings::ScotchYoke(ScotchYokeSettings {});
-    AnyMechanism::of(&yoke, shaft.map_or(0.0, |shaft| shaft.cam().peak_m()))
+    AnyMechanism::of(&yoke, shaft.map_or(0.0, |shaft| cam_of(shaft).peak_m()))
 }
 
 /// Cam tables, if axes follow them, and the file of one of them.

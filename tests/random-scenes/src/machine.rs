@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::mechanism::{AnyMechanism, Configured, Mechanism, MechanismName};
+use host_sim::mechanism::{AnyMechanism, Configured, Mechanism};
+use host_sim::scene::file::MechanismName;
 use host_sim::scene::file::{Axes, Fidelity, Foundation, Frame, Machine, Platform, Rods};
 
 use crate::Basis;

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use host_sim::design::crank_rocker::{Design, Requirement, design, write_page};
+use host_sim::setup::runnable;
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};
@@ -95,7 +96,12 @@ pub(super) fn run(
     })
     .map_err(DesignCommandError::input)?;
     let scene = match print {
-        Print::Scene => Some(found.scene().map_err(DesignCommandError::input)?),
+        Print::Scene => Some(
+            found
+                .scene()
+                .and_then(runnable)
+                .map_err(DesignCommandError::input)?,
+        ),
         Print::Page | Print::Json => None,
     };
     if let Some(file) = &args.svg {

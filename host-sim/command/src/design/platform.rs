@@ -5,11 +5,13 @@ use std::path::PathBuf;
 
 use cophase_core::settings::Transmission;
 use host_sim::design::OutOfRange;
-use host_sim::design::STANDARD_GRAVITY_MPS2;
 use host_sim::design::platform::{Design, MotorChoice, Requirement, design, write_page};
 use host_sim::mechanism::Mechanism;
 use host_sim::operating_range::OperatingRange;
-use host_sim::scene::load::checked_from_text;
+use host_sim::report::draw_operating_range;
+use host_sim::setup::checked_from_text;
+use host_sim::setup::runnable;
+use host_sim::units::STANDARD_GRAVITY_MPS2;
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};
@@ -146,14 +148,14 @@ impl Figures {
 
 /// Operating range of a design, as SVG text: that of its scene.
 fn picture(design: &Design, motor: &MotorChoice) -> Result<String, DesignCommandError> {
-    let scene = design.scene(motor).map_err(|error| {
+    let scene = runnable(design.scene(motor)).map_err(|error| {
         DesignCommandError::Input(format!(
             "--svg: the picture is that of the design's scene. {error}"
         ))
     })?;
     let range = checked_from_text(&scene, None).and_then(|checked| OperatingRange::of(&checked));
     match range.map_err(DesignCommandError::input)? {
-        Some(range) => Ok(range.render()),
+        Some(range) => Ok(draw_operating_range(&range)),
         None => Err(DesignCommandError::Input(
             "--svg: the torque of the design's motors is not known".to_owned(),
         )),
@@ -182,7 +184,7 @@ pub(super) fn run(
         ));
     }
     let scene = match print {
-        Print::Scene => Some(found.scene(&motor).map_err(DesignCommandError::input)?),
+        Print::Scene => Some(runnable(found.scene(&motor)).map_err(DesignCommandError::input)?),
         Print::Page | Print::Json => None,
     };
     if let Some(file) = &args.svg {

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use host_sim::design::screen::{Design, Requirement, design, write_page};
+use host_sim::setup::runnable;
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};
@@ -79,7 +80,7 @@ pub(super) fn run(
     })
     .map_err(DesignCommandError::input)?;
     let scene = match print {
-        Print::Scene => Some(found.scene().map_err(DesignCommandError::input)?),
+        Print::Scene => Some(runnable(found.scene()).map_err(DesignCommandError::input)?),
         Print::Page | Print::Json => None,
     };
     match (print, scene) {

@@ -2,8 +2,8 @@
 
 use std::net::SocketAddr;
 
+use host_sim::checked::Checked;
 use host_sim::live::WallClock;
-use host_sim::scene::Checked;
 use host_sim::trace::{RowShape, RowsUdp, SentRows};
 
 use super::RunArgs;

@@ -18,12 +18,15 @@ use values::{formats, receiver, speed};
 
 use super::numbers::whole;
 use super::{CommandError, Status, expected, scenes};
+use host_sim::checked::Checked;
 use host_sim::fidelity::{self, Answers};
 use host_sim::operating_range::OperatingRange;
-use host_sim::report::{self, Report, Written};
+use host_sim::report::draw_operating_range;
+use host_sim::report::{self, Report};
+use host_sim::scene::SceneError;
 use host_sim::scene::library;
-use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{self, Outcome, expected_ticks, simulate};
+use host_sim::trace::Written;
 use host_sim::trace::{
     Every, Format, Recorder, RunFiles, ScopeData, ScopeFrame, SentRows, Window, gtkwave_layout,
 };
@@ -133,7 +136,7 @@ pub(super) fn run(
     }
     let mut live = Live::new(args, &checked).map_err(CommandError::Input)?;
     let range = OperatingRange::of(&checked).map_err(refused)?;
-    let range = range.map(|range| range.render());
+    let range = range.map(|range| draw_operating_range(&range));
     let (checked, outcome, written, removed) =
         record(args, checked, began, &mut live, range.as_deref()).map_err(CommandError::Input)?;
     if !args.quiet {

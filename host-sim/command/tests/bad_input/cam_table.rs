@@ -1,6 +1,7 @@
 //! Errors in cam tables, in the axes that follow them, and in the screws that these axes turn.
 
 use host_sim::scene::{library, load};
+use host_sim::setup;
 
 use super::{Case, assert_all_refused, case};
 
@@ -216,7 +217,7 @@ fn a_table_from_a_file_without_its_net_travel_is_refused() {
         let (_, rest) = rest.split_once("[control]").unwrap();
         let file = folder.path().join("jump.toml");
         std::fs::write(&file, format!("{head}file = \"jump.csv\"\n[control]{rest}")).unwrap();
-        load::checked_from_file(&file)
+        setup::checked_from_file(&file)
             .expect_err("a jump")
             .to_string()
     };

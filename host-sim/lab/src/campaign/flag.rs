@@ -5,7 +5,7 @@
 //! have. The other half is left for the error that it has already. While the flag is before its sensor, the line is high, and an extra
 //! pulse changes nothing.
 
-use host_sim::scene::Checked;
+use host_sim::checked::Checked;
 
 use super::geometry::Geometry;
 

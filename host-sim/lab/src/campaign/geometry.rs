@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use host_sim::dynamics::Corners;
 use host_sim::mechanism::{AnyMechanism, Configured, Load, Mechanism};
 use host_sim::scene::file::Scene;
-use host_sim::scene::platform;
+use host_sim::setup::platform;
 use host_sim::units::spread;
 
 /// Number of crank angles among which the worst is searched. Steps of half a degree find a smooth maximum to 4e-5 of its value.

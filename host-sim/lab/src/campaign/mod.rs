@@ -34,8 +34,9 @@ pub mod watch;
 use rayon::prelude::*;
 
 use geometry::Geometry;
+use host_sim::checked::Checked;
 use host_sim::faults::Planned;
-use host_sim::scene::{Checked, SceneError};
+use host_sim::scene::SceneError;
 use host_sim::sim::{Outcome, Simulation};
 use plan::{Case, Plan};
 use response::Twin;

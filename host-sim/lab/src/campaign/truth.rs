@@ -6,7 +6,7 @@
 //! commands or computes enters it.
 
 use host_sim::axes::{Axes, per_axis};
-use host_sim::scene::Checked;
+use host_sim::checked::Checked;
 use host_sim::sim::Moment;
 
 /// Requirements of a scene on the cranks.

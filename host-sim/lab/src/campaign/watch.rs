@@ -19,7 +19,7 @@ use super::hold::{self, Hold};
 use super::response::{Now, Responded, Responses, Twin};
 use super::truth::Truth;
 use host_sim::axes::{Axes, per_axis};
-use host_sim::scene::Checked;
+use host_sim::checked::Checked;
 use host_sim::scene::file::{FaultAt, FaultName};
 use host_sim::sim::event_watch::{EventWatch, NewEvents};
 use host_sim::sim::{Moment, Observer};

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::scene::{Checked, SceneError};
+use host_sim::checked::Checked;
+use host_sim::scene::SceneError;
 use serde::Serialize;
 
 use crate::Preview;

@@ -5,9 +5,11 @@ use std::f64::consts::TAU;
 use cophase_core::mechanism::{AnyMechanism, Mechanism};
 use cophase_core::supervisor::State;
 use cophase_core::units::Turns;
-use host_sim::fidelity::LADDER;
+use host_sim::checked::Checked;
+use host_sim::model_level::LADDER;
+use host_sim::scene::SceneError;
 use host_sim::scene::file::Noise;
-use host_sim::scene::{Checked, SceneError, load};
+use host_sim::setup;
 use host_sim::sim::{Moment, Observer, simulate_first};
 use host_sim::trace::Envelope;
 use host_sim::units::{mps2, speed_hz, turns};
@@ -35,7 +37,7 @@ pub fn compute(
     report: impl FnMut(&Preview, u64),
 ) -> (Answer, Envelope) {
     let run = || {
-        let checked = undisturbed(load::checked_from_text(text, None)?)?;
+        let checked = undisturbed(setup::checked_from_text(text, None)?)?;
         run(&checked, most_buckets, most_ticks, report)
     };
     run().unwrap_or_else(|error: SceneError| {

@@ -13,9 +13,11 @@ use cophase_core::mechanism::Mechanism;
 use cophase_core::supervisor::State;
 use cophase_core::units::{ONE_TURN, Turns};
 use cophase_random_scenes::{Kinds, draw};
+use host_sim::checked::Checked;
 use host_sim::fidelity;
 use host_sim::scene::file::Noise;
-use host_sim::scene::{Checked, library, load};
+use host_sim::scene::{library, load};
+use host_sim::setup;
 use host_sim::sim::{Moment, Observer, simulate};
 
 /// The channel of the state.
@@ -73,7 +75,7 @@ fn quiet(text: &str) -> Checked {
 
 /// Returns the same scene on the lowest model level that it has.
 fn lowest(checked: &Checked) -> Checked {
-    let level = fidelity::available(checked)[0];
+    let level = model_level::available(checked)[0];
     checked.on(level).expect("an available model level")
 }
 
@@ -156,7 +158,7 @@ fn random_scenes_have_the_ticks_of_native_runs() {
         .map(|seed| draw(seed, Kinds::ALL))
         // A text without a folder has no tables in files.
         .filter(|drawn| drawn.table.is_none())
-        .filter(|drawn| load::checked_from_text(&drawn.text, None).is_ok())
+        .filter(|drawn| setup::checked_from_text(&drawn.text, None).is_ok())
         .collect();
     assert!(drawn.len() > 20, "most random scenes are accepted");
     let texts: Vec<&str> = drawn.iter().map(|drawn| drawn.text.as_str()).collect();

@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use super::Design;
-use crate::design::digits::four;
 use crate::design::page::row;
+use crate::digits::four;
 
 /// Writes the page.
 ///

@@ -3,11 +3,11 @@
 use core::f64::consts::TAU;
 
 use super::Design;
-use crate::design::STANDARD_GRAVITY_MPS2;
-use crate::design::scene::{NotRunnable, checked, number};
+use crate::design::scene::{NotRunnable, aligned, number};
 use crate::mechanism::crank_rocker::CrankRocker;
 use crate::mechanism::turn_search::largest_over_turn;
 use crate::mechanism::{Load, Mechanism, Platform};
+use crate::units::STANDARD_GRAVITY_MPS2;
 
 /// Assumed values: number of units under the platform, load, kg, working speed, rev/s, and the ratio of the motors'
 /// torque to the required torque.
@@ -20,7 +20,7 @@ impl Design {
     /// The scene, as TOML text. The design has no load, no speed and no motors, so these are assumed and marked.
     ///
     /// # Errors
-    /// There is no screw, or a scene cannot have the design's lengths.
+    /// There is no screw.
     pub fn scene(&self) -> Result<String, NotRunnable> {
         let required = &self.requirement;
         let Some(lead_mm) = required.screw_lead_mm else {
@@ -41,7 +41,7 @@ impl Design {
         let motor_nm = number(SAFETY * torque.value / f64::from(UNITS));
         let amax_g = mechanism.amax_mps2(omega) / STANDARD_GRAVITY_MPS2;
         let limit_hz = number(1.05 * SPEED_HZ);
-        checked(format!(
+        Ok(aligned(&format!(
             "# Crank-rockers with screws under a platform, made by\n\
              # cophase design crank-rocker --swing-deg {} --pressure-deg {} --time-ratio {} --screw-lead-mm {lead_mm} --scene\n\
              # Lines marked \"assumed\" are no part of the design: put your machine's values there.\n\
@@ -80,6 +80,6 @@ impl Design {
             self.linkage.ground,
             folded_deg - stretched_deg,
             number(amax_g),
-        ))
+        )))
     }
 }

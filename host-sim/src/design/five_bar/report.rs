@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::Design;
-use crate::design::digits::four;
+use crate::digits::four;
 
 /// Writes the page.
 ///

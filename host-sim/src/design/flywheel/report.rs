@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use cophase_methods::problems::crusher::Speeds;
 
 use super::{Design, Dynamic};
-use crate::design::digits::four;
 use crate::design::page::row;
+use crate::digits::four;
 
 /// Writes the design as text, with the speeds under rock if they were computed.
 ///

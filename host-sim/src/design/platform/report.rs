@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::motor::MotorChoice;
 use super::steps::Design;
-use crate::design::digits::{degrees, four, percent, plain};
+use crate::digits::{degrees, four, percent, plain};
 use crate::mechanism::Mechanism;
 use crate::mechanism::slider_crank::Extrema;
 

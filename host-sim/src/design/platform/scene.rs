@@ -8,9 +8,9 @@ use core::f64::consts::TAU;
 use super::motor::MotorChoice;
 use super::steps::Design;
 use super::warning::Warning;
-use crate::design::STANDARD_GRAVITY_MPS2;
-use crate::design::scene::{NotRunnable, checked, comment, number};
+use crate::design::scene::{aligned, comment, number};
 use crate::mechanism::Mechanism;
+use crate::units::STANDARD_GRAVITY_MPS2;
 
 /// Ratio of the speed limit to the design's frequency, and the greatest limit that scenes accept, rev/s.
 const MARGIN: f64 = 1.05;
@@ -29,10 +29,7 @@ const POSITION_GAIN_PER_S: f64 = 100.0;
 
 impl Design {
     /// The scene, as TOML text. It has steppers if steppers can reach the speed and power, else servo drives that take STEP and DIR.
-    ///
-    /// # Errors
-    /// A scene cannot have the design's values.
-    pub fn scene(&self, motor: &MotorChoice) -> Result<String, NotRunnable> {
+    pub fn scene(&self, motor: &MotorChoice) -> String {
         let text = [
             self.heading(motor),
             self.machine(),
@@ -40,7 +37,7 @@ impl Design {
             self.motors(motor),
             self.program(),
         ];
-        checked(text.concat())
+        aligned(&text.concat())
     }
 
     /// Returns true if the design exceeds the speed or power of steppers.

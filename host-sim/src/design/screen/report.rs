@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use super::Design;
-use crate::design::digits::four;
 use crate::design::page::row;
+use crate::digits::four;
 
 /// Designs that the source mixes: name, amplitude in mm, and the figures of the source that belong
 /// to the design.

@@ -3,24 +3,21 @@
 use core::f64::consts::TAU;
 
 use super::Design;
-use crate::design::STANDARD_GRAVITY_MPS2;
-use crate::design::scene::{NotRunnable, checked, number};
+use crate::design::scene::{aligned, number};
+use crate::units::STANDARD_GRAVITY_MPS2;
 
 /// Assumed ratio of the shaft's inertia to that of its block about the shaft's axis.
 const SHAFT: f64 = 4.0;
 
 impl Design {
     /// The scene, as TOML text. The design has no motor and no length of the box, so these are assumed and marked.
-    ///
-    /// # Errors
-    /// A scene cannot have the design's values.
-    pub fn scene(&self) -> Result<String, NotRunnable> {
+    pub fn scene(&self) -> String {
         let required = &self.requirement;
         let speed_hz = self.speed_rad_s() / TAU;
         let throw_m = required.exciter_kg * required.eccentricity_mm / 1e3 / self.whole_kg();
         let amax_g = throw_m * self.speed_rad_s().powi(2) / STANDARD_GRAVITY_MPS2;
         let inertia_kgm2 = SHAFT * required.exciter_kg * (required.eccentricity_mm / 1e3).powi(2);
-        checked(format!(
+        aligned(&format!(
             "# A screen with one unbalanced shaft, made by\n\
              # cophase design screen --exciter-kg {} --vibrating-kg {} --eccentricity-mm {} --speed-rpm {} --scene\n\
              # Lines marked \"assumed\" are no part of the design: put your machine's values there.\n\

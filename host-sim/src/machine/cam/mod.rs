@@ -6,20 +6,19 @@
 //! connects cam and pusher ([`Chain`]), and is integrated. On both levels the cam is where its drive has turned it, and turns
 //! evenly within a tick. The force of the follower does not turn the shaft.
 
-mod drawing;
 mod elastic;
 mod pusher;
 mod screw;
 
-pub use drawing::draw as draw_follower;
 pub use pusher::{Peaks, Pusher, Turned};
 
 use cophase_core::units::MAX_AXES;
 use cophase_methods::problems::{Cam, Chain};
 use cophase_methods::{Scheme, StepError};
 
+use crate::checked::Checked;
+use crate::scene::SceneError;
 use crate::scene::file::Fidelity;
-use crate::scene::{Checked, SceneError};
 use elastic::Elastic;
 use screw::Screws;
 

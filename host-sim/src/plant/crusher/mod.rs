@@ -27,16 +27,15 @@ use std::ops::Range;
 
 use cophase_methods::problems::crusher::{Jaw, Linkage, Load};
 
-use super::{Plant, Record, Shafts};
+use crate::dynamics::plant::{Plant, Record, Shafts};
 use crate::dynamics::{Body, PlaneMotion};
-use crate::machine::Pose;
+use crate::pose::Pose;
 use crate::scene::file::Fidelity;
 
 use record::CrusherRecord;
 
 /// Name with its article.
 const NAME: &str = "a jaw crusher";
-pub use table::{CrusherTable, Rock};
 
 /// Shaft with flywheel, jaw and rock.
 #[derive(Clone, Debug, PartialEq)]

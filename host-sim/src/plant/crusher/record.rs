@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Crusher;
-use crate::plant::{Figure, Record, Tick};
+use crate::dynamics::plant::{Figure, Record, Tick};
 
 /// Speeds within one turn of the shaft, rad/s.
 #[derive(Clone, Copy, Debug)]

@@ -28,9 +28,9 @@ use std::f64::consts::TAU;
 use cophase_methods::problems::five_bar::{FiveBarArm, HybridLaw, Target};
 use nalgebra::{Matrix2, Vector2};
 
-use super::{Memory, Plant, Record, Shafts};
+use crate::dynamics::plant::{Memory, Plant, Record, Shafts};
 use crate::dynamics::{Body, Field, MOST, Mode, PlaneMotion};
-use crate::machine::Pose;
+use crate::pose::Pose;
 use crate::scene::file::Fidelity;
 
 pub use path::{Motion, NoTable, Path};
@@ -38,7 +38,6 @@ use record::ArmRecord;
 
 /// Name with its article.
 const NAME: &str = "a five-bar arm";
-pub use table::{Assembly, ContactTable, FiveBarTable, Plane};
 
 /// Arm with its path.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use cophase_methods::problems::five_bar::HybridLaw;
 
 use super::{Arm, both};
-use crate::plant::{Figure, Record, Tick};
+use crate::dynamics::plant::{Figure, Record, Tick};
 
 /// Figures of a run.
 #[derive(Clone, Debug)]

@@ -25,9 +25,9 @@ mod table;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Plant, Record, Shafts};
+use crate::dynamics::plant::{Plant, Record, Shafts};
 use crate::dynamics::{Body, Mode, PlaneMotion};
-use crate::machine::Pose;
+use crate::pose::Pose;
 use crate::scene::file::Fidelity;
 
 use record::ScreenRecord;
@@ -35,7 +35,6 @@ use record::ScreenRecord;
 /// Name with its article.
 const NAME: &str = "a screen";
 pub use resonance::{AMPLIFICATION, Resonance, Steady};
-pub use table::ScreenTable;
 
 /// Box on springs with unbalanced shafts.
 #[derive(Clone, Debug, PartialEq)]

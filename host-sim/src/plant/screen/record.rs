@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use cophase_core::supervisor::FaultKind;
 
 use super::{Screen, Sufficient};
-use crate::plant::{Figure, Record, Tick};
+use crate::dynamics::plant::{Figure, Record, Tick};
 
 /// Fraction of the common limit of phase errors by which shafts that are captured have fallen behind. It is that of the controller's
 /// fault `capture` (`docs/faults.md`).

@@ -1,6 +1,5 @@
 //! `[cam]`: cam shafts with elastic followers, instead of cranks under a platform.
 
-use cophase_methods::problems::{Cam, Law, Shaft};
 use serde::{Deserialize, Serialize};
 
 use super::lengths::some_of;
@@ -52,21 +51,6 @@ pub struct CamShaft {
     pub damper: Damper,
 }
 
-impl CamShaft {
-    /// Returns the cam, at rest at the beginning of its rise.
-    pub fn cam(&self) -> Cam {
-        Cam {
-            law: self.law.into(),
-            stroke_m: self.rise_mm / 1e3,
-            speed_rad_s: 0.0,
-            start_rad: 0.0,
-            rise_rad: self.rise_deg.to_radians(),
-            dwell_rad: self.dwell_deg.to_radians(),
-            return_rad: self.return_deg.to_radians(),
-        }
-    }
-}
-
 /// Name of a cam law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -82,17 +66,6 @@ pub enum LawName {
     ModifiedTrapezoid,
 }
 
-impl From<LawName> for Law {
-    fn from(name: LawName) -> Self {
-        match name {
-            LawName::Cycloid => Self::Cycloid,
-            LawName::SkewedCycloid => Self::SkewedCycloid,
-            LawName::ModifiedSine => Self::ModifiedSine,
-            LawName::ModifiedTrapezoid => Self::ModifiedTrapezoid,
-        }
-    }
-}
-
 /// Second end of the shaft's damper.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -102,13 +75,4 @@ pub enum Damper {
     Cam,
     /// At the ground, as the source prints it: it damps the motion of the mass.
     Ground,
-}
-
-impl From<Damper> for Shaft {
-    fn from(damper: Damper) -> Self {
-        match damper {
-            Damper::Cam => Self::DampedToCam,
-            Damper::Ground => Self::DampedToGround,
-        }
-    }
 }

@@ -1,6 +1,5 @@
 //! Model level of a scene, and method of integration.
 
-use cophase_methods::Scheme;
 use serde::{Deserialize, Serialize};
 
 /// Model level of a scene, in the order of the levels.
@@ -79,20 +78,4 @@ pub enum MethodName {
     Sdirk4,
     /// Exact except for the curvature of the excitation; for linear machines only.
     Exact,
-}
-
-impl MethodName {
-    /// Returns the method; `None` if it is to be chosen.
-    pub const fn scheme(self) -> Option<Scheme> {
-        Some(match self {
-            Self::Auto => return None,
-            Self::ExplicitEuler => Scheme::ExplicitEuler,
-            Self::SymplecticEuler => Scheme::SymplecticEuler,
-            Self::VelocityVerlet => Scheme::VelocityVerlet,
-            Self::Rk4 => Scheme::Rk4,
-            Self::ImplicitMidpoint => Scheme::ImplicitMidpoint,
-            Self::Sdirk4 => Scheme::Sdirk4,
-            Self::Exact => Scheme::Exact,
-        })
-    }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::mechanism::MechanismName;
+use super::MechanismName;
 use crate::scene::SceneError;
 
 /// Platform on cranks.

@@ -7,13 +7,18 @@ mod axes;
 mod cam;
 mod cam_table;
 mod control;
+mod crusher;
 mod events;
 mod fault;
 mod fidelity;
+mod five_bar;
 pub(crate) mod lengths;
 mod machine;
+pub mod mechanism_name;
 mod program;
+mod queries;
 mod questions;
+mod screen;
 mod wiring;
 
 pub(crate) use axes::default_full_steps;
@@ -21,19 +26,19 @@ pub use axes::{Axes, AxisOverrides, Drive, InductionDrive, ServoDrive};
 pub use cam::{CamShaft, Damper, LawName};
 pub use cam_table::{CamSegment, CamTable};
 pub use control::{Band, Control, Correction, Drift, Index, Limits, Pulse};
+pub use crusher::{CrusherTable, Rock};
 pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
 pub use fault::{FaultAt, FaultName, Lines, MIN_ENABLE_LOSS_US, Noise};
 pub use fidelity::{Fidelity, Method, MethodName};
+pub use five_bar::{Assembly, ContactTable, FiveBarTable, Plane};
 pub use machine::{Foundation, Frame, Machine, Platform, Rods};
+pub use mechanism_name::MechanismName;
 pub use program::{Segment, Shape};
 pub use questions::Questions;
+pub use screen::ScreenTable;
 pub use wiring::{InputName, Level, Link, LossReaction, Wiring};
 
 use serde::{Deserialize, Serialize};
-
-use crate::plant::crusher::CrusherTable;
-use crate::plant::five_bar::FiveBarTable;
-use crate::plant::screen::ScreenTable;
 
 /// Scene.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

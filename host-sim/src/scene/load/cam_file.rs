@@ -10,7 +10,6 @@ use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
 
 use crate::input_file::{self, Unreadable};
 use crate::scene::SceneError;
-use crate::scene::check::meant_net_turns;
 use crate::scene::file::{CamTable, Scene};
 
 /// Difference up to which two phases or positions are equal, turns: the rounding of six decimals.
@@ -199,6 +198,14 @@ fn decimal_comma(source: &str) -> Option<&str> {
             && is_digits(fraction)
             && (!is_alone || has_zeros)
     })
+}
+
+/// Returns the question for the net travel that was meant, if `travel` is whole turns within `rounding`; else nothing.
+pub fn meant_net_turns(travel: f64, rounding: f64) -> String {
+    if (travel - travel.round()).abs() > rounding {
+        return String::new();
+    }
+    format!("did you mean net_turns = {}? ", travel.round())
 }
 
 #[cfg(test)]

@@ -10,9 +10,10 @@ mod repair;
 use std::path::Path;
 
 use super::library::{BuiltIn, SCENES};
-use super::{Checked, Scene, SceneError};
+use super::{Scene, SceneError};
 use crate::file_kind::FileKind;
 use crate::input_file::{self, Unreadable};
+pub use cam_file::meant_net_turns;
 use explain::{explain, not_toml};
 pub use nearest::nearest;
 
@@ -23,32 +24,36 @@ pub const MAX_BYTES: u64 = 1 << 20;
 const MOST_NULS: usize = 8;
 const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to start from";
 
-/// Reads a scene from a file and checks its values.
+/// Reads a scene from a file, and passes it to `check`.
 ///
 /// # Errors
-/// The file cannot be read, is too large, is not TOML, has keys that no scene has, values with which no machine can run, or a tick rate that
-/// no board keeps. The error names the file, and the line if there is one. For text that is not TOML, it is the first error. Of wrong keys
-/// and values, it lists up to ten.
-pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
+/// The file cannot be read, is too large, is not TOML, or has keys that no scene has; and those of `check`. The error names the file, and the
+/// line if there is one. For text that is not TOML, it is the first error. Of wrong keys and values, it lists up to ten.
+pub fn read_file<T>(
+    path: &Path,
+    check: impl Fn(Scene) -> Result<T, SceneError>,
+) -> Result<T, SceneError> {
     let origin = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
-    let checked = from_path(path).and_then(|text| checked_from_text(&text, Some(folder)));
-    checked.map_err(|error| error.in_file(&origin))
+    let read = from_path(path).and_then(|text| read_text(&text, Some(folder), check));
+    read.map_err(|error| error.in_file(&origin))
 }
 
-/// Reads a scene from text and checks its values. Files of cam tables are relative to `folder`; without one they are refused.
+/// Reads a scene from text, and passes it to `check`. Files of cam tables are relative to `folder`; without one they are refused.
 ///
 /// # Errors
-/// Those of [`checked_from_file`], without an origin.
-pub fn checked_from_text(text: &str, folder: Option<&Path>) -> Result<Checked, SceneError> {
-    let check = |text: &str| {
+/// Those of [`read_file`], without an origin.
+pub fn read_text<T>(
+    text: &str,
+    folder: Option<&Path>,
+    check: impl Fn(Scene) -> Result<T, SceneError>,
+) -> Result<T, SceneError> {
+    let read = |text: &str| {
         let mut scene = parse(text)?;
         cam_file::read_all(&mut scene, folder)?;
-        let checked = Checked::new(scene)?;
-        checked.check_rate()?;
-        Ok(checked)
+        check(scene)
     };
-    check(text).map_err(|first| others::find(text, first, check))
+    read(text).map_err(|first| others::find(text, first, read))
 }
 
 fn from_path(path: &Path) -> Result<String, SceneError> {

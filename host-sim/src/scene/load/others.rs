@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 use super::explain::UNKNOWN_KEY;
 use super::place::{Step, axis_of, example_value, homes_of, line_of_key, steps};
-use crate::scene::{Checked, SceneError};
+use crate::scene::SceneError;
 
 /// Limit of errors that are reported together. With more, it is probably the wrong file.
 const MOST: usize = 10;
@@ -17,10 +17,10 @@ const MOST: usize = 10;
 const MOST_CHECKS: usize = 40;
 
 /// Returns the first error of a scene's text, with the others in the order of their lines.
-pub(super) fn find(
+pub(super) fn find<T>(
     text: &str,
     first: SceneError,
-    check: impl Fn(&str) -> Result<Checked, SceneError>,
+    check: impl Fn(&str) -> Result<T, SceneError>,
 ) -> SceneError {
     let Ok(original) = toml::from_str::<Table>(text) else {
         return first;

@@ -2,7 +2,7 @@
 
 use super::envelope::{Envelope, PAGE_BUCKETS};
 use super::timeline::Timeline;
-use crate::scene::Checked;
+use crate::checked::Checked;
 use crate::trace::Row;
 
 /// Texts and limits around the curves.
@@ -37,7 +37,7 @@ impl ScopeFrame {
                 .iter()
                 .map(|band| (band.from_hz, band.to_hz))
                 .collect(),
-            gravity_mps2: crate::design::STANDARD_GRAVITY_MPS2,
+            gravity_mps2: crate::units::STANDARD_GRAVITY_MPS2,
             tilt_limit_mrad: checked
                 .has_platform()
                 .then_some(scene.drift.tilt_limit_mrad),

@@ -12,7 +12,7 @@ use super::ink::{BLUE, DARK_BLUE, GREEN, INK, LEFT, MUTED, PALE_BLUE, WIDTH, svg
 use super::page::{FONT, GAP, TIME_AXIS, embed};
 use super::panel::{AXES, peak};
 use super::scale::{TimeAxis, padded};
-use crate::design::STANDARD_GRAVITY_MPS2;
+use crate::units::STANDARD_GRAVITY_MPS2;
 
 /// Values of a run at one time; NaN for a value that is not known.
 #[derive(Clone, Debug, Default)]

@@ -79,7 +79,8 @@ impl fmt::Display for Share {
 mod tests {
     use super::super::Plan;
     use super::*;
-    use host_sim::scene::{Checked, library};
+    use host_sim::checked::Checked;
+    use host_sim::scene::library;
 
     fn plans() -> [Plan; 2] {
         let scene = library::find("default").unwrap().scene();

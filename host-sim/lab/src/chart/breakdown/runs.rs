@@ -6,7 +6,8 @@ use cophase_core::supervisor::State;
 use cophase_core::units::MAX_AXES;
 
 use crate::chart::ChartError;
-use host_sim::scene::{Checked, SceneError, load};
+use host_sim::checked::Checked;
+use host_sim::scene::{SceneError, load};
 use host_sim::sim::events::EventKind;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 use host_sim::units::turns;

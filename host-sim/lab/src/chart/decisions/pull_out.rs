@@ -9,8 +9,8 @@ use cophase_methods::{Equations, Scheme};
 
 use super::decision::{Decision, NoOutcome};
 use crate::chart::methods::Counted;
+use host_sim::drives::PullOut;
 use host_sim::dynamics::{Body, Field, Motor, Rigid, Stepper};
-use host_sim::machine::PullOut;
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
 

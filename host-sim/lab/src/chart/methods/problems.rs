@@ -9,8 +9,10 @@ use cophase_methods::problems::{
 };
 use cophase_methods::{Equations, Scheme};
 
+use host_sim::drives::PullOut;
+use host_sim::dynamics::Chosen;
 use host_sim::dynamics::{Body, Driven, Field, Freedom, Motor, Phased, Rigid, Stepper};
-use host_sim::machine::{Chosen, DriveCommand, PullOut, Rotors};
+use host_sim::machine::{DriveCommand, Rotors};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
 

@@ -4,8 +4,9 @@ use cophase_core::program::Cursor;
 use cophase_core::supervisor::State;
 use cophase_core::units::Amax;
 
+use host_sim::checked::Checked;
 use host_sim::mechanism::{AnyMechanism, Mechanism};
-use host_sim::scene::{Checked, SceneError};
+use host_sim::scene::SceneError;
 use host_sim::sim::{Moment, Observer};
 use host_sim::units::speed_hz;
 

@@ -3,6 +3,7 @@
 use cophase_methods::{Scheme, Unstable};
 
 use crate::dynamics::Mode;
+use crate::scene::file::MethodName;
 
 /// Largest relative error of an oscillation if the scene sets none. At a damping ratio of 0.05, RK4 then makes four steps per
 /// radian.
@@ -26,6 +27,20 @@ pub struct Chosen {
     pub resolution: f64,
     /// Number of times that the step is halved: because it was too long, or to find out if it is.
     pub halvings: u32,
+}
+
+/// Returns the method of a name; `None` if it is to be chosen.
+pub const fn scheme(name: MethodName) -> Option<Scheme> {
+    Some(match name {
+        MethodName::Auto => return None,
+        MethodName::ExplicitEuler => Scheme::ExplicitEuler,
+        MethodName::SymplecticEuler => Scheme::SymplecticEuler,
+        MethodName::VelocityVerlet => Scheme::VelocityVerlet,
+        MethodName::Rk4 => Scheme::Rk4,
+        MethodName::ImplicitMidpoint => Scheme::ImplicitMidpoint,
+        MethodName::Sdirk4 => Scheme::Sdirk4,
+        MethodName::Exact => Scheme::Exact,
+    })
 }
 
 impl Default for Chosen {
@@ -58,7 +73,7 @@ impl Chosen {
 
     /// Returns the method and its steps per tick. Where the scene leaves the method open it is RK4, or SDIRK4 if RK4 would take too many
     /// steps: that has no limit of stability, and only has to resolve the motion.
-    pub(super) fn method(&self, mode: Mode, tick_s: f64) -> Result<(Scheme, u32), String> {
+    pub fn method(&self, mode: Mode, tick_s: f64) -> Result<(Scheme, u32), String> {
         let with = |scheme| {
             let steps = self.steps(|| steps_for(scheme, mode, tick_s, self.resolution))?;
             Ok((scheme, steps))
@@ -70,22 +85,14 @@ impl Chosen {
     }
 
     /// Returns the steps per tick: those of the scene, or else those that `needed` returns, multiplied by 2 for each halving.
-    pub(super) fn steps(
-        &self,
-        needed: impl FnOnce() -> Result<u32, String>,
-    ) -> Result<u32, String> {
+    pub fn steps(&self, needed: impl FnOnce() -> Result<u32, String>) -> Result<u32, String> {
         let steps = self.steps_per_tick.map_or_else(needed, Ok)?;
         Ok(steps << self.halvings)
     }
 }
 
 /// Returns the steps per tick that resolve the fastest mode.
-pub(super) fn steps_for(
-    scheme: Scheme,
-    mode: Mode,
-    tick_s: f64,
-    resolution: f64,
-) -> Result<u32, String> {
+pub fn steps_for(scheme: Scheme, mode: Mode, tick_s: f64, resolution: f64) -> Result<u32, String> {
     let steps = (mode.omega_rad_s * tick_s / step_rad(scheme, mode.zeta, resolution))
         .ceil()
         .max(1.0);
@@ -102,7 +109,7 @@ pub(super) fn steps_for(
 }
 
 /// Formats a number of steps that is too large. With very large damping no step is short enough, and the number is infinite.
-pub(super) fn in_words(steps: f64) -> String {
+pub fn in_words(steps: f64) -> String {
     if steps < 1e6 {
         format!("{steps:.0}")
     } else {
@@ -111,7 +118,7 @@ pub(super) fn in_words(steps: f64) -> String {
 }
 
 /// Returns the error's text, with the stable value as a setting of the scene.
-pub(super) fn in_steps_per_tick(unstable: &Unstable, tick_s: f64) -> String {
+pub fn in_steps_per_tick(unstable: &Unstable, tick_s: f64) -> String {
     match *unstable {
         Unstable::Step { limit_s, .. } if limit_s > 0.0 => {
             let steps = (tick_s / limit_s).ceil();

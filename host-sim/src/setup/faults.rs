@@ -3,11 +3,11 @@
 //! A fault that moves a crank needs cranks that can move one by one. A cam shaft is always at its commanded phase, and on the rigid
 //! model level all cranks are on one shaft.
 
-use super::numbers::range;
+use crate::scene::SceneError;
 use crate::scene::file::{
-    Axes, Drive, FaultAt, FaultName, Fidelity, Lines, MIN_ENABLE_LOSS_US, Noise, Scene,
+    Axes, Drive, FaultAt, FaultName, Lines, MIN_ENABLE_LOSS_US, Noise, Scene,
 };
-use crate::scene::{Checked, SceneError};
+use crate::scene::in_range;
 
 /// Keys of a `[[fault]]` that a kind takes, beside `at_s` and `kind`.
 struct Takes {
@@ -74,7 +74,7 @@ pub(super) fn fill(scene: &mut Scene) {
     }
 }
 
-/// Checks all faults against the scene. [`check_level`] checks what depends on the model level.
+/// Checks all faults against the scene, apart from what depends on the model level.
 pub(super) fn check(scene: &Scene) -> Result<(), SceneError> {
     check_noise(&scene.noise, &scene.axes)?;
     for (i, fault) in scene.fault.iter().enumerate() {
@@ -86,10 +86,10 @@ pub(super) fn check(scene: &Scene) -> Result<(), SceneError> {
 }
 
 fn check_noise(noise: &Noise, axes: &Axes) -> Result<(), SceneError> {
-    range("noise.index_deg", noise.index_deg, 0.0, 5.0)?;
-    range("noise.index_us", noise.index_us, 0.0, 50.0)?;
-    range("noise.encoder_counts", noise.encoder_counts, 0.0, 1000.0)?;
-    range("noise.load_nm", noise.load_nm, 0.0, 1000.0)?;
+    in_range("noise.index_deg", noise.index_deg, 0.0, 5.0)?;
+    in_range("noise.index_us", noise.index_us, 0.0, 50.0)?;
+    in_range("noise.encoder_counts", noise.encoder_counts, 0.0, 1000.0)?;
+    in_range("noise.load_nm", noise.load_nm, 0.0, 1000.0)?;
     if noise.encoder_counts > 0.0 && !axes.encoder {
         return Err(SceneError::at(
             "noise.encoder_counts",
@@ -133,9 +133,9 @@ fn check_keys(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
 }
 
 fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
-    range(&at(i, "at_s"), fault.at_s, 0.0, 1e6)?;
+    in_range(&at(i, "at_s"), fault.at_s, 0.0, 1e6)?;
     if let Some(for_s) = fault.for_s {
-        range(&at(i, "for_s"), for_s, 1e-6, 1e6)?;
+        in_range(&at(i, "for_s"), for_s, 1e-6, 1e6)?;
         let min_s = MIN_ENABLE_LOSS_US as f64 * 1e-6;
         if fault.kind == FaultName::EnableLoss && for_s < min_s {
             return Err(SceneError::at(
@@ -148,7 +148,7 @@ fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
     }
     let signed = |key: &str, value: Option<f64>, most: f64| {
         let Some(value) = value else { return Ok(()) };
-        range(&at(i, key), value, -most, most)?;
+        in_range(&at(i, key), value, -most, most)?;
         if value != 0.0 {
             return Ok(());
         }
@@ -165,10 +165,10 @@ fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
     signed("counts", fault.counts.map(|counts| counts as f64), 1e9)?;
     signed("torque_nm", fault.torque_nm, 1000.0)?;
     if let Some(speed_hz) = fault.speed_hz {
-        range(&at(i, "speed_hz"), speed_hz, -200.0, 200.0)?;
+        in_range(&at(i, "speed_hz"), speed_hz, -200.0, 200.0)?;
     }
     if let Some(count) = fault.count {
-        range(&at(i, "count"), f64::from(count), 1.0, 1e6)?;
+        in_range(&at(i, "count"), f64::from(count), 1.0, 1e6)?;
     }
     Ok(())
 }
@@ -232,38 +232,4 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
 fn has_index(scene: &Scene, axis: usize) -> bool {
     let overrides = scene.overrides(axis).and_then(|own| own.index);
     overrides.unwrap_or(scene.axes.index)
-}
-
-/// Checks that all faults can occur on a model level.
-pub(super) fn check_level(checked: &Checked, model_level: Fidelity) -> Result<(), SceneError> {
-    let scene = &checked.scene;
-    if let Some(i) = scene.moving_fault().filter(|_| checked.cam.is_some()) {
-        return Err(SceneError::at(
-            at(i, "kind"),
-            format!(
-                "\"{}\" has a crank be elsewhere than commanded, and cam shafts are where commanded; leave it \
-                 out, or give a scene with [machine]",
-                scene.fault[i].kind.name()
-            ),
-        ));
-    }
-    if model_level.moves_by_torque() && checked.cam.is_none() {
-        return Ok(()); // `cranks_apart` reports that no crank moves alone on the rigid model level
-    }
-    let right =
-        "torque moves no cranks on this model level; let fidelity be \"phased\", or leave it out";
-    let load_step = |fault: &FaultAt| fault.kind == FaultName::LoadStep;
-    if let Some(i) = scene.fault.iter().position(load_step) {
-        return Err(SceneError::at(
-            at(i, "kind"),
-            format!("\"load-step\" is a torque, and {right}"),
-        ));
-    }
-    if scene.noise.load_nm > 0.0 {
-        return Err(SceneError::at(
-            "noise.load_nm",
-            format!("is a torque, and {right}"),
-        ));
-    }
-    Ok(())
 }

@@ -34,7 +34,7 @@ impl Played {
     }
 
     /// Returns the plans of all axes, for the drives that play them.
-    pub(super) fn plans(&self) -> Plans<'_> {
+    pub fn plans(&self) -> Plans<'_> {
         Plans {
             played: self,
             first: 0,
@@ -56,7 +56,7 @@ impl Played {
 }
 
 /// Plans of the axes in a tick, one after the other.
-pub(super) struct Plans<'a> {
+pub struct Plans<'a> {
     played: &'a Played,
     /// First axis that plays the plan returned last, which is in `last`. The next axis mostly plays
     /// the same plan.

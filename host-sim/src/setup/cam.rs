@@ -5,35 +5,26 @@
 //! simulation converts amplitudes to speeds, it has a **crank of equal κ**.
 
 use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
-use cophase_methods::problems::{Cam, Links, Shaft};
+use cophase_methods::problems::{Cam, Links};
 
-use super::numbers::range;
+use crate::cam::{Follower, cam_of, damped};
 use crate::mechanism::{AnyMechanism, Configured};
+use crate::plant;
 use crate::scene::SceneError;
-use crate::scene::file::{self, CamShaft, Fidelity, Scene};
+use crate::scene::file::{self, CamShaft, Scene};
+use crate::scene::in_range;
 
 /// λ of the equivalent crank: the least that the core accepts.
 const LAMBDA: f64 = 0.1;
 /// Crank radii that the core accepts, m.
 const RADII_M: (f64, f64) = (1e-4, 0.5);
 
-/// Checked cam shaft and its follower.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Follower {
-    /// Cam, at rest.
-    pub cam: Cam,
-    /// Elastic links between cam and pusher, and the second end of the first damper; `None` if the scene has none.
-    pub links: Option<(Links, Shaft)>,
-    /// Lead of the screws that move the pushers, m per turn, if axes follow cam tables.
-    pub screw_lead_m: Option<f64>,
-}
-
 /// Returns the follower of a scene with cams.
 pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
-    range("cam.rise_mm", shaft.rise_mm, 0.1, 1000.0)?;
-    range("cam.rise_deg", shaft.rise_deg, 5.0, 355.0)?;
-    range("cam.dwell_deg", shaft.dwell_deg, 0.0, 350.0)?;
-    range("cam.return_deg", shaft.return_deg, 5.0, 355.0)?;
+    in_range("cam.rise_mm", shaft.rise_mm, 0.1, 1000.0)?;
+    in_range("cam.rise_deg", shaft.rise_deg, 5.0, 355.0)?;
+    in_range("cam.dwell_deg", shaft.dwell_deg, 0.0, 350.0)?;
+    in_range("cam.return_deg", shaft.return_deg, 5.0, 355.0)?;
     let turn_deg = shaft.rise_deg + shaft.dwell_deg + shaft.return_deg;
     if turn_deg > 360.0 {
         return Err(SceneError::at(
@@ -46,7 +37,7 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
             ),
         ));
     }
-    let cam = shaft.cam();
+    let cam = cam_of(shaft);
     let (least_m, most_m) = (
         RADII_M.0 * (1.0 + LAMBDA) / cam.peak_m(),
         RADII_M.1 * (1.0 + LAMBDA) / cam.peak_m(),
@@ -70,7 +61,7 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
     }
     Ok(Follower {
         cam,
-        links: links(shaft)?.map(|links| (links, shaft.damper.into())),
+        links: links(shaft)?.map(|links| (links, damped(shaft.damper))),
         screw_lead_m: shaft.screw_lead_mm.map(|lead_mm| lead_mm / 1e3),
     })
 }
@@ -79,9 +70,7 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
 pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
     let follows = |number: usize| scene.overrides(number).is_some_and(|own| own.cam.is_some());
     let Some(lead_mm) = scene.cam.as_ref().and_then(|cam| cam.screw_lead_mm) else {
-        let plant_follows = scene
-            .plant_table()
-            .is_some_and(|table| table.axes_follow_tables());
+        let plant_follows = plant::table(scene).is_some_and(|table| table.axes_follow_tables());
         return match scene.axis.iter().position(|own| own.cam.is_some()) {
             None => Ok(()),
             Some(_) if plant_follows => Ok(()),
@@ -91,7 +80,7 @@ pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
             )),
         };
     };
-    range("cam.screw_lead_mm", lead_mm, 0.1, 1000.0)?;
+    in_range("cam.screw_lead_mm", lead_mm, 0.1, 1000.0)?;
     if scene
         .cam
         .as_ref()
@@ -127,7 +116,7 @@ pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
 
 fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {
     let each = |key: &str, values: [f64; 3], low, high| {
-        (0..3).try_for_each(|i| range(&format!("cam.{key}[{i}]"), values[i], low, high))
+        (0..3).try_for_each(|i| in_range(&format!("cam.{key}[{i}]"), values[i], low, high))
     };
     let (masses, stiffness) = match (shaft.masses_kg, shaft.stiffness_n_per_mm) {
         (None, None) => {
@@ -160,7 +149,7 @@ fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {
             }))
         }
         (None, Some(zeta)) => {
-            range("cam.zeta", zeta, 0.0, 2.0)?;
+            in_range("cam.zeta", zeta, 0.0, 2.0)?;
             Ok(Some(Links::damped(masses, stiffness_n_m, zeta)))
         }
         (Some(_), Some(_)) => Err(SceneError::at(
@@ -190,26 +179,6 @@ fn crank_radius_m(cam: &Cam) -> f64 {
 pub(super) fn equivalent_crank(follower: &Follower) -> AnyMechanism {
     let mechanism = MechanismSettings::SliderCrank(SliderCrankSettings { lambda: LAMBDA });
     AnyMechanism::of(&mechanism, crank_radius_m(&follower.cam))
-}
-
-/// Checks that cams have a model level, and that the scene has the data for it.
-pub(super) fn check_level(model_level: Fidelity, follower: &Follower) -> Result<(), SceneError> {
-    match model_level {
-        Fidelity::Auto | Fidelity::Kinematic => Ok(()),
-        Fidelity::Elastic if follower.links.is_some() => Ok(()),
-        Fidelity::Elastic => Err(SceneError::at(
-            "cam.masses_kg",
-            "missing; fidelity = \"elastic\" needs cam.masses_kg, cam.stiffness_n_per_mm, and cam.zeta or \
-             cam.dampers_ns_per_m; or let fidelity be \"kinematic\"",
-        )),
-        other => Err(SceneError::at(
-            "fidelity",
-            format!(
-                "\"{}\" is of cranks under a platform; with [cam] there are \"kinematic\" and \"elastic\"",
-                other.name()
-            ),
-        )),
-    }
 }
 
 /// Checks for keys that have no effect in a scene with cams.

@@ -12,15 +12,16 @@ use cophase_methods::Scheme;
 use cophase_methods::accuracy::LONGEST_H_OMEGA;
 use cophase_methods::problems::Chain;
 
-use super::Output;
+use super::bounds::cranks::Cranks;
+use super::bounds::followers::Followers;
+use super::bounds::linear::{Drive, worst};
+use crate::checked::Checked;
+use crate::checked::Output;
 use crate::dynamics::{Driven, Mode};
 use crate::machine::{Machine, Rotors};
 use crate::operating_range::OperatingRange;
+use crate::scene::SceneError;
 use crate::scene::file::{self, Fidelity, Rods};
-use crate::scene::{Checked, SceneError};
-use cranks::Cranks;
-use followers::Followers;
-use linear::{Drive, worst};
 
 /// Bounds of all model levels of a scene's machine.
 #[derive(Clone, Debug)]

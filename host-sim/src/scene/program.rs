@@ -3,21 +3,21 @@
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape as ProgramShape};
 use cophase_core::settings::{Problem, SettingsError};
 
-use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::scene::SceneError;
 use crate::scene::file::{self, Segment};
+use crate::units::STANDARD_GRAVITY_MPS2;
 
 /// Greatest nesting of blocks, which is still readable.
 const MOST_NESTING: usize = 8;
 
 /// Entry, and its key path in the file.
-type Placed = (EntrySettings, String);
+pub type Placed = (EntrySettings, String);
 
 /// Returns all entries of a program. The repeat of a block comes after its entries.
 ///
 /// # Errors
 /// An entry is neither level nor block, or there are too many entries.
-pub(super) fn flat(entries: &[Segment]) -> Result<Vec<Placed>, SceneError> {
+pub fn flat(entries: &[Segment]) -> Result<Vec<Placed>, SceneError> {
     let mut all = Vec::new();
     append(&mut all, entries, "program", 0)?;
     Ok(all)
@@ -67,7 +67,7 @@ fn append(
 const _: () = assert!(CAPACITY <= 255, "an entry's number fits a byte");
 
 /// Returns the core's error about an entry at its key in the file; `None` for errors that concern no entry.
-pub(in crate::scene) fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> {
+pub fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> {
     let name = error.key.strip_prefix("program")?;
     let all = flat(entries).ok()?;
     let (_, path) = all.get(error.entry?)?;

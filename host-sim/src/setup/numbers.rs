@@ -1,11 +1,11 @@
 //! Checks of a scene's values that the core does not have, or has in another form.
 
-use cophase_core::settings::{MAX_BANDS, Problem, Transmission};
+use cophase_core::settings::{MAX_BANDS, Transmission};
 
-use crate::fidelity::Output;
-use crate::machine::MOST_STEPS;
-use crate::scene::SceneError;
+use crate::checked::Output;
+use crate::dynamics::MOST_STEPS;
 use crate::scene::file::{self, AxisOverrides, Drive, Scene};
+use crate::scene::{SceneError, in_range};
 
 /// Largest torque, N·m: more than a motor for a platform of 50 kg needs.
 const MOST_FRICTION_NM: f64 = 1000.0;
@@ -40,15 +40,15 @@ pub(super) fn check_overrides(
         ));
     }
     if let Some(friction_nm) = overrides.friction_nm {
-        range(&key("friction_nm"), friction_nm, 0.0, MOST_FRICTION_NM)?;
+        in_range(&key("friction_nm"), friction_nm, 0.0, MOST_FRICTION_NM)?;
     }
-    range(&key("start_deg"), overrides.start_deg, -180.0, 180.0)?;
-    range(&key("trim_deg"), overrides.trim_deg, -36.0, 36.0)?;
-    range(&key("pull_out_scale"), overrides.pull_out_scale, 0.0, 10.0)?;
+    in_range(&key("start_deg"), overrides.start_deg, -180.0, 180.0)?;
+    in_range(&key("trim_deg"), overrides.trim_deg, -36.0, 36.0)?;
+    in_range(&key("pull_out_scale"), overrides.pull_out_scale, 0.0, 10.0)?;
     let Some(steps) = overrides.drive_steps_per_turn else {
         return Ok(());
     };
-    range(&key("drive_steps_per_turn"), f64::from(steps), 4.0, 1e6)?;
+    in_range(&key("drive_steps_per_turn"), f64::from(steps), 4.0, 1e6)?;
     let has_crank = scene.cam.is_none() && overrides.cam.is_none();
     if has_crank && scene.drive(overrides.number).takes_pulses() {
         return Ok(());
@@ -87,31 +87,31 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     let file::Scene { axes, method, .. } = scene;
     if let Some(steps) = method.steps_per_tick {
         let most = f64::from(MOST_STEPS);
-        range("method.steps_per_tick", f64::from(steps), 1.0, most)?;
+        in_range("method.steps_per_tick", f64::from(steps), 1.0, most)?;
     }
     if let Some(machine) = &scene.machine {
         let (least, most) = RODS_N_PER_UM;
-        range("machine.rod_n_per_um", machine.rod_n_per_um, least, most)?;
-        range("machine.rod_zeta", machine.rod_zeta, 0.0, MOST_ZETA)?;
+        in_range("machine.rod_n_per_um", machine.rod_n_per_um, least, most)?;
+        in_range("machine.rod_zeta", machine.rod_zeta, 0.0, MOST_ZETA)?;
         if let Some(inertia_kgm2) = machine.tilt_inertia_kgm2 {
-            range("machine.tilt_inertia_kgm2", inertia_kgm2, 1e-6, 1000.0)?;
+            in_range("machine.tilt_inertia_kgm2", inertia_kgm2, 1e-6, 1000.0)?;
         }
     }
-    range("axes.damping_nms", axes.damping_nms, 0.0, 1000.0)?;
+    in_range("axes.damping_nms", axes.damping_nms, 0.0, 1000.0)?;
     if let Some(servo) = &axes.servo {
         let (position, velocity) = (servo.position_gain_per_s, servo.velocity_gain_nms);
-        range("axes.servo.position_gain_per_s", position, 1e-3, 1e5)?;
-        range("axes.servo.velocity_gain_nms", velocity, 1e-6, 1e5)?;
+        in_range("axes.servo.position_gain_per_s", position, 1e-3, 1e5)?;
+        in_range("axes.servo.velocity_gain_nms", velocity, 1e-6, 1e5)?;
         if let Some(integral_s) = servo.integral_s {
-            range("axes.servo.integral_s", integral_s, 1e-5, 1e3)?;
+            in_range("axes.servo.integral_s", integral_s, 1e-5, 1e3)?;
         }
         if let Some(limit_nm) = servo.limit_nm {
-            range("axes.servo.limit_nm", limit_nm, 1e-3, 1e5)?;
+            in_range("axes.servo.limit_nm", limit_nm, 1e-3, 1e5)?;
         }
         let share = servo.velocity_feed_forward;
-        range("axes.servo.velocity_feed_forward", share, 0.0, 1.0)?;
+        in_range("axes.servo.velocity_feed_forward", share, 0.0, 1.0)?;
         if let Some(window_deg) = servo.following_error_deg {
-            range("axes.servo.following_error_deg", window_deg, 0.01, 180.0)?;
+            in_range("axes.servo.following_error_deg", window_deg, 0.01, 180.0)?;
         }
     }
     let is_induction = |number: usize| scene.drive(number) == Drive::Induction;
@@ -122,23 +122,23 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
                 "describes induction motors, and no axis here has drive = \"induction\"; leave it out",
             ));
         }
-        range("axes.induction.rated_nm", motor.rated_nm, 1e-3, 1e6)?;
-        range(
+        in_range("axes.induction.rated_nm", motor.rated_nm, 1e-3, 1e6)?;
+        in_range(
             "axes.induction.rated_slip_hz",
             motor.rated_slip_hz,
             1e-4,
             10.0,
         )?;
-        range(
+        in_range(
             "axes.induction.breakdown_ratio",
             motor.breakdown_ratio,
             1.1,
             10.0,
         )?;
         let gain = motor.position_gain_per_s;
-        range("axes.induction.position_gain_per_s", gain, 1e-3, 1e3)?;
+        in_range("axes.induction.position_gain_per_s", gain, 1e-3, 1e3)?;
         if let Some(window_deg) = motor.following_error_deg {
-            range(
+            in_range(
                 "axes.induction.following_error_deg",
                 window_deg,
                 0.01,
@@ -159,13 +159,13 @@ fn check_frame(frame: &file::Frame) -> Result<(), SceneError> {
     let layer = |at: &str, mass_kg, inertia_kgm2: Option<f64>, spring, zeta| {
         let (spring_key, n_per_mm) = spring;
         let (zeta_key, zeta) = zeta;
-        range(&format!("{at}.mass_kg"), mass_kg, 0.01, 1e6)?;
+        in_range(&format!("{at}.mass_kg"), mass_kg, 0.01, 1e6)?;
         if let Some(inertia_kgm2) = inertia_kgm2 {
             let key = format!("{at}.tilt_inertia_kgm2");
-            range(&key, inertia_kgm2, 1e-6, 1e7)?;
+            in_range(&key, inertia_kgm2, 1e-6, 1e7)?;
         }
-        range(&format!("{at}.{spring_key}"), n_per_mm, 1e-3, 1e9)?;
-        range(&format!("{at}.{zeta_key}"), zeta, 0.0, MOST_ZETA)
+        in_range(&format!("{at}.{spring_key}"), n_per_mm, 1e-3, 1e9)?;
+        in_range(&format!("{at}.{zeta_key}"), zeta, 0.0, MOST_ZETA)
     };
     layer(
         "frame",
@@ -190,7 +190,7 @@ fn check_frame(frame: &file::Frame) -> Result<(), SceneError> {
 pub(super) fn check_questions(questions: &file::Questions) -> Result<(), SceneError> {
     for output in Output::ALL {
         if let Some(tolerance) = output.tolerance(questions) {
-            range(&format!("questions.{}", output.key()), tolerance, 1e-9, 1e6)?;
+            in_range(&format!("questions.{}", output.key()), tolerance, 1e-9, 1e6)?;
         }
     }
     Ok(())
@@ -203,18 +203,18 @@ pub(super) fn check_times(scene: &Scene) -> Result<(), SceneError> {
         return Err(SceneError::at("link.reaction", problem));
     }
     for (i, command) in scene.command.iter().enumerate() {
-        range(&format!("command[{i}].at_s"), command.at_s, 0.0, MOST_S)?;
+        in_range(&format!("command[{i}].at_s"), command.at_s, 0.0, MOST_S)?;
     }
     for (i, input) in scene.input.iter().enumerate() {
-        range(&format!("input[{i}].at_s"), input.at_s, 0.0, MOST_S)?;
+        in_range(&format!("input[{i}].at_s"), input.at_s, 0.0, MOST_S)?;
     }
     for (i, late) in scene.late.iter().enumerate() {
-        range(&format!("late[{i}].at_s"), late.at_s, 0.0, MOST_S)?;
-        range(&format!("late[{i}].by_us"), late.by_us, 0.0, 1e6)?;
+        in_range(&format!("late[{i}].at_s"), late.at_s, 0.0, MOST_S)?;
+        in_range(&format!("late[{i}].by_us"), late.by_us, 0.0, 1e6)?;
     }
     let axes = &scene.axes;
-    range("axes.friction_nm", axes.friction_nm, 0.0, MOST_FRICTION_NM)?;
-    range(
+    in_range("axes.friction_nm", axes.friction_nm, 0.0, MOST_FRICTION_NM)?;
+    in_range(
         "axes.full_steps_per_turn",
         f64::from(axes.full_steps_per_turn),
         4.0,
@@ -230,8 +230,8 @@ pub(super) fn check_times(scene: &Scene) -> Result<(), SceneError> {
         ));
     }
     if let Some(scope) = scene.scope {
-        range("scope.from_s", scope.from_s, 0.0, MOST_S)?;
-        range("scope.to_s", scope.to_s, 0.0, MOST_S)?;
+        in_range("scope.from_s", scope.from_s, 0.0, MOST_S)?;
+        in_range("scope.to_s", scope.to_s, 0.0, MOST_S)?;
         if scope.to_s <= scope.from_s {
             return Err(SceneError::at(
                 "scope.to_s",
@@ -260,17 +260,6 @@ pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
         }
     }
     Ok(())
-}
-
-/// Checks that a value lies within its range, ends included.
-///
-/// # Errors
-/// The value is out of its range. The error names the key and the range.
-pub fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    Err(SceneError::of(key, Problem::out_of_range(value, low, high)))
 }
 
 /// Checks that keys of steppers and servos have an effect.

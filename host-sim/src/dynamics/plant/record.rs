@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cophase_core::supervisor::FaultKind;
 
 use super::{Figure, Plant};
-use crate::machine::Pose;
+use crate::pose::Pose;
 
 /// State of the equations of motion at the end of a tick.
 #[derive(Clone, Copy, Debug)]

@@ -5,9 +5,10 @@
 
 use nalgebra::{Complex, Matrix3, Vector3};
 
-use crate::fidelity::Output;
+use crate::checked::Checked;
+use crate::checked::Output;
+use crate::scene::SceneError;
 use crate::scene::file::Fidelity;
-use crate::scene::{Checked, SceneError};
 use cophase_methods::problems::{Cam, Links, Shaft};
 
 /// Number of harmonics of the law. The jerk of a modified sine jumps, so harmonic n of its acceleration falls as 1/n². The harmonics

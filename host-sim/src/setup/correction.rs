@@ -2,7 +2,7 @@
 
 use cophase_core::settings::{CorrectionSettings, MachineSettings, PlatformSettings};
 
-use crate::design::coupling::{APART, Plant};
+use crate::drives::coupling::{APART, Plant};
 use crate::mechanism::{AnyMechanism, Configured, Mechanism};
 use crate::scene::SceneError;
 use crate::scene::file::Scene;
@@ -14,7 +14,7 @@ pub(super) fn correction(
     let given = &scene.correction;
     let both = given.coupling.is_some() && given.coupling_per_s.is_some();
     let gains = if given.couple && !both {
-        let gains = plant(scene, machine)?.gains().ok_or_else(|| {
+        let gains = servos(scene, machine)?.gains().ok_or_else(|| {
             SceneError::at(
                 "correction.couple",
                 format!(
@@ -40,7 +40,7 @@ pub(super) fn correction(
 ///
 /// # Errors
 /// The scene lacks the gains of its drives, or the inertia of its rotors.
-pub fn plant(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneError> {
+pub fn servos(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneError> {
     let axes = &scene.axes;
     let servo = axes.servo.ok_or_else(|| {
         SceneError::at(

@@ -1,13 +1,15 @@
 //! Choice of a model level without a run.
 
-use super::choice::{Choice, Judged};
-use super::{Bounds, Output};
-use crate::machine::RESOLUTION;
+use super::Bounds;
+use crate::checked::Checked;
+use crate::checked::Output;
+use crate::checked::{Choice, Judged};
+use crate::dynamics::RESOLUTION;
+use crate::scene::SceneError;
 use crate::scene::file::{Fidelity, Questions};
-use crate::scene::{Checked, SceneError};
 
 /// Part of each tolerance that the method's step may use.
-pub(super) const STEP_PART: f64 = 0.1;
+pub const STEP_PART: f64 = 0.1;
 
 /// All model levels, the lowest first.
 pub const LADDER: [Fidelity; 5] = [
@@ -70,7 +72,7 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
 }
 
 /// Returns true if no fault or noise of the load disturbs the machine. Bounds do not include these.
-pub(crate) fn is_undisturbed(checked: &Checked) -> bool {
+pub fn is_undisturbed(checked: &Checked) -> bool {
     checked.scene.fault.is_empty() && checked.scene.noise.load_nm == 0.0
 }
 

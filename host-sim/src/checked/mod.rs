@@ -1,20 +1,26 @@
 //! Checked scene, and the settings that it gives the core.
 
+mod choice;
+mod output;
+
+pub use choice::{Choice, Judged};
+pub use output::Output;
+
 use std::sync::Arc;
 
 use cophase_core::controller::Controller;
 use cophase_core::program::EntrySettings;
 use cophase_core::settings::{
-    AxisSettings, MachineSettings, PlatformSettings, Settings, SettingsError, Transmission,
+    AxisSettings, MachineSettings, PlatformSettings, Settings, SettingsError,
 };
 
-use super::SceneError;
-use super::check::{Follower, off_law, program};
-use super::file::{AxisOverrides, CamTable, Drive, Fidelity, Scene};
-use crate::fidelity::Choice;
-use crate::machine::{self, Chosen};
+use crate::cam::{self, Follower, off_law};
+use crate::dynamics::plant::Plant;
+use crate::dynamics::{Chosen, scheme};
 use crate::mechanism::{AnyMechanism, Mechanism, Mount, Platform};
-use crate::plant::{Plant, Table};
+use crate::scene::SceneError;
+use crate::scene::file::{AxisOverrides, CamTable, Fidelity, Scene};
+use crate::scene::program;
 
 /// Scene whose values have been checked, alone and in combination.
 #[derive(Clone, Debug)]
@@ -103,7 +109,7 @@ impl Checked {
         match (&self.settings.machine, &self.plant, &self.cam) {
             (MachineSettings::Platform(platform), ..) => self.mechanism.draw(&self.mount(platform)),
             (_, Some(plant), _) => plant.draw(),
-            (_, None, Some(follower)) => machine::draw_follower(follower),
+            (_, None, Some(follower)) => cam::draw(follower),
             (_, None, None) => String::new(),
         }
     }
@@ -138,7 +144,7 @@ impl Checked {
     pub fn chosen(&self) -> Chosen {
         let method = &self.scene.method;
         Chosen {
-            scheme: method.name.scheme(),
+            scheme: scheme(method.name),
             steps_per_tick: method.steps_per_tick,
             resolution: self.resolution,
             halvings: self.halvings,
@@ -220,111 +226,5 @@ impl Checked {
     /// Returns the values of axis `number` that differ from those of all axes.
     pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
         self.scene.overrides(number)
-    }
-}
-
-impl Scene {
-    /// Returns the table of a machine of another kind, if the scene has one.
-    pub(crate) fn plant_table(&self) -> Option<Box<dyn Table>> {
-        fn boxed<T: Table + Clone + 'static>(table: Option<&T>) -> Option<Box<dyn Table>> {
-            table.map(|table| Box::new(table.clone()) as Box<dyn Table>)
-        }
-        let tables = [
-            boxed(self.screen.as_ref()),
-            boxed(self.crusher.as_ref()),
-            boxed(self.five_bar.as_ref()),
-        ];
-        tables.into_iter().flatten().next()
-    }
-
-    /// Returns the values of axis `number` that differ from those of all axes.
-    pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
-        self.axis.iter().find(|own| own.number == number)
-    }
-
-    /// Returns the sensors from which the controller reads phases, for lists: `index`, `encoder`, both, or `none`.
-    pub fn sensors(&self) -> String {
-        let axes = &self.axes;
-        let has_index = |number: &usize| {
-            let own = self.overrides(*number).and_then(|own| own.index);
-            own.unwrap_or(axes.index)
-        };
-        let sensing = (0..axes.count).filter(has_index).count();
-        let index = match sensing {
-            0 => None,
-            _ if sensing == axes.count => Some("index".to_owned()),
-            _ => Some(format!("{sensing} index")),
-        };
-        let encoder = axes.encoder.then(|| "encoder".to_owned());
-        let all: Vec<String> = index.into_iter().chain(encoder).collect();
-        if all.is_empty() {
-            "none".to_owned()
-        } else {
-            all.join(", ")
-        }
-    }
-
-    /// Returns the corrections of phase errors, for lists: `trim` in each turn, `coupling` in each tick, both, or `none`.
-    pub fn corrects(&self) -> String {
-        let given = &self.correction;
-        let is_coupled = given.couple
-            || [given.coupling, given.coupling_per_s]
-                .into_iter()
-                .flatten()
-                .any(|gain| gain != 0.0);
-        let all: Vec<&str> = [("trim", given.gain != 0.0), ("coupling", is_coupled)]
-            .into_iter()
-            .filter_map(|(name, is_on)| is_on.then_some(name))
-            .collect();
-        if all.is_empty() {
-            "none".to_owned()
-        } else {
-            all.join(", ")
-        }
-    }
-
-    /// Returns the steps, or encoder counts, per turn of the motor of axis `number`.
-    pub fn steps_per_turn(&self, number: usize) -> u32 {
-        let own = self.overrides(number).and_then(|own| own.steps_per_turn);
-        own.unwrap_or(self.axes.steps_per_turn)
-    }
-
-    /// Returns the steps, or encoder counts, per turn of the crank of axis `number`.
-    pub fn steps_per_crank_turn(&self, number: usize) -> f64 {
-        f64::from(self.steps_per_turn(number)) * self.gear(number).ratio()
-    }
-
-    /// Returns the belt or gearbox of axis `number`.
-    pub fn gear(&self, number: usize) -> Transmission {
-        let own = self.overrides(number).and_then(|own| own.gear);
-        let (motor_turns, crank_turns) = own.unwrap_or(self.axes.gear);
-        Transmission {
-            motor_turns,
-            crank_turns,
-        }
-    }
-
-    /// Returns the drive of axis `number`.
-    pub fn drive(&self, number: usize) -> Drive {
-        let own = self.overrides(number).and_then(|own| own.drive);
-        own.unwrap_or(self.axes.drive)
-    }
-}
-
-impl AxisOverrides {
-    /// Returns true if an `[[axis]]` entry of this axis has its own value for a key of [`file::Axes`].
-    fn has(&self, name: &str) -> bool {
-        match name {
-            "drive" => self.drive.is_some(),
-            "steps_per_turn" => self.steps_per_turn.is_some(),
-            "gear" => self.gear.is_some(),
-            "ratio" => self.ratio.is_some(),
-            "offset_deg" => self.offset_deg.is_some(),
-            "index" => self.index.is_some(),
-            "cam" | "cam_shift_deg" => self.cam.is_some(),
-            "index_deg" => self.index_deg.is_some(),
-            "trim_deg" => true, // nothing else trims
-            _ => false,
-        }
     }
 }

@@ -1,23 +1,18 @@
 //! Cam tables: points for the core from motion laws or files, and the tables that axes choose.
 
 use cophase_core::axes::{
-    CamSettings, CamTableSettings, FollowerSettings, MAX_CAM_POINTS, MAX_CAMS, Spline,
+    CamSettings, CamTableSettings, FollowerSettings, MAX_CAM_POINTS, MAX_CAMS,
 };
-use cophase_methods::problems::Law;
 
-use super::numbers::range;
+use crate::cam::{Points, law_at, off_law_of};
 use crate::scene::SceneError;
 use crate::scene::entry::ordinal;
 use crate::scene::file::{CamSegment, CamTable, Scene};
-use crate::scene::load::nearest;
+use crate::scene::in_range;
+use crate::scene::load::{meant_net_turns, nearest};
 
 /// Largest difference of a table's acceleration from that of its law, relative to the law's peak.
 const MOST_OFF_LAW: f64 = 0.15;
-/// Number of places at which a curve is compared with its law, per point of the table.
-const SAMPLES_A_POINT: usize = 16;
-
-/// Points of a table, turns.
-type Points = heapless::Vec<f64, MAX_CAM_POINTS>;
 
 /// Returns the tables of a scene for the core.
 pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAMS>, SceneError> {
@@ -83,8 +78,8 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
     let (mut end_deg, mut travel) = (0.0, 0.0);
     for (i, segment) in table.segments.iter().enumerate() {
         let key = |name: &str| format!("cam_table[{entry}].segment[{i}].{name}");
-        range(&key("deg"), segment.deg, 1.0, 360.0)?;
-        range(&key("turns"), segment.turns, -1000.0, 1000.0)?;
+        in_range(&key("deg"), segment.deg, 1.0, 360.0)?;
+        in_range(&key("turns"), segment.turns, -1000.0, 1000.0)?;
         end_deg += segment.deg;
         travel += segment.turns;
         if end_deg > 360.0 + 1e-9 {
@@ -138,58 +133,6 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
             1e2 * MOST_OFF_LAW,
         ),
     ))
-}
-
-/// Returns the question for the net travel that was meant, if `travel` is whole turns within `rounding`; else nothing.
-pub(in crate::scene) fn meant_net_turns(travel: f64, rounding: f64) -> String {
-    if (travel - travel.round()).abs() > rounding {
-        return String::new();
-    }
-    format!("did you mean net_turns = {}? ", travel.round())
-}
-
-/// Returns the position at an angle of the master, turns, and its second derivative, turns per turn².
-fn law_at(table: &CamTable, angle_deg: f64) -> (f64, f64) {
-    let law = Law::from(table.law);
-    let (mut start_deg, mut turns) = (0.0, 0.0);
-    for segment in &table.segments {
-        let own = (angle_deg - start_deg) / segment.deg;
-        if own < 1.0 {
-            let motion = law.at(own);
-            let per_turn = 360.0 / segment.deg;
-            let bend = segment.turns * motion.acceleration * per_turn * per_turn;
-            return (turns + segment.turns * motion.displacement, bend);
-        }
-        start_deg += segment.deg;
-        turns += segment.turns;
-    }
-    (turns, 0.0)
-}
-
-/// Returns the largest difference of a table's acceleration from that of its law, relative to the law's peak. A table from a file has no
-/// law.
-pub fn off_law(table: &CamTable, points: &Points) -> Option<f64> {
-    (!table.segments.is_empty()).then(|| off_law_of(table, points))
-}
-
-fn off_law_of(table: &CamTable, points: &Points) -> f64 {
-    let mut curve = Spline::NONE;
-    curve.fit(points, table.net_turns);
-    let samples = points.len() * SAMPLES_A_POINT;
-    let between = (0..samples).map(|i| 360.0 * i as f64 / samples as f64);
-    // The difference is largest at points, and where a segment ends between two points.
-    let mut end_deg = 0.0;
-    let ends = table.segments.iter().map(|segment| {
-        end_deg += segment.deg;
-        end_deg
-    });
-    let (mut peak, mut off) = (0.0_f64, 0.0_f64);
-    for angle_deg in between.chain(ends.filter(|&end_deg| end_deg < 360.0)) {
-        let (_, bend) = law_at(table, angle_deg);
-        peak = peak.max(bend.abs());
-        off = off.max((curve.second_derivative(angle_deg / 360.0) - bend).abs());
-    }
-    if peak > 0.0 { off / peak } else { 0.0 }
 }
 
 /// Returns the follower of axis `number`.

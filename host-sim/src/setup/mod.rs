@@ -8,10 +8,9 @@ mod cam;
 mod cam_table;
 mod correction;
 mod faults;
-mod level;
+mod load;
 mod machine;
 mod numbers;
-pub(super) mod program;
 mod settings;
 
 use std::sync::Arc;
@@ -20,19 +19,20 @@ use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 use cophase_core::settings::{DriftSettings, MachineSettings, Problem, ShaftSettings};
 use cophase_link::board;
 
-use super::file::{Drift, Fidelity, Scene};
-use super::{Checked, SceneError, range};
-use crate::fidelity;
-use crate::machine::{PullOut, RESOLUTION};
+use crate::cam::Follower;
+use crate::checked::Checked;
+use crate::drives::PullOut;
+use crate::dynamics::RESOLUTION;
+use crate::dynamics::plant::Plant;
 use crate::mechanism::{AnyMechanism, Configured};
-use crate::plant::Plant;
+use crate::model_level::choose;
+use crate::plant;
+use crate::scene::file::{Drift, Fidelity, Scene};
+use crate::scene::{SceneError, program, range};
 
-pub use cam::Follower;
-pub(super) use cam_table::meant_net_turns;
-pub use cam_table::off_law;
-pub use correction::plant;
+pub use correction::servos;
+pub use load::{checked_from_file, checked_from_text, runnable};
 pub use machine::platform;
-pub use numbers::range as in_range;
 
 impl Checked {
     /// Checks a scene.
@@ -44,7 +44,7 @@ impl Checked {
         // All others count the axes.
         check_count(&scene)?;
         numbers::check_gears(&scene)?;
-        if let Some(table) = scene.plant_table() {
+        if let Some(table) = plant::table(&scene) {
             table.fill(&mut scene)?;
         }
         let Kind {
@@ -93,7 +93,7 @@ impl Checked {
             ));
         }
         if checked.fidelity == Fidelity::Auto {
-            let choice = fidelity::choose(&checked)?;
+            let choice = choose(&checked)?;
             checked.fidelity = choice.model_level;
             checked.resolution = choice.resolution;
             checked.choice = Some(choice);
@@ -138,7 +138,7 @@ fn drift(given: &Drift) -> DriftSettings {
 
 /// Checks the number of axes.
 fn check_count(scene: &Scene) -> Result<(), SceneError> {
-    let (counts, what) = match scene.plant_table() {
+    let (counts, what) = match plant::table(scene) {
         Some(table) => (table.axes(), table.plant_name()),
         // [`kind`] refuses it.
         None if scene.machine.is_none() && scene.cam.is_none() => return Ok(()),
@@ -161,7 +161,7 @@ fn check_count(scene: &Scene) -> Result<(), SceneError> {
 
 /// Returns the one machine of a scene.
 fn kind(scene: &Scene) -> Result<Kind, SceneError> {
-    if let Some(table) = scene.plant_table() {
+    if let Some(table) = plant::table(scene) {
         let others = [
             ("machine", scene.machine.is_some()),
             ("cam", scene.cam.is_some()),

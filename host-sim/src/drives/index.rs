@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use cophase_core::drift::{IndexFilter, IndexPulse};
 use cophase_core::units::PerAxis;
 
-use crate::faults::Stream;
+use super::Stream;
 
 /// Divisor of a tick that limits how far noise may put a line ahead of its flag: one quarter. The filter reports a pulse no
 /// further back than that.

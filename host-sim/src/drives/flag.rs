@@ -7,8 +7,10 @@
 //! A crank has *passed* an edge if it is at the edge or beyond it. That depends on its position alone. It meets an edge in the tick in
 //! which that changes, so in exactly one, wherever ticks begin and end.
 
-use crate::faults::{Sensor, Stream};
-use crate::scene::Checked;
+use cophase_core::settings::AxisSettings;
+
+use super::{Sensor, Stream};
+use crate::scene::file::{Fidelity, Noise};
 
 /// Pulses of a sensor without a flag.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,14 +52,17 @@ const NOWHERE: (f64, f64) = (0.0, 0.0);
 const ROUNDING: f64 = 1e-6;
 
 impl Flag {
-    /// Creates the flag of axis `number` of a scene; none if it has no sensor.
-    pub fn new(checked: &Checked, number: usize) -> Option<Self> {
-        let axis = &checked.settings.axes[number];
-        let noise = &checked.scene.noise;
+    /// Creates the flag of axis `number` for a model level; none if it has no sensor.
+    pub fn new(
+        axis: &AxisSettings,
+        noise: &Noise,
+        number: usize,
+        model_level: Fidelity,
+    ) -> Option<Self> {
         let stream = |sensor| Stream::new(noise.seed, sensor, number, noise.index_deg / 360.0);
         let start_turns = axis.index_turns?;
         let mut width_turns = axis.index_width_turns;
-        if width_turns > 0.0 && !checked.fidelity.moves_by_torque() {
+        if width_turns > 0.0 && !model_level.moves_by_torque() {
             // A crank that moves by whole steps has no time between two edges in the same step.
             width_turns = width_turns.max(axis.steps_per_crank_turn().turns_of(1.0));
         }

@@ -1,6 +1,18 @@
-//! Names of the mechanisms in a scene.
+//! The list of all mechanisms, and their names in a scene.
 
 use serde::{Deserialize, Serialize};
+
+/// Passes the list of all mechanisms to a macro: type, module, name in a scene.
+macro_rules! for_all_mechanisms {
+    ($make:ident) => {
+        $make! {
+            SliderCrank, slider_crank, "slider-crank";
+            ScotchYoke, scotch_yoke, "scotch-yoke";
+            CrankRocker, crank_rocker, "crank-rocker";
+        }
+    };
+}
+pub(crate) use for_all_mechanisms;
 
 macro_rules! names {
     ($First:ident, $first:ident, $first_name:literal; $($Name:ident, $module:ident, $name:literal;)*) => {

@@ -7,10 +7,10 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
-use super::OperatingRange;
-use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::ink::{INK, MUTED, VERMILION, svg, text};
+use crate::operating_range::OperatingRange;
 use crate::trace::{BAND, FONT, GAP, Panel, TIME_AXIS, embed, plain, short};
+use crate::units::STANDARD_GRAVITY_MPS2;
 
 const WIDTH: f64 = 1200.0;
 const LEFT: f64 = 78.0;
@@ -118,22 +118,30 @@ impl Draft {
     }
 }
 
-impl OperatingRange {
-    /// The picture, as SVG text.
-    #[must_use]
-    pub fn render(&self) -> String {
-        let right_hz = ROOM * self.speed_limit_hz();
+/// Draws an operating range, as SVG text.
+#[must_use]
+pub fn draw_operating_range(range: &OperatingRange) -> String {
+    Picture { range }.draw()
+}
+
+struct Picture<'a> {
+    range: &'a OperatingRange,
+}
+
+impl Picture<'_> {
+    fn draw(&self) -> String {
+        let right_hz = ROOM * self.range.speed_limit_hz();
         let mut panels = vec![
             (self.torque(right_hz), 260.0),
             (self.amplitude(right_hz), 190.0),
         ];
-        if (0..self.axes()).any(|axis| self.takes_pulses(axis)) {
+        if (0..self.range.axes()).any(|axis| self.range.takes_pulses(axis)) {
             panels.push((self.steps(right_hz), 150.0));
         }
         let plots: f64 = panels.iter().map(|(_, height)| height + GAP).sum();
         let mut scene = Scene::new(WIDTH, TOP + plots - GAP + TIME_AXIS);
         scene.font_family = Some(FONT.to_owned());
-        let title = format!("{}: operating range", self.name);
+        let title = format!("{}: operating range", self.range.name);
         text(&mut scene, (LEFT, 34.0), &title, 22, INK);
         text(&mut scene, (LEFT, 58.0), &self.subtitle(), 13, MUTED);
         let last = panels.len() - 1;
@@ -148,7 +156,7 @@ impl OperatingRange {
 
     /// Part of the motors' torque that the program requires.
     fn subtitle(&self) -> String {
-        let Some(load) = self.greatest_load() else {
+        let Some(load) = self.range.greatest_load() else {
             return String::new();
         };
         if !load.ratio.is_finite() {
@@ -156,10 +164,10 @@ impl OperatingRange {
                 "axis {} has no torque left at {} rev/s, and the program goes up to {} rev/s",
                 load.axis,
                 short(load.speed_hz),
-                short(self.top_hz)
+                short(self.range.top_hz)
             );
         }
-        let is_alike = self.load_kinds().len() == 1;
+        let is_alike = self.range.load_kinds().len() == 1;
         let motor = if is_alike {
             "a motor".to_owned()
         } else {
@@ -167,7 +175,7 @@ impl OperatingRange {
         };
         format!(
             "Up to {} rev/s, the program's greatest speed, {motor} needs at most {:.0} % of its torque, at {} rev/s.",
-            short(self.top_hz),
+            short(self.range.top_hz),
             100.0 * load.ratio,
             short(load.speed_hz)
         )
@@ -181,8 +189,8 @@ impl OperatingRange {
     /// Torque of a motor: required at a steady speed and in the steepest ramp, and available.
     fn torque(&self, right_hz: f64) -> Panel {
         let mut draft = Draft::new();
-        let available = |axis, hz| self.available_nm(axis, hz);
-        let kinds = self.kinds(right_hz, available);
+        let available = |axis, hz| self.range.available_nm(axis, hz);
+        let kinds = self.range.kinds(right_hz, available);
         let known = kinds
             .iter()
             .filter(|axes| available(axes[0], 0.0).is_some());
@@ -191,30 +199,32 @@ impl OperatingRange {
             let points = with_end(
                 self.over_speed(right_hz, curve),
                 curve,
-                self.speed_limit_hz(),
+                self.range.speed_limit_hz(),
             );
             draft.curve(points, colour, 2.4);
             let name = self.named("available", axes);
             draft.entry(LegendShape::Line, colour, name, false);
         }
-        let ramp = self.acceleration_limit_hz_per_s();
-        let kinds = self.kinds(right_hz, |axis, hz| self.required_nm(axis, hz, ramp));
+        let ramp = self.range.acceleration_limit_hz_per_s();
+        let kinds = self
+            .range
+            .kinds(right_hz, |axis, hz| self.range.required_nm(axis, hz, ramp));
         for (axes, (colour, _)) in kinds.iter().zip(MOTORS.into_iter().cycle()) {
-            let curve = |hz| self.required_nm(axes[0], hz, ramp);
+            let curve = |hz| self.range.required_nm(axes[0], hz, ramp);
             draft.curve(self.over_speed(right_hz, curve), RAMP, 1.6);
-            let curve = |hz| self.required_nm(axes[0], hz, 0.0);
+            let curve = |hz| self.range.required_nm(axes[0], hz, 0.0);
             draft.curve(self.over_speed(right_hz, curve), colour, 1.8);
             let name = self.named("required", axes);
             draft.entry(LegendShape::Line, colour, name, false);
         }
         let name = "in the steepest ramp".to_owned();
         draft.entry(LegendShape::Line, RAMP, name, false);
-        draft.done(self, right_hz, "torque of a motor, N·m")
+        draft.done(self.range, right_hz, "torque of a motor, N·m")
     }
 
     /// Name of a curve. It states the axes if other axes have another curve.
     fn named(&self, name: &str, axes: &[usize]) -> String {
-        if axes.len() == self.axes() {
+        if axes.len() == self.range.axes() {
             return name.to_owned();
         }
         let numbers: Vec<_> = axes.iter().map(usize::to_string).collect();
@@ -225,10 +235,10 @@ impl OperatingRange {
     fn amplitude(&self, right_hz: f64) -> Panel {
         let mut draft = Draft::new();
         let in_g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
-        let curve = self.over_speed(right_hz, |hz| in_g(self.amax_mps2(hz)));
+        let curve = self.over_speed(right_hz, |hz| in_g(self.range.amax_mps2(hz)));
         draft.curve(curve, "#0B2F5B", 1.8);
         let mut labelled = f64::INFINITY;
-        for level in self.levels.iter().rev() {
+        for level in self.range.levels.iter().rev() {
             let (hz, g) = (level.speed_hz, in_g(level.amax_mps2));
             draft.curve(vec![(hz, 0.0), (hz, g)], MUTED, 1.0);
             // The texts of levels that are close together would overlap.
@@ -247,13 +257,13 @@ impl OperatingRange {
             "level of the program".to_owned(),
             false,
         );
-        for (from, to) in self.bands_hz() {
+        for (from, to) in self.range.bands_hz() {
             let name = format!("avoid {}–{}", plain(from), plain(to));
             draft.entry(LegendShape::Rect, "#F8E2B5", name, false);
         }
-        let name = format!("limit {} rev/s", plain(self.speed_limit_hz()));
+        let name = format!("limit {} rev/s", plain(self.range.speed_limit_hz()));
         draft.entry(LegendShape::Line, VERMILION, name, true);
-        draft.done(self, right_hz, "amax, g")
+        draft.done(self.range, right_hz, "amax, g")
     }
 
     /// Step rate, with the limits of planner and board.
@@ -261,8 +271,8 @@ impl OperatingRange {
         const KILO: f64 = 1e-3;
         let mut draft = Draft::new();
         let mut rates: Vec<(f64, Vec<usize>)> = Vec::new();
-        for axis in (0..self.axes()).filter(|&axis| self.takes_pulses(axis)) {
-            let steps = self.step_hz(axis, 1.0);
+        for axis in (0..self.range.axes()).filter(|&axis| self.range.takes_pulses(axis)) {
+            let steps = self.range.step_hz(axis, 1.0);
             match rates.iter_mut().find(|(other, _)| *other == steps) {
                 Some((_, axes)) => axes.push(axis),
                 None => rates.push((steps, vec![axis])),
@@ -281,8 +291,8 @@ impl OperatingRange {
                 false,
             );
         }
-        let Some(planner_hz) = self.planner_step_hz() else {
-            return draft.done(self, right_hz, "steps, 1000/s");
+        let Some(planner_hz) = self.range.planner_step_hz() else {
+            return draft.done(self.range, right_hz, "steps, 1000/s");
         };
         let mut limit = |who: &str, hz: f64| {
             draft.limit(KILO * hz, &format!("{who} {} k", short(KILO * hz)));
@@ -290,6 +300,7 @@ impl OperatingRange {
         let greatest = rates.iter().map(|(steps, _)| *steps).fold(0.0, f64::max);
         // The board makes all steps that the planner plans if the tick is long enough for them.
         let board_hz = self
+            .range
             .board_speed_hz()
             .map(|hz| hz.map(|hz| hz * greatest).filter(|hz| *hz < planner_hz));
         match board_hz {
@@ -304,7 +315,7 @@ impl OperatingRange {
                 draft.entry(LegendShape::Line, VERMILION, name, true);
             }
         }
-        draft.done(self, right_hz, "steps, 1000/s")
+        draft.done(self.range, right_hz, "steps, 1000/s")
     }
 }
 

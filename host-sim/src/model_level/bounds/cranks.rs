@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use super::linear::{Drive, Worst};
 use super::{frame, rods};
+use crate::checked::Output;
 use crate::dynamics::Driven;
-use crate::fidelity::Output;
 use crate::mechanism::Mechanism;
 use crate::scene::file::Fidelity;
 

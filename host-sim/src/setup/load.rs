@@ -1,0 +1,61 @@
+//! Scenes from files and texts, checked.
+
+use std::path::Path;
+
+use crate::checked::Checked;
+use crate::design::NotRunnable;
+use crate::scene::load::{read_file, read_text};
+use crate::scene::{Scene, SceneError};
+
+/// Reads a scene from a file and checks its values.
+///
+/// # Errors
+/// The file cannot be read, is too large, is not TOML, has keys that no scene has, values with which no machine can run, or a tick rate that
+/// no board keeps. The error names the file, and the line if there is one. For text that is not TOML, it is the first error. Of wrong keys
+/// and values, it lists up to ten.
+pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
+    read_file(path, checked)
+}
+
+/// Reads a scene from text and checks its values. Files of cam tables are relative to `folder`; without one they are refused.
+///
+/// # Errors
+/// Those of [`checked_from_file`], without an origin.
+pub fn checked_from_text(text: &str, folder: Option<&Path>) -> Result<Checked, SceneError> {
+    read_text(text, folder, checked)
+}
+
+/// Returns the scene text of a design, after a check.
+///
+/// # Errors
+/// A run would refuse the scene, for instance for a speed outside the range of scenes.
+pub fn runnable(text: String) -> Result<String, NotRunnable> {
+    match checked_from_text(&text, None) {
+        Ok(_) => Ok(text),
+        Err(error) => Err(NotRunnable {
+            problem: format!("{}: {}", error.key, error.problem),
+        }),
+    }
+}
+
+fn checked(scene: Scene) -> Result<Checked, SceneError> {
+    let checked = Checked::new(scene)?;
+    checked.check_rate()?;
+    Ok(checked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::library::SCENES;
+
+    #[test]
+    fn built_in_scenes_are_valid_and_named_as_listed() {
+        for built_in in SCENES {
+            let scene = built_in.scene();
+            assert_eq!(scene.name, built_in.name);
+            assert!(!scene.description.is_empty());
+            Checked::new(scene).unwrap();
+        }
+    }
+}
