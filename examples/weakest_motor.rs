@@ -8,8 +8,8 @@
 use std::error::Error;
 
 use cophase_core::supervisor::Fault;
+use cophase_scene::{SceneError, library};
 use host_sim::checked::Checked;
-use host_sim::scene::{SceneError, library};
 use host_sim::sim::{Moment, Observer, simulate};
 
 /// Observer that keeps the largest tilt of the platform.

@@ -6,9 +6,9 @@ mod program;
 
 use std::f64::consts::TAU;
 
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{Run, Trace, built_in, record, scene};
 use host_sim::checked::Checked;
-use host_sim::trace::{Every, Window};
 use program::Program;
 
 /// A quarter of a minute, gentle enough for the shaft to follow its program to the tick once it has started.

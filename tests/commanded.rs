@@ -1,9 +1,9 @@
 //! Effect of commanded phases on the platform: refused beyond its limits, and stated where the scene means it.
 
+use cophase_files::report::summary;
+use cophase_scene::load;
 use cophase_tests::scene;
 use host_sim::checked::Checked;
-use host_sim::report::summary;
-use host_sim::scene::load;
 use host_sim::sim::simulate;
 
 const SCENE: &str = r#"

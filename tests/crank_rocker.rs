@@ -3,8 +3,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{built_in, record};
-use host_sim::trace::{Every, Window};
 
 /// Lengths relative to the rocker's, and the lead of the screw, as in the scene.
 const CRANK: f64 = 0.4852094;

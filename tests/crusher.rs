@@ -1,11 +1,11 @@
 //! A jaw crusher under the control loop: one axis with an induction motor, whose flywheel carries it through the rock. A crusher that
 //! stalls is stopped and reported.
 
+use cophase_files::trace::{Every, Window};
 use cophase_methods::problems::Crusher;
 use cophase_methods::problems::crusher::Shape;
+use cophase_scene::library;
 use cophase_tests::{Run, record, scene};
-use host_sim::scene::library;
-use host_sim::trace::{Every, Window};
 
 /// The scene with each named line replaced by another.
 fn with(changes: &[(&str, &str)]) -> Run {

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use cophase_core::supervisor::State;
+use cophase_files::report::summary;
+use cophase_files::trace::{Every, Window};
+use cophase_scene::load;
 use cophase_tests::{record, scene};
 use host_sim::checked::Checked;
-use host_sim::report::summary;
-use host_sim::scene::load;
 use host_sim::sim::{Moment, Observer, simulate};
-use host_sim::trace::{Every, Window};
 use nalgebra::Complex;
 
 /// A light platform on three heavy rotors. The platform's torque hardly changes their speed. The frame has 20 kg, the foundation 100

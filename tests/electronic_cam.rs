@@ -4,9 +4,9 @@
 use std::f64::consts::{PI, TAU};
 
 use cophase_core::supervisor::State;
+use cophase_scene::library;
 use cophase_tests::scene;
 use host_sim::checked::Checked;
-use host_sim::scene::library;
 use host_sim::setup;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 

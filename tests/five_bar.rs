@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use cophase_files::trace::{Every, Window};
+use cophase_scene::library;
 use cophase_tests::{Run, record, scene};
-use host_sim::scene::library;
-use host_sim::trace::{Every, Window};
 
 /// The scene with each named line replaced by another.
 fn with(changes: &[(&str, &str)]) -> Run {
@@ -123,7 +123,7 @@ fn a_force_beyond_the_sensor_is_refused_with_the_fix() {
     let text = library::find("five-bar").unwrap().text;
     for force in ["19.62", "20", "100"] {
         let text = text.replacen("force_n = 5", &format!("force_n = {force}"), 1);
-        let scene = host_sim::scene::load::parse(&text).unwrap();
+        let scene = cophase_scene::load::parse(&text).unwrap();
         let error = host_sim::checked::Checked::new(scene)
             .unwrap_err()
             .to_string();

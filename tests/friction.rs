@@ -1,7 +1,7 @@
 //! Dry friction of the cranks: machines with much of it run with every method, and a crank that it holds stands.
 
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{Run, record, scene};
-use host_sim::trace::{Every, Window};
 
 /// Three steppers on light rotors, with much friction: near standstill it stops a rotor at 8000 rad/s².
 const RODS: &str = r#"

@@ -3,10 +3,10 @@
 //! The reference of a motor behind a gear is a motor on the crank's own shaft whose data the test converts by hand. With i turns of the
 //! motor per turn of the crank, speeds are divided by i, torques multiplied by i, and inertia, damping and velocity gain by i².
 
+use cophase_files::trace::{Every, Window};
+use cophase_scene::load;
 use cophase_tests::{Run, record, scene};
 use host_sim::checked::Checked;
-use host_sim::scene::load;
-use host_sim::trace::{Every, Window};
 
 const MACHINE: &str = r#"
 name = "geared"

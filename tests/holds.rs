@@ -10,9 +10,9 @@
 
 use std::f64::consts::TAU;
 
+use cophase_files::trace::{Every, Window};
+use cophase_scene::library;
 use cophase_tests::{Trace, built_in, record, scene};
-use host_sim::scene::library;
-use host_sim::trace::{Every, Window};
 
 /// The slider-crank: height of the joint over the crank axis.
 #[derive(Clone, Copy, Debug)]

@@ -5,8 +5,8 @@
 //! deadline missed at `LATE_S` therefore leaves the drives without pulses from a tick after that.
 
 use cophase_core::supervisor::{FaultKind, State};
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{Tick, Watched, record, scene, watch};
-use host_sim::trace::{Every, Window};
 
 const TICK_NS: u64 = 500_000;
 const LATE_S: f64 = 1.2;

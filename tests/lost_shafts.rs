@@ -1,9 +1,9 @@
 //! Shafts that end away from their commands, unnoticed by the controller. Such a run has not ended as it should: its report warns, and its
 //! exit status is 1.
 
+use cophase_files::trace::{Every, Window};
+use cophase_scene::library;
 use cophase_tests::{Run, built_in, record, scene};
-use host_sim::scene::library;
-use host_sim::trace::{Every, Window};
 
 fn run(text: &str) -> Run {
     record(&scene(text), Every::Ticks(8), Window::FirstMotion)

@@ -1,9 +1,9 @@
 //! Words of reports: each speaks of the parts that its own machine has.
 
+use cophase_files::report;
+use cophase_files::trace::{Every, Window};
+use cophase_scene::library;
 use cophase_tests::{record, scene};
-use host_sim::report;
-use host_sim::scene::library;
-use host_sim::trace::{Every, Window};
 
 /// Parts that only a platform on cranks has.
 const OF_PLATFORMS: [&str; 4] = ["crank", "platform", "tilt", "slider"];

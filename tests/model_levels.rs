@@ -1,10 +1,10 @@
 //! The loop on cranks that torque moves: where they settle, when they slip, and whether the model levels agree.
 
+use cophase_files::trace::{Every, Window};
+use cophase_scene::load;
 use cophase_tests::{Run, record, scene};
 use host_sim::checked::Checked;
-use host_sim::scene::load;
 use host_sim::sim::simulate;
-use host_sim::trace::{Every, Window};
 
 /// Four steppers with 50 electrical cycles a turn. They are parked at 90°, where the load pulls on every crank.
 const SCENE: &str = r#"
@@ -315,7 +315,7 @@ fn implicit_methods_bring_machines_with_friction_to_rest() {
 /// sooner.
 #[test]
 fn friction_near_standstill_does_not_depend_on_the_step() {
-    let stiff = host_sim::scene::library::find("stiff-bearing").expect("a built-in scene");
+    let stiff = cophase_scene::library::find("stiff-bearing").expect("a built-in scene");
     let running_s = |text: &str| {
         let run = run(text);
         let trace = run.trace();

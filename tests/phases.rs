@@ -9,9 +9,9 @@
 mod random;
 
 use cophase_core::units::{FRACTION_BITS, ONE_TURN, Phase, Turns};
+use cophase_scene::file::Drive;
 use cophase_tests::scene;
 use host_sim::checked::Checked;
-use host_sim::scene::file::Drive;
 use host_sim::sim::{Moment, Observer, simulate};
 use proptest::prelude::*;
 use random::{Axis, any_plan};

@@ -6,8 +6,8 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
+use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::scene::load;
 use host_sim::sim::{Moment, Observer, simulate};
 
 /// Number of random scenes. Each runs until its slowest trim, of 30°, has moved in.

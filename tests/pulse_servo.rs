@@ -6,10 +6,10 @@
 
 use std::f64::consts::TAU;
 
+use cophase_files::trace::{Every, Window};
+use cophase_scene::{library, load};
 use cophase_tests::{Run, built_in, record, scene};
 use host_sim::checked::Checked;
-use host_sim::scene::{library, load};
-use host_sim::trace::{Every, Window};
 
 const SCENE: &str = "pulse-servo";
 /// Counts per turn, and control tick, of that scene.

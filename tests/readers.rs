@@ -7,8 +7,8 @@
 use std::io::Write;
 use std::process::{Command, Stdio};
 
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{Run, record, scene};
-use host_sim::trace::{Every, Window};
 
 /// Under two seconds of motion. Axis 1 is reversed, and axis 2 has its own gear and steps. Axis 0 is
 /// trimmed against its sense, so that its direction line changes.

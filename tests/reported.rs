@@ -1,10 +1,10 @@
 //! Reports of a run: torque, the curves of its page, causes and corrections.
 
+use cophase_files::report::summary;
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{Run, record, scene};
 use host_sim::checked::Checked;
-use host_sim::report::summary;
 use host_sim::sim::events::{Event, EventKind};
-use host_sim::trace::{Every, Window};
 
 /// Four steppers at a steady 20 rev/s from 2 s on. Each corrects half of a phase error in a turn.
 const SCENE: &str = r#"

@@ -2,8 +2,8 @@
 //!
 //! (A test beside the command checks that the command's own files are the same too.)
 
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{Run, built_in, record, scene, watch};
-use host_sim::trace::{Every, Window};
 
 /// Two seconds with a change of level, a hold on command and a late deadline.
 const SHORT: &str = r#"

@@ -3,9 +3,9 @@
 
 use std::f64::consts::TAU;
 
+use cophase_files::trace::{Every, Window};
+use cophase_scene::library;
 use cophase_tests::{built_in, record, scene};
-use host_sim::scene::library;
-use host_sim::trace::{Every, Window};
 
 const RADIUS_M: f64 = 0.02;
 

@@ -3,10 +3,10 @@
 
 use std::f64::consts::TAU;
 
+use cophase_files::trace::{Every, Window};
+use cophase_scene::{library, load};
 use cophase_tests::{Run, built_in, record, scene};
 use host_sim::checked::Checked;
-use host_sim::scene::{library, load};
-use host_sim::trace::{Every, Window};
 
 /// Masses, springs and blocks of the scene.
 const MASS_KG: f64 = 2900.0 + 2.0 * 83.0;

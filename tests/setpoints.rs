@@ -1,10 +1,10 @@
 //! Setpoints of servo drives, compared with the phase that they come from and with the mechanics of the machine.
 
 use cophase_core::units::{Phase, Turns};
+use cophase_scene::library;
+use cophase_scene::units::{speed_hz, turns};
 use cophase_tests::scene;
-use host_sim::scene::library;
 use host_sim::sim::{Moment, Observer, simulate};
-use host_sim::units::{speed_hz, turns};
 
 const AXES: usize = 6;
 const HZ: u32 = 2000;

@@ -7,8 +7,8 @@ use cophase::{Command, Status};
 use cophase_link::board::{Board, Rp2040};
 use cophase_link::codec::VERSION;
 use cophase_link::{Header, decode};
+use cophase_scene::library::SCENES;
 use cophase_tests::built_in;
-use host_sim::scene::library::SCENES;
 
 /// The default scene as a settings file, from when its format got its version.
 const GOLDEN: &[u8] = include_bytes!("../firmware/link/golden/default.settings");

@@ -2,9 +2,9 @@
 //! The machines are on the phased level, where a platform without drives falls.
 
 use cophase_core::supervisor::{FaultKind, State};
+use cophase_scene::library;
 use cophase_tests::scene;
 use cophase_tests::scripted::{command, input};
-use host_sim::scene::library;
 use host_sim::sim::events::{Event, EventKind};
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
@@ -154,7 +154,7 @@ impl Run {
     }
 
     fn says(&self, words: &str) -> bool {
-        host_sim::report::summary(&self.checked, &self.outcome, None, 1.0).contains(words)
+        cophase_files::report::summary(&self.checked, &self.outcome, None, 1.0).contains(words)
     }
 }
 

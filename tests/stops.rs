@@ -194,8 +194,8 @@ fn drives_that_are_off_get_no_pulses() {
     );
     let run = cophase_tests::record(
         &scene,
-        host_sim::trace::Every::Ticks(1),
-        host_sim::trace::Window::All,
+        cophase_files::trace::Every::Ticks(1),
+        cophase_files::trace::Window::All,
     );
     let edges = run.edges();
     let rises = |from_ns, to_ns| edges.wire("step_0").cut(from_ns, to_ns).rises().count();
@@ -215,10 +215,10 @@ fn a_start_that_comes_in_a_stop_is_reported_with_what_to_do() {
         scripted(&(command(0.0, "start") + &command(stop_s, "stop") + &command(start_s, "start")));
     assert_eq!(watched.at(start_s).state, Stop);
     assert_eq!(watched.states(), [Homing, Run, Stop, Parked]);
-    let events = host_sim::report::notable(&watched.outcome.statistics.events);
+    let events = cophase_files::report::notable(&watched.outcome.statistics.events);
     let mut said = events
         .iter()
-        .map(|event| (event.t_s, host_sim::report::describe(&event.what)))
+        .map(|event| (event.t_s, cophase_files::report::describe(&event.what)))
         .filter(|(_, what)| what.starts_with("refused: "));
     let (t_s, what) = said.next().expect("an event");
     // The loop reads the command at a deadline, and its answer is played from the next one on.

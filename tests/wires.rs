@@ -1,7 +1,7 @@
 //! STEP and DIR at the inputs of the drives: the wires of `steps.vcd` keep the times that the scene requires.
 
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{record, scene};
-use host_sim::trace::{Every, Window};
 
 /// Axis 0 is trimmed against its sense faster than the shaft starts, so that it turns backwards for a time. Hold,
 /// set-up and width are those of slow drives, all different.

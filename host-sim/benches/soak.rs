@@ -13,8 +13,8 @@ use std::time::Instant;
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{FRACTION_BITS, Phase, Turns};
+use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::scene::load;
 use indicatif::ProgressBar;
 
 const AXES: usize = 4;

@@ -18,8 +18,8 @@ use cophase_core::drift::IndexPulse;
 use cophase_core::signals::Feedback;
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{MAX_AXES, PerAxis, Phase};
+use cophase_scene::{Scene, load};
 use host_sim::checked::Checked;
-use host_sim::scene::{Scene, load};
 use host_sim::sim::simulate;
 use measure::{Figure, Work};
 

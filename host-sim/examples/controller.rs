@@ -10,9 +10,9 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use cophase_link::server::Hub;
+use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::live::SimulatedDevice;
-use host_sim::scene::load;
 
 /// Longest wait for bytes of the host, before the controller has its turn.
 const TURN: Duration = Duration::from_millis(1);

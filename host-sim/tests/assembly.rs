@@ -1,8 +1,8 @@
 //! Cranks that are commanded apart on a platform of four. They are refused where rods cannot bend so far, before the
 //! simulation begins.
 
+use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::scene::load;
 
 fn scene(fidelity: &str, count: usize, offset_deg: f64) -> String {
     format!(

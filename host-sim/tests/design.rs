@@ -9,11 +9,11 @@
 use std::f64::consts::TAU;
 
 use cophase_core::settings::Transmission;
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::design::platform::{Design, DesignError, MotorChoice, Requirement, Warning, design};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::turn_search::{TurnPeak, largest_over_turn};
 use host_sim::mechanism::{Mechanism, Platform};
-use host_sim::units::STANDARD_GRAVITY_MPS2;
 
 /// Load kg, amax g, frequency Hz, λ, motors.
 const EXAMPLES: [(f64, f64, f64, f64, u32); 4] = [

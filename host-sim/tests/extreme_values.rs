@@ -3,9 +3,9 @@
 
 use std::collections::BTreeSet;
 
+use cophase_scene::library::SCENES;
+use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::scene::library::SCENES;
-use host_sim::scene::load;
 use toml::Value;
 
 /// Part of the path to a number.

@@ -9,10 +9,10 @@ use cophase_link::message::{ControlRequest, Event, File, Message, ReplyBody, Req
 use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::sample::{ALL_CHANNELS, Sample, flags, unpack};
 use cophase_link::server::Hub;
+use cophase_scene::file::{FaultAt, FaultName};
+use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::live::SimulatedDevice;
-use host_sim::scene::file::{FaultAt, FaultName};
-use host_sim::scene::load;
 use host_sim::sim::{Moment, Observer, simulate};
 
 /// Simulated seconds per second. At a much higher speed the queue of samples overflows.

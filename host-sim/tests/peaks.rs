@@ -1,8 +1,8 @@
 //! Peaks of followers, and the accuracy that the method's step gives them.
 
+use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::machine::Peaks;
-use host_sim::scene::load;
 use host_sim::sim::simulate;
 
 /// Two wrapper pushers (`docs/methods.md`, the elastic follower), at up to 450 turns a minute.

@@ -1,10 +1,10 @@
 //! Loads on machines whose cranks are all on one shaft.
 
+use cophase_scene::file::Fidelity;
+use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::checked::Output;
 use host_sim::fidelity::{answers, check};
-use host_sim::scene::file::Fidelity;
-use host_sim::scene::load;
 
 fn scene(axes: usize, more: &str) -> Checked {
     let text = format!(

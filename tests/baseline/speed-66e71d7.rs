@@ -17,7 +17,7 @@ use cophase_core::signals::Feedback;
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::Phase;
 use host_sim::checked::Checked;
-use host_sim::scene::{library, load};
+use cophase_scene::{library, load};
 use host_sim::sim::simulate;
 use measure::{Figure, Work};
 

@@ -80,7 +80,7 @@ def cases(cophase):
         '    cophase design --load-kg 25 --amax-g 80 --freq-hz 25 --lambda 3 --motors 4\n'
     yield 'a flag of a command for a board', run, '    cophase link record --out my-run --start\n', '    cophase link record --out my-run --begin\n'
     yield 'output that is not printed', run, console.format('slider-crank'), console.format('slider-clank')
-    yield 'a test that is not there', run, '`cargo test -p host-sim --test fidelity`', '`cargo test -p host-sim --test fidelities`'
+    yield 'a test that is not there', run, '`cargo test -p cophase-files --test fidelity`', '`cargo test -p cophase-files --test fidelities`'
     yield 'a test that CI does not run', run, '`cargo test -p cophase-fuzz`', '`cargo test -p cophase-functions`'
     yield 'a package that is not there', run, '`cargo test -p cophase-core`', '`cargo test -p cophase-cor`'
     yield 'a test name that matches none', run, '`cargo test -p cophase-core axes`', '`cargo test -p cophase-core axles_of_none`'

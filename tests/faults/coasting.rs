@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::report::{summary, warnings};
-use host_sim::trace::{Every, Window};
+use cophase_files::report::{summary, warnings};
+use cophase_files::trace::{Every, Window};
 
 use super::{AT_S, KINEMATIC, Samples, TICK_S, observe, phased, scene};
 

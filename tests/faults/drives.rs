@@ -1,9 +1,9 @@
 //! Faults between the loop and the drives, and on the cranks.
 
 use cophase_core::supervisor::FaultKind;
+use cophase_scene::load;
 use cophase_tests::scene;
 use host_sim::checked::Checked;
-use host_sim::scene::load;
 
 use super::{AT_TICK, KINEMATIC, TICK_S, began, latched, observe, phased, unread, with};
 

@@ -1,7 +1,7 @@
 //! `[noise]` has the size that the scene gives, and is the same for the same seed.
 
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{record, scene};
-use host_sim::trace::{Every, Window};
 
 use super::samples::readings;
 use super::{KINEMATIC, observe, phased};

@@ -1,9 +1,9 @@
 //! Faults of sensors, inputs and the loop itself.
 
 use cophase_core::supervisor::FaultKind;
+use cophase_files::trace::{Every, Window};
 use cophase_tests::{record, scene};
 use host_sim::faults::Faults;
-use host_sim::trace::{Every, Window};
 
 use super::samples::readings;
 use super::{AT_S, AT_TICK, KINEMATIC, began, latched, latched_in, observe, phased, unread, with};

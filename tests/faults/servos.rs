@@ -1,9 +1,9 @@
 //! Faults of servos, whose command is a position instead of a distance.
 
+use cophase_files::trace::{Every, Window};
+use cophase_scene::load;
 use cophase_tests::{built_in, scene};
 use host_sim::checked::Checked;
-use host_sim::scene::load;
-use host_sim::trace::{Every, Window};
 
 use super::{AT_TICK, KINEMATIC, TICK_S, unread, with};
 
@@ -77,7 +77,7 @@ fn faults_that_the_scene_cannot_have_are_refused() {
             "{said}"
         );
     }
-    let cams = host_sim::scene::library::find("wrapper").unwrap().text;
+    let cams = cophase_scene::library::find("wrapper").unwrap().text;
     let said = refused(&format!("{cams}\n{}", fault("stuck")));
     assert!(
         said.contains("fault[0].kind") && said.contains("[machine]"),

@@ -16,11 +16,11 @@ pub use watch::{Tick, Watched, watch};
 
 use std::io::Cursor;
 
+use cophase_files::report::Report;
+use cophase_files::trace::{Every, Format, Recorder, ScopeData, ScopeFrame, Window};
+use cophase_scene::{library, load};
 use host_sim::checked::Checked;
-use host_sim::report::Report;
-use host_sim::scene::{library, load};
 use host_sim::sim::{Outcome, simulate};
-use host_sim::trace::{Every, Format, Recorder, ScopeData, ScopeFrame, Window};
 
 /// A scene from its text.
 ///

@@ -1,7 +1,7 @@
 //! amax(t) as a scene's text defines it (docs of the scene's keys), in f64 and in seconds. It uses
 //! nothing of the core's program, its ticks or its fixed point.
 
-use host_sim::scene::file::{Segment, Shape};
+use cophase_scene::file::{Segment, Shape};
 
 /// The unit of `amax_g`, m/s².
 const GRAVITY_MPS2: f64 = 9.80665;

@@ -9,14 +9,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::numbers::whole;
 use super::{CommandError, Status, run, scenes};
+use cophase_files::trace::RunFiles;
 use cophase_lab::campaign::example::{Example, example};
 use cophase_lab::campaign::plan::Plan;
 use cophase_lab::campaign::selection::Selection;
 use cophase_lab::campaign::shards::{Header, MACHINES, Shard, join};
 use cophase_lab::campaign::tally::Tally;
 use cophase_lab::campaign::{self, picture, table};
-use host_sim::input_file::{self, MAX_TABLE_BYTES};
-use host_sim::trace::RunFiles;
+use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
 
 /// Inject one random fault into each of thousands of machines, and compare every reaction with the claims
 ///

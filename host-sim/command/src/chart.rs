@@ -7,9 +7,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::refusal::visible;
 use super::{CommandError, Status};
+use cophase_files::trace::RunFiles;
 use cophase_lab::chart::{self, CHARTS, Size};
-use host_sim::scene::load;
-use host_sim::trace::RunFiles;
+use cophase_scene::load;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ChartArgs {

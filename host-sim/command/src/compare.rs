@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use host_sim::compare::{self, CompareError, Origin, Run, Tolerances};
+use cophase_files::compare::{self, CompareError, Origin, Run, Tolerances};
 
 use super::numbers::{meant, unit_of};
 use super::output::write_file;

@@ -8,11 +8,11 @@
 use std::io::{self, Write};
 use std::time::Instant;
 
+use cophase_files::trace::{Every, Format, Recorder, ScopeData, ScopeFrame, Window};
+use cophase_scene::SceneError;
 use host_sim::checked::Checked;
 use host_sim::fidelity::{Answers, sample_run};
-use host_sim::scene::SceneError;
 use host_sim::sim::{Observer, expected_ticks, simulate_first};
-use host_sim::trace::{Every, Format, Recorder, ScopeData, ScopeFrame, Window};
 
 /// Longest duration for which nothing is printed, s: of the run, and of a sample run. The choice of a model level makes a few of these.
 const LONG_S: f64 = 3.0;
@@ -124,7 +124,7 @@ fn recorder(checked: &Checked) -> impl Observer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use host_sim::scene::load;
+    use cophase_scene::load;
 
     /// If this fails, the time to set the run up counts for every tick, or no message announces a run of minutes.
     #[test]

@@ -37,8 +37,8 @@ use std::io::{self, Write};
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use cophase_files::version;
 use design::{DesignArgs, DesignCommandError};
-use host_sim::version;
 use visible::Visible;
 
 const AFTER_HELP: &str = "Folders of output files and output folders are created where they do not exist, by every command.\n\nExit status: 0 done; 1 a run ended in a fault, a simulated motor slipped undetected, no board takes \

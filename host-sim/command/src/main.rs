@@ -9,7 +9,7 @@ use git_version::git_version;
 
 fn main() -> ExitCode {
     // Only this file is compiled again for each commit.
-    host_sim::version::set_commit(git_version!(
+    cophase_files::version::set_commit(git_version!(
         args = ["--always", "--exclude=*", "--abbrev=12", "--dirty=-changed"],
         fallback = "unknown"
     ));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::CommandFactory;
 use clap_mangen::Man;
-use host_sim::trace::RunFiles;
+use cophase_files::trace::RunFiles;
 
 use super::{Command, CommandError, Status};
 

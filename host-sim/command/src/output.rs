@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use host_sim::trace::RunFiles;
+use cophase_files::trace::RunFiles;
 
 /// Reason why a file was not written. No part of it remains, and no folder that was created for it.
 #[derive(Debug, thiserror::Error)]

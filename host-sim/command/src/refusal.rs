@@ -8,7 +8,7 @@ use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use super::{Command, numbers};
-use host_sim::scene::load;
+use cophase_scene::load;
 
 /// Returns the refusal of the arguments of this process as a sentence, or none if clap's text is not a refusal but a page of help.
 pub(super) fn sentence(

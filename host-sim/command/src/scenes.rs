@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use super::output::write_file;
 use super::refusal::visible;
 use super::{CommandError, Status};
+use cophase_scene::library::{self, BuiltIn, SCENES};
+use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::scene::library::{self, BuiltIn, SCENES};
-use host_sim::scene::load;
 use host_sim::setup;
 
 #[derive(Debug, clap::Args)]

@@ -12,11 +12,11 @@ use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
 
 use super::output::write_file;
 use super::{CommandError, Status, scenes};
+use cophase_files::report;
+use cophase_scene::file::{AxisOverrides, CamShaft, Fidelity, Rods, Wiring};
+use cophase_scene::input_file::{self, Unreadable};
+use cophase_scene::{Scene, entry};
 use host_sim::checked::Checked;
-use host_sim::input_file::{self, Unreadable};
-use host_sim::report;
-use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods, Wiring};
-use host_sim::scene::{Scene, entry};
 
 /// Largest size of a settings file in any of its formats, bytes.
 const MAX_BYTES: u64 = 1 << 20;

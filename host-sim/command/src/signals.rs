@@ -33,7 +33,7 @@ pub fn clean_up_on_signals() {
                 if is_caught && !IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
                     continue;
                 }
-                host_sim::trace::RunFiles::take_all_away();
+                cophase_files::trace::RunFiles::take_all_away();
                 std::process::exit(128 + signal);
             }
         });

@@ -448,7 +448,7 @@ fn invalid_campaigns_are_refused_with_a_reason() {
         let said = refused(&campaign(&folder, &arguments));
         assert!(said.contains(reported), "{said}");
     }
-    let scene = host_sim::scene::library::find("default").unwrap().text;
+    let scene = cophase_scene::library::find("default").unwrap().text;
     let file = folder.path().join("faulty.toml");
     fs::write(
         &file,

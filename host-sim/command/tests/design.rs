@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use clap::Parser;
 use cophase::design::{DesignArgs, DesignCommandError, run};
-use host_sim::units::STANDARD_GRAVITY_MPS2;
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 /// The source's embodiments: load kg, amax g, frequency Hz, λ, motors.
 const EXAMPLES: [(f64, f64, f64, f64, u32); 4] = [

@@ -189,7 +189,7 @@ fn a_stop_acts_during_a_flood_of_requests() {
 fn a_stop_acts_during_a_flood_of_programs_to_check() {
     // A long scene, and one whose number of axes has no bound.
     let long = format!("{SCENE}{}", "# a comment of some length\n".repeat(16_000));
-    let many = host_sim::scene::library::find("five-bar").unwrap().text;
+    let many = cophase_scene::library::find("five-bar").unwrap().text;
     let many = many.replace("count = 2", "count = 9223372036854775807");
     assert!(many.contains("9223372036854775807"));
     stop_during("programs", |served| {

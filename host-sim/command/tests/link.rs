@@ -10,9 +10,9 @@ use std::time::Duration;
 
 use assert_cmd::Command;
 use cophase_link::server::Hub;
+use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::live::SimulatedDevice;
-use host_sim::scene::load;
 
 /// Simulated seconds per second.
 const SPEED: f64 = 4.0;

@@ -64,7 +64,7 @@ fn is_of(row: &serde_json::Value, file: &Path) -> bool {
 #[test]
 fn the_printed_command_replays_a_case_of_the_same_scene_and_seed() {
     let place = tempfile::tempdir().unwrap();
-    let scene = host_sim::scene::library::find("patent-4").unwrap().text;
+    let scene = cophase_scene::library::find("patent-4").unwrap().text;
     fs::write(place.path().join("my machine's.toml"), scene).unwrap();
     let said = printed(
         place.path(),

@@ -7,8 +7,8 @@ use std::process::Output;
 
 use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
 use cophase_link::{Header, decode};
+use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::scene::load;
 
 /// A scene that runs, with every key given.
 const BASE: &str = include_str!("bad_input/base.toml");

@@ -9,7 +9,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use host_sim::trace::WRITTEN_BY;
+use cophase_files::trace::WRITTEN_BY;
 
 /// Runs a built-in scene, and returns the names of the files in its folder.
 fn run(scene: &str, out: &Path, options: &[&str]) -> BTreeSet<String> {

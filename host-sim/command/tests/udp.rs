@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-use host_sim::trace::WRITTEN_BY;
+use cophase_files::trace::WRITTEN_BY;
 use serde_json::Value;
 
 fn cophase(out: &Path, options: &[&str]) -> Output {

@@ -6,8 +6,8 @@ use cophase_core::supervisor::{Fault, FaultKind};
 use cophase_core::units::Turns;
 use cophase_lab::campaign::names::{Circumstances, accepted};
 use cophase_lab::campaign::plan::Plan;
+use cophase_scene::file::{Drive, FaultAt, FaultName};
 use host_sim::checked::Checked;
-use host_sim::scene::file::{Drive, FaultAt, FaultName};
 
 /// Returns the name of a fault that the controller would report with perfect sensors.
 fn cause(fault: &FaultAt) -> Option<FaultKind> {

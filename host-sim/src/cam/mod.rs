@@ -8,7 +8,7 @@ pub use table::{Points, law_at, off_law, off_law_of};
 
 use cophase_methods::problems::{Cam, Law, Links, Shaft};
 
-use crate::scene::file::{CamShaft, Damper, LawName};
+use cophase_scene::file::{CamShaft, Damper, LawName};
 
 /// Checked cam shaft and its follower.
 #[derive(Clone, Copy, Debug, PartialEq)]

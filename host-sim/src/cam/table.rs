@@ -3,7 +3,7 @@
 use cophase_core::axes::{MAX_CAM_POINTS, Spline};
 
 use super::law;
-use crate::scene::file::CamTable;
+use cophase_scene::file::CamTable;
 
 /// Number of places at which a curve is compared with its law, per point of the table.
 const SAMPLES_A_POINT: usize = 16;

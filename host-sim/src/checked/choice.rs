@@ -1,7 +1,7 @@
 //! Chosen model level, and the reason.
 
 use super::Output;
-use crate::scene::file::Fidelity;
+use cophase_scene::file::Fidelity;
 
 /// Chosen model level, and the reason.
 #[derive(Clone, Debug)]

@@ -18,9 +18,9 @@ use crate::cam::{self, Follower, off_law};
 use crate::dynamics::plant::Plant;
 use crate::dynamics::{Chosen, scheme};
 use crate::mechanism::{AnyMechanism, Mechanism, Mount, Platform};
-use crate::scene::SceneError;
-use crate::scene::file::{AxisOverrides, CamTable, Fidelity, Scene};
-use crate::scene::program;
+use cophase_scene::SceneError;
+use cophase_scene::file::{AxisOverrides, CamTable, Fidelity, Scene};
+use cophase_scene::program;
 
 /// Scene whose values have been checked, alone and in combination.
 #[derive(Clone, Debug)]

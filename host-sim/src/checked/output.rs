@@ -1,6 +1,6 @@
 //! Outputs of a run that a scene can request.
 
-use crate::scene::file::Questions;
+use cophase_scene::file::Questions;
 
 /// Output of a run, in the order of [`Output::ALL`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use crate::digits::plain;
-use crate::scene::range::meant;
+use cophase_scene::digits::plain;
+use cophase_scene::range::meant;
 
 /// Range of a number on the command line.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@
 //! place that converts; the results of a motor are converted back by [`torque_at_motor_nm`](super::SimulatedAxis::torque_at_motor_nm).
 
 use super::PullOut;
-use crate::scene::file::{InductionDrive, Scene, ServoDrive};
+use cophase_scene::file::{InductionDrive, Scene, ServoDrive};
 
 /// Full steps per electrical cycle of a stepper.
 const FULL_STEPS: f64 = 4.0;

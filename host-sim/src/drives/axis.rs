@@ -23,7 +23,7 @@ use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
 use super::played::Plan;
 use super::pulse_counter::PulseCounter;
-use crate::units::{nearest, nm, turns};
+use cophase_scene::units::{nearest, nm, turns};
 
 /// One motor with its crank.
 #[derive(Clone, Debug)]

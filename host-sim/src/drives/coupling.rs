@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use crate::scene::file::ServoDrive;
+use cophase_scene::file::ServoDrive;
 
 /// Least distance of the open loop from −1, at any frequency.
 pub const APART: f64 = 0.6;

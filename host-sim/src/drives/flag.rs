@@ -10,7 +10,7 @@
 use cophase_core::settings::AxisSettings;
 
 use super::{Sensor, Stream};
-use crate::scene::file::{Fidelity, Noise};
+use cophase_scene::file::{Fidelity, Noise};
 
 /// Pulses of a sensor without a flag.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use cophase_core::settings::Problem;
 
-use crate::scene::{SceneError, range};
+use cophase_scene::{SceneError, range};
 
 /// Greatest speed of a point, rev/s. No motor turns faster: it was meant in another unit.
 const MOST_HZ: f64 = 600.0;

@@ -3,7 +3,7 @@
 use cophase_methods::{Scheme, Unstable};
 
 use crate::dynamics::Mode;
-use crate::scene::file::MethodName;
+use cophase_scene::file::MethodName;
 
 /// Largest relative error of an oscillation if the scene sets none. At a damping ratio of 0.05, RK4 then makes four steps per
 /// radian.

@@ -7,8 +7,8 @@ use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
 use crate::drives::Extra;
 use crate::drives::{Disturbance, Sensor, Stream};
-use crate::scene::file::{FaultAt, FaultName, Lines};
-use crate::units::nearest;
+use cophase_scene::file::{FaultAt, FaultName, Lines};
+use cophase_scene::units::nearest;
 
 /// Faults and noise of a scene.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Beginning and end of each fault.
 
-use crate::scene::file::{FaultAt, FaultName};
 use crate::virtual_time::TICKS_PER_S;
+use cophase_scene::file::{FaultAt, FaultName};
 
 /// Fault with its times, µs since power-up.
 #[derive(Clone, Copy, Debug, PartialEq)]

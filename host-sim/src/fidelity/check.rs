@@ -7,9 +7,9 @@ use crate::checked::Output;
 use crate::checked::{Choice, Judged};
 use crate::model_level::Bounds;
 use crate::model_level::{STEP_PART, available, is_undisturbed, judge, questions};
-use crate::scene::SceneError;
-use crate::scene::file::{Fidelity, Questions};
 use crate::sim::simulate;
+use cophase_scene::SceneError;
+use cophase_scene::file::{Fidelity, Questions};
 
 /// Part of each tolerance that the difference in a sample may use, if it is to confirm a model level. The other part is for the rest
 /// of the scene.

@@ -4,7 +4,7 @@ use super::check::needs_sample;
 use super::sample;
 use crate::checked::Checked;
 use crate::model_level::available;
-use crate::scene::SceneError;
+use cophase_scene::SceneError;
 
 /// Returns the longest of the sample runs that [`super::check`] will make: that on the top model level. `None` if it makes none.
 ///

@@ -1,7 +1,7 @@
 //! Choice of a scene's model level: the lowest that answers its questions within their tolerances.
 //!
 //! Terms:
-//! - a **model level** is a [`Fidelity`](crate::scene::file::Fidelity); each computes all that the levels below it compute, and more;
+//! - a **model level** is a [`Fidelity`](cophase_scene::file::Fidelity); each computes all that the levels below it compute, and more;
 //! - an **output** is a result of a run ([`Output`]), such as the largest lag or tilt;
 //! - a **question** is an output with a tolerance, from a scene's `[questions]`;
 //! - a **bound** limits the difference between an output of a model level and that of the top level, by the effects that the level

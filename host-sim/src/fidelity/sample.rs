@@ -5,8 +5,8 @@
 //! its program. A short scene stays whole, too.
 
 use crate::checked::Checked;
-use crate::scene::file::{Fidelity, Segment};
-use crate::scene::{Scene, SceneError};
+use cophase_scene::file::{Fidelity, Segment};
+use cophase_scene::{Scene, SceneError};
 
 /// Duration of a shortened hold, s: enough for the oscillation after a ramp to decay, and for some turns.
 pub const HOLD_S: f64 = 0.3;
@@ -67,7 +67,7 @@ fn shorten(program: &mut [Segment]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::library;
+    use cophase_scene::library;
 
     /// If this fails, a sample takes as long as its scene, or lacks its fastest turns.
     #[test]
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn a_scene_with_timed_events_is_not_shortened() {
         let mut scene = library::SCENES[0].scene();
-        scene.late.push(crate::scene::file::LateAt {
+        scene.late.push(cophase_scene::file::LateAt {
             at_s: 3.0,
             by_us: 700.0,
         });

@@ -7,8 +7,8 @@ use crate::checked::Judged;
 use crate::checked::Output;
 use crate::machine::Machine;
 use crate::model_level::STEP_PART;
-use crate::scene::SceneError;
-use crate::scene::file::Questions;
+use cophase_scene::SceneError;
+use cophase_scene::file::Questions;
 
 /// Limit of halvings. A change that remains after that does not come from the step.
 const MOST_HALVINGS: u32 = 6;

@@ -17,10 +17,10 @@ use cophase_link::{Header, MAX_FILE_BYTES, decode_into, encode};
 
 use super::paced::{FromLoop, Paced, ToLoop};
 use crate::checked::Checked;
-use crate::scene::SceneError;
-use crate::scene::file::{FaultAt, FaultName};
 use crate::sim::{SimulatedIo, schedule::Schedule};
 use crate::virtual_time;
+use cophase_scene::SceneError;
+use cophase_scene::file::{FaultAt, FaultName};
 
 /// Greatest number of samples and events that wait for the host.
 const WAITING: usize = 4096;

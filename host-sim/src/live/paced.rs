@@ -14,9 +14,9 @@ use cophase_link::watch::Watch;
 use embassy_time::Instant;
 
 use super::WallClock;
-use crate::scene::file::FaultAt;
 use crate::sim::SimulatedIo;
 use crate::virtual_time::{self, TICKS_PER_S};
+use cophase_scene::file::FaultAt;
 
 /// Message to the loop.
 pub(super) enum ToLoop {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use crate::checked::Checked;
 use crate::dynamics::{Corners, Driven, MOST};
-use crate::scene::SceneError;
+use cophase_scene::SceneError;
 
 /// Largest deflection of the rods, m. A scene that bends them further is refused, whatever torque the motors
 /// have.

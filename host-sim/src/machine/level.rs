@@ -3,8 +3,8 @@
 use crate::cam::Follower;
 use crate::checked::Checked;
 use crate::machine::Machine;
-use crate::scene::SceneError;
-use crate::scene::file::{FaultAt, FaultName, Fidelity};
+use cophase_scene::SceneError;
+use cophase_scene::file::{FaultAt, FaultName, Fidelity};
 
 impl Checked {
     /// Returns the same scene on a model level.

@@ -37,8 +37,8 @@ use crate::drives::{
 use crate::dynamics::plant::{Record, Recorder, Tick};
 use crate::dynamics::{FrameMotion, PlaneMotion};
 use crate::pose::Pose;
-use crate::scene::SceneError;
-use crate::scene::file::{Drive, Fidelity};
+use cophase_scene::SceneError;
+use cophase_scene::file::{Drive, Fidelity};
 use faulted_drive::{disturb, disturb_rotors};
 
 /// Time for which an index line stays high, s: a typical flag width. A machine whose index filter needs longer levels gets wider

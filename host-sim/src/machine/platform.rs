@@ -11,7 +11,7 @@ use crate::checked::Checked;
 use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
 use crate::pose::Pose;
-use crate::units::spread;
+use cophase_scene::units::spread;
 
 /// Platform with its mechanism and its load.
 #[derive(Clone, Debug)]
@@ -175,7 +175,7 @@ impl Platform {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::library;
+    use cophase_scene::library;
 
     /// If this fails, a run may report a largest tilt that is too small, or compute sines needlessly. The bound at a crank's angle is
     /// close: for cranks a thousandth of a turn apart, at a steep angle, it is within 10 % of the tilt.

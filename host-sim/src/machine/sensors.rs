@@ -7,7 +7,7 @@ use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
 use crate::drives::IndexSensor;
 use crate::drives::{Sensor, Stream};
-use crate::units::floor;
+use cophase_scene::units::floor;
 
 impl Machine {
     /// Creates the index sensors of the cranks, at their present positions.

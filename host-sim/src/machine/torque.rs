@@ -12,8 +12,8 @@ use crate::dynamics::{
     Body, Driven, Elastic, Frame, Freedom, Induction, Layer, Motor, OnPlant, Phased, Rigid, Servo,
     Stepper,
 };
-use crate::scene::SceneError;
-use crate::scene::file::{self, Drive, Fidelity, Rods};
+use cophase_scene::SceneError;
+use cophase_scene::file::{self, Drive, Fidelity, Rods};
 
 /// Speed limit of a crank: this multiple of the largest speed of its machine, plus `COASTING_HZ`, rev/s, which a load may
 /// drive it to. A faster crank has run away (`Broken`).

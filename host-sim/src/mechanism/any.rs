@@ -3,10 +3,10 @@
 use cophase_core::mechanism::MechanismSettings;
 
 use super::{AtAngle, Configured, Mechanism, Mount};
-use crate::scene::SceneError;
-use crate::scene::file::Machine;
-use crate::scene::file::MechanismName;
-use crate::scene::file::mechanism_name::for_all_mechanisms;
+use cophase_scene::SceneError;
+use cophase_scene::file::Machine;
+use cophase_scene::file::MechanismName;
+use cophase_scene::for_all_mechanisms;
 
 macro_rules! any {
     ($($Name:ident, $module:ident, $name:literal;)*) => {

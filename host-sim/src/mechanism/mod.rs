@@ -5,7 +5,7 @@
 //! scene names, and the only one that the machine, its model levels and their bounds use. [`turn_search`] finds the largest
 //! value of any function of a crank angle.
 //!
-//! To add a mechanism, write its file here and add it to the list below. The tests in `conformance` then cover it too
+//! To add a mechanism, write its file here and add it to the list in `cophase_scene::file`. The tests in `conformance` then cover it too
 //! (`docs/recipes/add-a-mechanism.md`).
 
 mod any;

@@ -12,8 +12,8 @@ use cophase_core::mechanism::ScotchYokeSettings;
 
 use super::drawing::{self, Link, Mount};
 use super::{AtAngle, Configured, Mechanism};
-use crate::scene::SceneError;
-use crate::scene::file::Machine;
+use cophase_scene::SceneError;
+use cophase_scene::file::Machine;
 
 /// A Scotch yoke of known size.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,8 +5,8 @@ use crate::checked::Checked;
 use crate::checked::Output;
 use crate::checked::{Choice, Judged};
 use crate::dynamics::RESOLUTION;
-use crate::scene::SceneError;
-use crate::scene::file::{Fidelity, Questions};
+use cophase_scene::SceneError;
+use cophase_scene::file::{Fidelity, Questions};
 
 /// Part of each tolerance that the method's step may use.
 pub const STEP_PART: f64 = 0.1;

@@ -16,9 +16,9 @@ use crate::checked::Checked;
 use crate::dynamics::Motor;
 use crate::machine::{Machine, motor_of};
 use crate::mechanism::{AnyMechanism, Mechanism};
-use crate::scene::SceneError;
-use crate::scene::file::Fidelity;
 use cophase_core::program::EntrySettings;
+use cophase_scene::SceneError;
+use cophase_scene::file::Fidelity;
 
 /// Speed up to which the board's limit is searched, rev/s. A board that has no limit below it counts as one without a limit.
 const FASTEST_HZ: f64 = 1e4;
@@ -257,60 +257,4 @@ fn levels(checked: &Checked) -> Vec<Level> {
             speed_hz: checked.mechanism.speed_for_amax_rad_s(amax_mps2) / TAU,
         })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::fidelity;
-    use crate::model_level::Bounds;
-    use crate::operating_range::tests::Bounds;
-    use crate::scene::load;
-    use crate::units::STANDARD_GRAVITY_MPS2;
-
-    /// If this fails, the printed summary and `torque.svg` give different parts of the motors' torque for the same run.
-    #[test]
-    fn all_outputs_state_the_same_part_of_the_torque() {
-        let text = "name = \"mixer\"\n[machine]\ncrank_radius_mm = 9.97\nrod_length_mm = 45.33\nload_kg = 18\nplatform = \"above\"\n\
-                    [limits]\nspeed_hz = 37\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
-                    [axes]\ncount = 5\ndrive = \"pulse-servo\"\nsteps_per_turn = 4800\nrotor_inertia_kgm2 = 0.002\nfriction_nm = 0.3\n\
-                    [axes.servo]\nlimit_nm = 25\nposition_gain_per_s = 100\nvelocity_gain_nms = 4.9\n\
-                    [[program]]\namax_g = 60\nramp_s = 2\nhold_s = 1\n";
-        let checked = Checked::new(load::parse(text).unwrap()).unwrap();
-        let checked = fidelity::check(checked).unwrap();
-        let range = OperatingRange::of(&checked).unwrap().unwrap();
-        // The equations of the slider-crank: x = R cos a + sqrt(L^2 - R^2 sin^2 a), and torque = -m (g + x'') dx/da / N.
-        let (radius_m, rod_m) = (9.97e-3_f64, 45.33e-3_f64);
-        let lambda = radius_m / rod_m;
-        let omega2 = 60.0 * STANDARD_GRAVITY_MPS2 / (radius_m * (1.0 + lambda));
-        let torque_nm = |alpha: f64| {
-            let (sin, cos) = alpha.sin_cos();
-            let root = (1.0 - lambda * lambda * sin * sin).sqrt();
-            let slope_m = radius_m * (sin + lambda * sin * cos / root);
-            let curvature =
-                cos + lambda * ((2.0 * alpha).cos() + lambda * lambda * sin.powi(4)) / root.powi(3);
-            let force_n = 18.0 * (STANDARD_GRAVITY_MPS2 - radius_m * omega2 * curvature);
-            (force_n * slope_m / 5.0).abs() + 0.3
-        };
-        let most_nm = (0..36_000)
-            .map(|i| torque_nm(f64::from(i) / 36_000.0 * TAU))
-            .fold(0.0, f64::max);
-        let ratio = range.greatest_load().unwrap().ratio;
-        assert!(
-            (ratio - most_nm / 25.0).abs() < 2e-3,
-            "{ratio}, by hand {}",
-            most_nm / 25.0
-        );
-        let percent = format!("{:.0} % of its torque", 100.0 * ratio);
-        assert!(
-            range.render().contains(&percent),
-            "{percent} in the picture"
-        );
-        let numbers = fidelity::Bounds::new(&checked).unwrap().numbers();
-        let percent = format!(
-            "{:.0} % of their torque at a steady speed (bounds:",
-            100.0 * ratio
-        );
-        assert!(numbers.contains(&percent), "{numbers}");
-    }
 }

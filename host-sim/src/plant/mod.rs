@@ -17,8 +17,8 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use crate::dynamics::plant::Plant;
-use crate::scene::file::Drift;
-use crate::scene::{Scene, SceneError};
+use cophase_scene::file::Drift;
+use cophase_scene::{Scene, SceneError};
 
 /// Table of a scene that describes a plant.
 pub trait Table: Debug {

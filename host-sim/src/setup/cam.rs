@@ -10,9 +10,9 @@ use cophase_methods::problems::{Cam, Links};
 use crate::cam::{Follower, cam_of, damped};
 use crate::mechanism::{AnyMechanism, Configured};
 use crate::plant;
-use crate::scene::SceneError;
-use crate::scene::file::{self, CamShaft, Scene};
-use crate::scene::in_range;
+use cophase_scene::SceneError;
+use cophase_scene::file::{self, CamShaft, Scene};
+use cophase_scene::in_range;
 
 /// λ of the equivalent crank: the least that the core accepts.
 const LAMBDA: f64 = 0.1;

@@ -5,11 +5,11 @@ use cophase_core::axes::{
 };
 
 use crate::cam::{Points, law_at, off_law_of};
-use crate::scene::SceneError;
-use crate::scene::entry::ordinal;
-use crate::scene::file::{CamSegment, CamTable, Scene};
-use crate::scene::in_range;
-use crate::scene::load::{meant_net_turns, nearest};
+use cophase_scene::SceneError;
+use cophase_scene::entry::ordinal;
+use cophase_scene::file::{CamSegment, CamTable, Scene};
+use cophase_scene::in_range;
+use cophase_scene::load::{meant_net_turns, nearest};
 
 /// Largest difference of a table's acceleration from that of its law, relative to the law's peak.
 const MOST_OFF_LAW: f64 = 0.15;

@@ -4,8 +4,8 @@ use cophase_core::settings::{CorrectionSettings, MachineSettings, PlatformSettin
 
 use crate::drives::coupling::{APART, Plant};
 use crate::mechanism::{AnyMechanism, Configured, Mechanism};
-use crate::scene::SceneError;
-use crate::scene::file::Scene;
+use cophase_scene::SceneError;
+use cophase_scene::file::Scene;
 
 pub(super) fn correction(
     scene: &Scene,

@@ -3,11 +3,11 @@
 //! A fault that moves a crank needs cranks that can move one by one. A cam shaft is always at its commanded phase, and on the rigid
 //! model level all cranks are on one shaft.
 
-use crate::scene::SceneError;
-use crate::scene::file::{
+use cophase_scene::SceneError;
+use cophase_scene::file::{
     Axes, Drive, FaultAt, FaultName, Lines, MIN_ENABLE_LOSS_US, Noise, Scene,
 };
-use crate::scene::in_range;
+use cophase_scene::in_range;
 
 /// Keys of a `[[fault]]` that a kind takes, beside `at_s` and `kind`.
 struct Takes {

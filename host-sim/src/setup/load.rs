@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::checked::Checked;
 use crate::design::NotRunnable;
-use crate::scene::load::{read_file, read_text};
-use crate::scene::{Scene, SceneError};
+use cophase_scene::load::{read_file, read_text};
+use cophase_scene::{Scene, SceneError};
 
 /// Reads a scene from a file and checks its values.
 ///
@@ -47,7 +47,7 @@ fn checked(scene: Scene) -> Result<Checked, SceneError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::library::SCENES;
+    use cophase_scene::library::SCENES;
 
     #[test]
     fn built_in_scenes_are_valid_and_named_as_listed() {

@@ -3,8 +3,8 @@
 use cophase_core::settings::{MachineSettings, PlatformSettings};
 
 use crate::mechanism::{AnyMechanism, Configured};
-use crate::scene::SceneError;
-use crate::scene::file::{Drift, Machine};
+use cophase_scene::SceneError;
+use cophase_scene::file::{Drift, Machine};
 
 /// Returns the core's platform from `[machine]`, with its limit from `[drift]`, and checks it.
 ///

@@ -27,8 +27,8 @@ use crate::dynamics::plant::Plant;
 use crate::mechanism::{AnyMechanism, Configured};
 use crate::model_level::choose;
 use crate::plant;
-use crate::scene::file::{Drift, Fidelity, Scene};
-use crate::scene::{SceneError, program, range};
+use cophase_scene::file::{Drift, Fidelity, Scene};
+use cophase_scene::{SceneError, program, range};
 
 pub use correction::servos;
 pub use load::{checked_from_file, checked_from_text, runnable};

@@ -4,8 +4,8 @@ use cophase_core::settings::{MAX_BANDS, Transmission};
 
 use crate::checked::Output;
 use crate::dynamics::MOST_STEPS;
-use crate::scene::file::{self, AxisOverrides, Drive, Scene};
-use crate::scene::{SceneError, in_range};
+use cophase_scene::file::{self, AxisOverrides, Drive, Scene};
+use cophase_scene::{SceneError, in_range};
 
 /// Largest torque, N·m: more than a motor for a platform of 50 kg needs.
 const MOST_FRICTION_NM: f64 = 1000.0;

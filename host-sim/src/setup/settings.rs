@@ -10,7 +10,7 @@ use cophase_core::settings::{
 use cophase_link::board::{Board, Rp2040};
 
 use super::cam_table;
-use crate::scene::file::{AxisOverrides, Drive, Scene};
+use cophase_scene::file::{AxisOverrides, Drive, Scene};
 
 /// Returns the core's settings of a scene, with its converted mechanism and drift limits. Axes, bands and program entries beyond the
 /// capacity are left out; an earlier check refuses them.

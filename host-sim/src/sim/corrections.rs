@@ -5,7 +5,7 @@ use cophase_core::supervisor::State;
 use cophase_core::units::{PerAxis, Turns};
 
 use super::events::{Event, EventKind};
-use crate::units::degrees;
+use cophase_scene::units::degrees;
 
 /// Turns of the master without a move, after which a correction is over. The controller corrects once a turn at most. A difference of a
 /// few steps takes it up to about four turns from one move to the next.
@@ -102,8 +102,8 @@ impl Corrections {
 mod tests {
     use super::*;
     use crate::checked::Checked;
-    use crate::scene::library;
     use crate::sim::{Moment, Observer, simulate, simulate_first};
+    use cophase_scene::library;
 
     const ANGLE: Turns = Turns::lit("0.001");
 

@@ -3,7 +3,7 @@
 use cophase_core::supervisor::{Command, Fault, RefusedCommand, State};
 use cophase_core::units::PerAxis;
 
-use crate::scene::file::{FaultAt, InputLine};
+use cophase_scene::file::{FaultAt, InputLine};
 
 /// Event at a time.
 #[derive(Clone, Debug, PartialEq)]

@@ -24,10 +24,10 @@ use crate::checked::Checked;
 use crate::drives::{IndexSensor, Passages, Played, SimulatedAxis};
 use crate::faults::Faults;
 use crate::machine::Machine;
-use crate::scene::SceneError;
-use crate::scene::file::FaultAt;
-use crate::units::turns;
 use crate::virtual_time::{self, TICKS_PER_S};
+use cophase_scene::SceneError;
+use cophase_scene::file::FaultAt;
+use cophase_scene::units::turns;
 
 /// Output that waits for its time, or is played.
 #[derive(Clone, Debug)]

@@ -26,12 +26,12 @@ pub use simulation::Simulation;
 pub use statistics::Statistics;
 
 use crate::checked::Checked;
-use crate::scene::SceneError;
 use crate::virtual_time;
+use cophase_scene::SceneError;
 pub(crate) use io::SimulatedIo;
 pub use io::TAIL_S;
 use schedule::Schedule;
-pub(crate) use unwrapped::Unwrapped;
+pub use unwrapped::Unwrapped;
 
 /// Runs a scene to its end.
 ///
@@ -41,7 +41,8 @@ pub(crate) use unwrapped::Unwrapped;
 /// Fails if the machine of the scene cannot be created. [`Checked`] has refused the scenes that the core refuses.
 ///
 /// ```
-/// use host_sim::scene::{Checked, library};
+/// use cophase_scene::library;
+/// use host_sim::checked::Checked;
 /// use host_sim::sim::simulate;
 ///
 /// let checked = Checked::new(library::find("patent-4").unwrap().scene()).unwrap();

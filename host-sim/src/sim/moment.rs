@@ -7,7 +7,7 @@ use cophase_core::signals::Telemetry;
 use crate::drives::Played;
 use crate::machine::Machine;
 use crate::pose::Pose;
-use crate::units::turns;
+use cophase_scene::units::turns;
 
 /// Receives each tick of a run.
 pub trait Observer {

@@ -11,7 +11,7 @@ use cophase_core::supervisor::State;
 use super::Moment;
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
-use crate::scene::file::Drive;
+use cophase_scene::file::Drive;
 
 /// Monitor of the shafts' errors.
 #[derive(Clone, Debug)]

@@ -9,8 +9,8 @@ use super::schedule::{Lateness, Schedule};
 use super::{Observer, Outcome, tick_us};
 use crate::checked::Checked;
 use crate::faults::Faults;
-use crate::scene::SceneError;
 use crate::virtual_time;
+use cophase_scene::SceneError;
 
 /// Controller and simulated machine, between two ticks of the loop.
 #[derive(Clone)]
@@ -84,9 +84,9 @@ fn schedule_of(checked: &Checked, controller: &Controller, most_ticks: u64) -> S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::file::{FaultAt, FaultName, Fidelity, LateAt};
-    use crate::scene::library;
     use crate::sim::Moment;
+    use cophase_scene::file::{FaultAt, FaultName, Fidelity, LateAt};
+    use cophase_scene::library;
 
     /// Records the ticks that are played.
     #[derive(Default)]

@@ -17,8 +17,8 @@ use crate::drives::SimulatedAxis;
 use crate::dynamics::plant::Figure;
 use crate::machine::{Machine, Peaks};
 use crate::mechanism::{AnyMechanism, Mechanism};
-use crate::scene::file::{FaultAt, FaultName, InputLine};
-use crate::units::{degrees, mps2, speed_hz};
+use cophase_scene::file::{FaultAt, FaultName, InputLine};
+use cophase_scene::units::{degrees, mps2, speed_hz};
 
 /// Accuracy of amax while the program holds it and the shaft has reached its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

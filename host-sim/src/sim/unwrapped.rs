@@ -5,7 +5,7 @@ use cophase_core::units::{Phase, Turns};
 /// Turns since power-up. Whole turns and the fraction are separate, so that the fraction keeps its resolution after a
 /// month of turns.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Unwrapped {
+pub struct Unwrapped {
     last: Phase,
     turns: i64,
     rest: i64,

@@ -8,12 +8,12 @@ use std::fmt::Write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use cophase_scene::file::MethodName;
+use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::checked::Output;
 use host_sim::fidelity::{Answers, check};
 use host_sim::machine::Machine;
-use host_sim::scene::file::MethodName;
-use host_sim::scene::load;
 
 use super::{machines, number, run};
 

@@ -12,14 +12,14 @@ use std::fmt::Write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use cophase_scene::file::{Fidelity, MethodName, Questions};
+use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::checked::{Choice, Output};
 use host_sim::dynamics::MOST_STEPS;
 use host_sim::fidelity::{Answers, answered, check};
 use host_sim::machine::Machine;
 use host_sim::model_level::{Bounds, available, questions};
-use host_sim::scene::file::{Fidelity, MethodName, Questions};
-use host_sim::scene::load;
 use host_sim::sim::simulate;
 
 /// A solution has converged if half its step changes it by at most this part of each tolerance.

@@ -3,7 +3,7 @@
 use cophase_link::board::{Board, Rp2040};
 use cophase_motion::pulse::PulseTiming;
 use cophase_motion::settings::PulseSettings;
-use host_sim::scene::file::{Axes, AxisOverrides, CamTable, Drive, Fidelity, Limits, Pulse};
+use cophase_scene::file::{Axes, AxisOverrides, CamTable, Drive, Fidelity, Limits, Pulse};
 
 use crate::source::Source;
 use crate::{Basis, Kind, cam, motors};

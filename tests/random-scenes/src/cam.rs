@@ -2,9 +2,9 @@
 
 use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
+use cophase_scene::file::{CamSegment, CamShaft, CamTable, Damper, LawName};
 use host_sim::cam::cam_of;
 use host_sim::mechanism::{AnyMechanism, Configured};
-use host_sim::scene::file::{CamSegment, CamShaft, CamTable, Damper, LawName};
 
 use crate::source::Source;
 use crate::{Basis, Kind, Kinds, TABLE_FILE};

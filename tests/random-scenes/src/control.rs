@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::mechanism::{AnyMechanism, Mechanism};
-use host_sim::scene::file::{
+use cophase_scene::file::{
     Axes, Band, Control, Correction, Drift, Drive, Index, InputName, Level, Limits, Link,
     LossReaction, Pulse, Wiring,
 };
+use host_sim::mechanism::{AnyMechanism, Mechanism};
 
 use crate::source::Source;
 use crate::{Basis, Kind};

@@ -1,6 +1,6 @@
 //! Events from outside: `[[command]]`, `[[input]]`, `[[late]]`; and `[scope]`.
 
-use host_sim::scene::file::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
+use cophase_scene::file::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
 
 use crate::Basis;
 use crate::source::Source;

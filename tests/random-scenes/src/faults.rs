@@ -1,8 +1,6 @@
 //! `[[fault]]` and `[noise]`.
 
-use host_sim::scene::file::{
-    Axes, AxisOverrides, Drive, FaultAt, FaultName, Fidelity, Lines, Noise,
-};
+use cophase_scene::file::{Axes, AxisOverrides, Drive, FaultAt, FaultName, Fidelity, Lines, Noise};
 
 use crate::source::Source;
 use crate::{Basis, Kind};

@@ -1,6 +1,6 @@
 //! `fidelity`, `[questions]` and `[method]`.
 
-use host_sim::scene::file::{Axes, Fidelity, Method, MethodName, Questions};
+use cophase_scene::file::{Axes, Fidelity, Method, MethodName, Questions};
 
 use crate::source::Source;
 use crate::{Basis, Kind, Kinds};

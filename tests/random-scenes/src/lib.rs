@@ -26,10 +26,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use cophase_scene::file::{Drive, Fidelity, Scene};
+use cophase_scene::{SceneError, load};
 use host_sim::checked::Checked;
 use host_sim::mechanism::{AnyMechanism, Mechanism};
-use host_sim::scene::file::{Drive, Fidelity, Scene};
-use host_sim::scene::{SceneError, load};
 
 use source::Source;
 pub use steady::steady;

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use cophase_scene::file::MechanismName;
+use cophase_scene::file::{Axes, Fidelity, Foundation, Frame, Machine, Platform, Rods};
 use host_sim::mechanism::{AnyMechanism, Configured, Mechanism};
-use host_sim::scene::file::MechanismName;
-use host_sim::scene::file::{Axes, Fidelity, Foundation, Frame, Machine, Platform, Rods};
 
 use crate::Basis;
 use crate::source::{Source, at_most};

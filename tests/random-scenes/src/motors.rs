@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
+use cophase_scene::file::{Drive, InductionDrive, Limits, ServoDrive};
 use host_sim::mechanism::Mechanism;
-use host_sim::scene::file::{Drive, InductionDrive, Limits, ServoDrive};
 
 use crate::source::{Source, at_most};
 use crate::{Basis, Kind};

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use cophase_scene::file::{Segment, Shape};
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::mechanism::Mechanism;
-use host_sim::scene::file::{Segment, Shape};
-use host_sim::units::STANDARD_GRAVITY_MPS2;
 
 use crate::Basis;
 use crate::source::{Source, at_most};

@@ -5,11 +5,11 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::mechanism::{AnyMechanism, Mechanism};
-use host_sim::scene::file::{
+use cophase_scene::file::{
     Drift, Fidelity, Limits, Method, Noise, Questions, Scene, Segment, Shape,
 };
-use host_sim::units::STANDARD_GRAVITY_MPS2;
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+use host_sim::mechanism::{AnyMechanism, Mechanism};
 
 use crate::source::{Source, at_most};
 use crate::{Basis, Drawn, Kinds, axes, machine};

@@ -4,14 +4,14 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use cophase_core::settings::Transmission;
+use cophase_files::report::draw_operating_range;
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::design::OutOfRange;
 use host_sim::design::platform::{Design, MotorChoice, Requirement, design, write_page};
 use host_sim::mechanism::Mechanism;
 use host_sim::operating_range::OperatingRange;
-use host_sim::report::draw_operating_range;
 use host_sim::setup::checked_from_text;
 use host_sim::setup::runnable;
-use host_sim::units::STANDARD_GRAVITY_MPS2;
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};

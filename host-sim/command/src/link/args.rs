@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use cophase_core::units::MAX_AXES;
+use cophase_files::trace::Window;
 use cophase_link::line::UART_BAUD;
-use host_sim::trace::Window;
 
 use super::record::ChannelName;
 use crate::numbers::{in_range, whole};

@@ -17,7 +17,7 @@ use cophase_link::message::{
 use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::sample::{Sample, unpack};
 use cophase_link::server::EVENTS;
-use host_sim::scene::file::FaultAt;
+use cophase_scene::file::FaultAt;
 
 use super::error::LinkError;
 use super::stops::Stops;

@@ -3,9 +3,9 @@
 use std::io;
 
 use cophase_core::supervisor::State;
+use cophase_files::report;
 use cophase_link::Condition;
 use cophase_link::message::{Refusal, Request};
-use host_sim::report;
 
 /// Reason why a request has no reply of use.
 #[derive(Debug, thiserror::Error)]

@@ -4,13 +4,13 @@ use std::io::Write;
 
 use clap::ValueEnum;
 use cophase_core::settings::Settings;
+use cophase_files::record::{Recorded, Recording, Stream};
+use cophase_files::report::{Frames, RecordedReport, recorded_summary};
+use cophase_files::trace::{Format, RunFiles, Window};
 use cophase_link::board::{Board, Rp2040};
 use cophase_link::decode;
 use cophase_link::message::{Counters, File, Identity, Request};
 use cophase_link::sample::{ALL_CHANNELS, Channel, Channels};
-use host_sim::record::{Recorded, Recording, Stream};
-use host_sim::report::{Frames, RecordedReport, recorded_summary};
-use host_sim::trace::{Format, RunFiles, Window};
 
 use super::Problem;
 use super::args::{LinkArgs, RecordArgs};

@@ -4,9 +4,9 @@ use std::io::{Seek, Write};
 use std::time::{Duration, Instant};
 
 use cophase_core::supervisor::State;
+use cophase_files::record::{Recorded, Recording, TAIL_S};
 use cophase_link::message::{Counters, EventRecord, Identity, Request};
 use cophase_link::sample::Sample;
-use host_sim::record::{Recorded, Recording, TAIL_S};
 use indicatif::ProgressBar;
 
 use super::Problem;

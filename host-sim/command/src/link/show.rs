@@ -4,12 +4,12 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use cophase_core::supervisor::State;
+use cophase_files::report;
 use cophase_link::message::{
     Control, Event, EventRecord, FaultRecord, Identity, Request, Status as MachineStatus,
     state_name,
 };
 use cophase_link::sample::flags;
-use host_sim::report;
 
 use super::Problem;
 use super::args::MonitorArgs;

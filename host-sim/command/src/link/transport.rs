@@ -7,9 +7,9 @@ use std::time::Duration;
 
 use cophase_link::frame::MAX_FRAME_BYTES;
 use cophase_link::server::Hub;
+use cophase_scene::file::FaultAt;
+use cophase_scene::load;
 use host_sim::live::SimulatedDevice;
-use host_sim::scene::file::FaultAt;
-use host_sim::scene::load;
 use serialport::SerialPort;
 
 use super::ports;
@@ -206,7 +206,7 @@ struct Simulated {
 impl Simulated {
     fn new(scene: &str, faults: Faults) -> Result<Self, String> {
         let checked = scenes::read(scene)?;
-        let refused = |e: host_sim::scene::SceneError| e.in_file(scene).to_string();
+        let refused = |e: cophase_scene::SceneError| e.in_file(scene).to_string();
         let checked = host_sim::fidelity::check(checked).map_err(refused)?;
         let device = match faults {
             Faults::OfScene => SimulatedDevice::new(checked, 1.0),

@@ -8,8 +8,8 @@ use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
 use cophase_link::message::{File, Identity, Request};
 use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::{MAX_FILE_BYTES, decode, encode};
-use host_sim::file_kind::FileKind;
-use host_sim::input_file;
+use cophase_scene::file_kind::FileKind;
+use cophase_scene::input_file;
 
 use super::Problem;
 use super::args::LoadArgs;

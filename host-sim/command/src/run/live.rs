@@ -2,9 +2,9 @@
 
 use std::net::SocketAddr;
 
+use cophase_files::trace::{RowShape, RowsUdp, SentRows};
 use host_sim::checked::Checked;
 use host_sim::live::WallClock;
-use host_sim::trace::{RowShape, RowsUdp, SentRows};
 
 use super::RunArgs;
 

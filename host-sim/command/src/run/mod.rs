@@ -18,18 +18,18 @@ use values::{formats, receiver, speed};
 
 use super::numbers::whole;
 use super::{CommandError, Status, expected, scenes};
+use cophase_files::report::draw_operating_range;
+use cophase_files::report::{self, Report};
+use cophase_files::trace::Written;
+use cophase_files::trace::{
+    Every, Format, Recorder, RunFiles, ScopeData, ScopeFrame, SentRows, Window, gtkwave_layout,
+};
+use cophase_scene::SceneError;
+use cophase_scene::library;
 use host_sim::checked::Checked;
 use host_sim::fidelity::{self, Answers};
 use host_sim::operating_range::OperatingRange;
-use host_sim::report::draw_operating_range;
-use host_sim::report::{self, Report};
-use host_sim::scene::SceneError;
-use host_sim::scene::library;
 use host_sim::sim::{self, Outcome, expected_ticks, simulate};
-use host_sim::trace::Written;
-use host_sim::trace::{
-    Every, Format, Recorder, RunFiles, ScopeData, ScopeFrame, SentRows, Window, gtkwave_layout,
-};
 
 /// Default files of a trace.
 const TRACE: [Format; 2] = [Format::Csv, Format::Vcd];

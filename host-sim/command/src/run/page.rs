@@ -1,9 +1,9 @@
 //! Marks of `scope.svg`.
 
-use host_sim::report;
+use cophase_files::report;
+use cophase_files::trace::ScopeData;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::EventKind;
-use host_sim::trace::ScopeData;
 
 /// Marks notable events on the page. The states have their own ribbon.
 pub(super) fn mark(scope: &mut ScopeData, outcome: &Outcome) {

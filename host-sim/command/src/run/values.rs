@@ -5,7 +5,7 @@ use std::net::{SocketAddr, ToSocketAddrs};
 use crate::address::Parts;
 use crate::numbers::{in_range, meant};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use host_sim::trace::{Format, Window};
+use cophase_files::trace::{Format, Window};
 
 pub(crate) fn window(text: &str) -> Result<Window, String> {
     if text == "all" {

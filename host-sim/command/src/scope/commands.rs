@@ -1,7 +1,7 @@
 //! Requests of browsers: the browsers that may make each request, and its form on the link.
 
 use cophase_link::message::{ControlRequest, File, Request as LinkRequest};
-use host_sim::scene::file::FaultAt;
+use cophase_scene::file::FaultAt;
 use serde_json::Value;
 
 use super::bench::Bench;

@@ -3,8 +3,8 @@
 use std::sync::mpsc::{Receiver, Sender};
 
 use cophase_core::settings::Settings;
+use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::scene::load;
 
 use super::bench::Job;
 use super::request::{Pending, Request};

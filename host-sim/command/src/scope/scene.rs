@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use cophase_link::message::Identity;
-use host_sim::file_kind::FileKind;
-use host_sim::input_file;
-use host_sim::scene::{library, load};
+use cophase_scene::file_kind::FileKind;
+use cophase_scene::input_file;
+use cophase_scene::{library, load};
 
 use super::ScopeArgs;
 

@@ -1,6 +1,6 @@
 //! Errors in cams with followers, and keys that belong to cranks.
 
-use host_sim::scene::library;
+use cophase_scene::library;
 
 use super::edit::{BASE, append, replace};
 use super::{Case, assert_all_refused, case};

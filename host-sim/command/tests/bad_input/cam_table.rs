@@ -1,6 +1,6 @@
 //! Errors in cam tables, in the axes that follow them, and in the screws that these axes turn.
 
-use host_sim::scene::{library, load};
+use cophase_scene::library;
 use host_sim::setup;
 
 use super::{Case, assert_all_refused, case};

@@ -1,6 +1,6 @@
 //! Errors in the mechanism and its load.
 
-use host_sim::scene::library;
+use cophase_scene::library;
 
 use super::edit::{before, rename, set, without};
 use super::{Case, assert_all_refused, case};

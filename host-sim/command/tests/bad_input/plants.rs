@@ -1,6 +1,6 @@
 //! Errors in machines other than platforms on cranks: their loads and their motors.
 
-use host_sim::scene::library;
+use cophase_scene::library;
 
 use super::{assert_all_refused, case};
 

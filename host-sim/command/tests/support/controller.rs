@@ -16,8 +16,8 @@ use cophase_link::message::{
     Counters, Identity, Message, Name, Refusal, ReplyBody, Request, VERSION,
 };
 use cophase_link::{Header, MAX_FILE_BYTES, encode};
+use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::scene::load;
 
 /// Names of the requests that arrived, with their times.
 pub type Log = Arc<Mutex<Vec<(String, Instant)>>>;

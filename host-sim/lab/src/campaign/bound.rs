@@ -23,7 +23,7 @@
 //! value. A stepper's rotor is at most a quarter of an electrical cycle from its commanded position, or it loses the cycle. So e is
 //! larger by two of these quarters, one ahead and one behind.
 
-use host_sim::scene::file::{Drive, FaultAt, FaultName, Limits, Scene};
+use cophase_scene::file::{Drive, FaultAt, FaultName, Limits, Scene};
 
 use super::geometry::Geometry;
 use super::watch::Place;
@@ -133,7 +133,7 @@ fn stop_s(limits: &Limits, beyond_limit: &Place) -> f64 {
 mod tests {
     use super::*;
     use cophase_core::supervisor::State;
-    use host_sim::scene::library;
+    use cophase_scene::library;
 
     fn place(speed_hz: f64) -> Place {
         Place {
@@ -164,7 +164,7 @@ mod tests {
         let scene = library::find("default").unwrap().scene();
         let geometry = Geometry::new(&scene).unwrap();
         let mut kinematic = scene.clone();
-        kinematic.fidelity = host_sim::scene::file::Fidelity::Kinematic;
+        kinematic.fidelity = cophase_scene::file::Fidelity::Kinematic;
         assert_eq!(tilt_mrad(&kinematic, &geometry, Some(&place(10.0))), 3.0);
     }
 }

@@ -6,7 +6,7 @@ use super::plan::strata::sensor;
 use super::row::Row;
 use super::shards::Shard;
 use super::tally::{Failure, Tally};
-use host_sim::scene::file::FaultName;
+use cophase_scene::file::FaultName;
 
 /// Run to examine alone.
 #[derive(Clone, Debug, PartialEq)]

@@ -59,7 +59,7 @@ pub struct Extra {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use host_sim::scene::library;
+    use cophase_scene::library;
 
     /// If this fails, the distance is too wide, and pulses that the loop must report are ignored. Or it is too narrow, and the loop has to
     /// report pulses that do no harm. A limit that allows one crank 4° allows a pulse 2° in either direction, and the flag's length after

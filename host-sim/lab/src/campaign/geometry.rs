@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use cophase_scene::file::Scene;
+use cophase_scene::units::spread;
 use host_sim::dynamics::Corners;
 use host_sim::mechanism::{AnyMechanism, Configured, Load, Mechanism};
-use host_sim::scene::file::Scene;
 use host_sim::setup::platform;
-use host_sim::units::spread;
 
 /// Number of crank angles among which the worst is searched. Steps of half a degree find a smooth maximum to 4e-5 of its value.
 const ANGLES: u32 = 720;
@@ -180,7 +180,7 @@ fn angles() -> impl Iterator<Item = f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use host_sim::scene::library;
+    use cophase_scene::library;
 
     /// If this fails, the bound is too low for a crank at its limit, or so high that it excludes nothing. Chords are shorter than tangents
     /// by less than e²/2 times the largest curvature 1 + λ, over the largest slope, which is above 1.

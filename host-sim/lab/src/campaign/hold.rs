@@ -2,7 +2,7 @@
 //!
 //! The enable line decides whether the drives hold. The state that the controller reports does not.
 
-use host_sim::scene::file::{Drive, FaultAt, FaultName, Scene};
+use cophase_scene::file::{Drive, FaultAt, FaultName, Scene};
 use host_sim::sim::Moment;
 
 use super::bound;
@@ -125,7 +125,7 @@ pub fn runaway_turns(scene: &Scene, geometry: Option<&Geometry>, rests_at_flag: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use host_sim::scene::library;
+    use cophase_scene::library;
 
     /// If this fails, growth counts while the machine moves or the drives are off, and every stop fails. Or it counts from the smallest
     /// tilt, or not at all, and a crank that slips away after the stop passes.

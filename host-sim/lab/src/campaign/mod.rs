@@ -33,10 +33,10 @@ pub mod watch;
 
 use rayon::prelude::*;
 
+use cophase_scene::SceneError;
 use geometry::Geometry;
 use host_sim::checked::Checked;
 use host_sim::faults::Planned;
-use host_sim::scene::SceneError;
 use host_sim::sim::{Outcome, Simulation};
 use plan::{Case, Plan};
 use response::Twin;

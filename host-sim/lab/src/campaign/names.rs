@@ -10,7 +10,7 @@
 
 use cophase_core::supervisor::FaultKind;
 
-use host_sim::scene::file::{FaultAt, FaultName};
+use cophase_scene::file::{FaultAt, FaultName};
 
 /// Circumstances of a run that decide which names are right.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use super::tally::{Group, Tally};
 use crate::chart::axis::Axis;
 use crate::chart::ink::{Ink, Stroke};
 use crate::chart::picture::{self, At, Level, Line, Panel, Picture};
-use host_sim::scene::file::FaultName;
+use cophase_scene::file::FaultName;
 
 /// Largest number of points of a line. More would not be visible.
 const MOST_POINTS: usize = 200;

@@ -131,7 +131,7 @@ mod tests {
     use super::super::interval::Rate;
     use super::super::plan::Plan;
     use super::*;
-    use host_sim::scene::file::FaultName;
+    use cophase_scene::file::FaultName;
 
     /// If this fails, the table multiplies a rate by a wrong share, or states a rate of a part as one of all faulty runs.
     #[test]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::judge::{Judgement, Verdict};
 use super::plan::Case;
 use super::watch::{Observation, ReportedFault};
-use host_sim::scene::file::{Drive, FaultAt, FaultName, Fidelity, Scene};
+use cophase_scene::file::{Drive, FaultAt, FaultName, Fidelity, Scene};
 use host_sim::sim::Outcome;
 
 /// Row of one run. Values that do not apply are empty.

@@ -216,7 +216,7 @@ fn refusal(plan: &Plan, name: &str) -> SelectionError {
 mod tests {
     use super::super::stratified;
     use super::*;
-    use host_sim::scene::file::FaultName;
+    use cophase_scene::file::FaultName;
 
     fn selection(plan: &Plan, names: &[&str], others: Option<u64>) -> Selection {
         let names: Vec<_> = names.iter().map(ToString::to_string).collect();

@@ -12,8 +12,8 @@ use super::plan::strata::Stratum;
 use super::plan::{Plan, VERSION};
 use super::row::Row;
 use super::selection::Selection;
-use host_sim::scene::Scene;
-use host_sim::version;
+use cophase_files::version;
+use cophase_scene::Scene;
 
 /// Scene of a campaign whose machines are drawn.
 pub const MACHINES: &str = "machines";

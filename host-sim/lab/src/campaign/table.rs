@@ -238,7 +238,7 @@ mod tests {
     use super::*;
     use crate::campaign::plan::Plan;
     use crate::campaign::tally::Failure;
-    use host_sim::scene::file::FaultName;
+    use cophase_scene::file::FaultName;
 
     /// If this fails, the list of what is not as claimed contradicts the exit status of the campaign.
     #[test]

@@ -7,7 +7,7 @@ use super::judge::Verdict;
 use super::plan::faults::KINDS;
 use super::row::Row;
 use super::shards::Shard;
-use host_sim::scene::file::FaultName;
+use cophase_scene::file::FaultName;
 
 /// Faulty runs of one kind.
 #[derive(Clone, Debug, Default)]

@@ -18,12 +18,12 @@ use super::geometry::Geometry;
 use super::hold::{self, Hold};
 use super::response::{Now, Responded, Responses, Twin};
 use super::truth::Truth;
+use cophase_scene::file::{FaultAt, FaultName};
+use cophase_scene::units::{nearest, speed_hz};
 use host_sim::axes::{Axes, per_axis};
 use host_sim::checked::Checked;
-use host_sim::scene::file::{FaultAt, FaultName};
 use host_sim::sim::event_watch::{EventWatch, NewEvents};
 use host_sim::sim::{Moment, Observer};
-use host_sim::units::{nearest, speed_hz};
 
 /// Place in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,14 +8,14 @@ use super::ink::{Ink, Stroke};
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::yardstick::Yardstick;
 use super::{ChartError, Drawn, Progress, Size};
+use cophase_scene::SceneError;
+use cophase_scene::file::Fidelity;
+use cophase_scene::library::{BuiltIn, SCENES};
 use host_sim::checked::Checked;
 use host_sim::checked::Judged;
 use host_sim::fidelity::{Answers, answers, check, compare};
 use host_sim::machine::Machine;
 use host_sim::model_level::{Bounds, available, judge, questions};
-use host_sim::scene::SceneError;
-use host_sim::scene::file::Fidelity;
-use host_sim::scene::library::{BuiltIn, SCENES};
 
 /// Range of error over tolerance that is shown; smaller values are drawn at the bottom.
 const SHOWN: (f64, f64) = (1e-4, 1e2);

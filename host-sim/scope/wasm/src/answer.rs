@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use cophase_scene::SceneError;
 use host_sim::checked::Checked;
-use host_sim::scene::SceneError;
 use serde::Serialize;
 
 use crate::Preview;

@@ -11,7 +11,7 @@
 
 use std::cell::RefCell;
 
-use host_sim::trace::Envelope;
+use cophase_files::trace::Envelope;
 
 use crate::{CHANNELS, compute};
 

@@ -2,7 +2,7 @@
 //!
 //! The page of `cophase scope` calls this crate as WebAssembly. It checks the scene's text as `cophase run` does, with the same
 //! errors. Then it runs the same control loop with an undisturbed machine, and folds every tick into an
-//! [`Envelope`](host_sim::trace::Envelope).
+//! [`Envelope`](cophase_files::trace::Envelope).
 //!
 //! [`compute`] is the whole computation; `exports` is its interface for JavaScript. `host-sim/scope/build` compiles it.
 

@@ -5,14 +5,14 @@ use std::f64::consts::TAU;
 use cophase_core::mechanism::{AnyMechanism, Mechanism};
 use cophase_core::supervisor::State;
 use cophase_core::units::Turns;
+use cophase_files::trace::Envelope;
+use cophase_scene::SceneError;
+use cophase_scene::file::Noise;
+use cophase_scene::units::{mps2, speed_hz, turns};
 use host_sim::checked::Checked;
 use host_sim::model_level::LADDER;
-use host_sim::scene::SceneError;
-use host_sim::scene::file::Noise;
 use host_sim::setup;
 use host_sim::sim::{Moment, Observer, simulate_first};
-use host_sim::trace::Envelope;
-use host_sim::units::{mps2, speed_hz, turns};
 
 use crate::answer::{Answer, Ended, Scene};
 

@@ -7,7 +7,7 @@ use std::fs;
 use clap::Parser;
 use cophase::{Command, Status};
 use cophase_random_scenes::{Kinds, draw};
-use host_sim::scene::library;
+use cophase_scene::library;
 
 /// Changes of the built-in scene `default`, each of which makes a wrong text: the replaced text, and the new one.
 const WRONG: [(&str, &str); 12] = [

@@ -1,8 +1,8 @@
 //! Tests of the bounds of a preview, and of the disturbances that it leaves out.
 
+use cophase_files::trace::Envelope;
+use cophase_scene::library;
 use cophase_scope_wasm::{Answer, compute};
-use host_sim::scene::library;
-use host_sim::trace::Envelope;
 
 const TICK_HZ: f64 = 2000.0;
 

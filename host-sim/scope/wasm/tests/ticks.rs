@@ -13,10 +13,10 @@ use cophase_core::mechanism::Mechanism;
 use cophase_core::supervisor::State;
 use cophase_core::units::{ONE_TURN, Turns};
 use cophase_random_scenes::{Kinds, draw};
+use cophase_scene::file::Noise;
+use cophase_scene::{library, load};
 use host_sim::checked::Checked;
-use host_sim::fidelity;
-use host_sim::scene::file::Noise;
-use host_sim::scene::{library, load};
+use host_sim::model_level;
 use host_sim::setup;
 use host_sim::sim::{Moment, Observer, simulate};
 

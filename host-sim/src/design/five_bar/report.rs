@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::Design;
-use crate::digits::four;
+use cophase_scene::digits::four;
 
 /// Writes the page.
 ///

@@ -6,7 +6,7 @@ use cophase_methods::problems::crusher::Speeds;
 
 use super::{Design, Dynamic};
 use crate::design::page::row;
-use crate::digits::four;
+use cophase_scene::digits::four;
 
 /// Writes the design as text, with the speeds under rock if they were computed.
 ///

@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 
 use crate::design::range::{OutOfRange, Range};
 use crate::mechanism::{Load, Platform};
-use crate::units::STANDARD_GRAVITY_MPS2;
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 /// Numbers of steps A, B, C, E and H of the method, and the two that step I needs in addition.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use super::steps::Design;
 use super::warning::Warning;
 use crate::design::scene::{aligned, comment, number};
 use crate::mechanism::Mechanism;
-use crate::units::STANDARD_GRAVITY_MPS2;
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 /// Ratio of the speed limit to the design's frequency, and the greatest limit that scenes accept, rev/s.
 const MARGIN: f64 = 1.05;

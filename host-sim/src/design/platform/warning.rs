@@ -4,9 +4,9 @@ use core::fmt;
 
 use super::motor::MotorChoice;
 use super::steps::Design;
-use crate::digits::{degrees, four, percent};
 use crate::mechanism::slider_crank::{Extremum, SliderCrank};
-use crate::units::STANDARD_GRAVITY_MPS2;
+use cophase_scene::digits::{degrees, four, percent};
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 /// Smallest relative error of two-term values that is reported. Motors come in coarser steps.
 const NOTICEABLE: f64 = 0.005;

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::Design;
 use crate::design::page::row;
-use crate::digits::four;
+use cophase_scene::digits::four;
 
 /// Designs that the source mixes: name, amplitude in mm, and the figures of the source that belong
 /// to the design.

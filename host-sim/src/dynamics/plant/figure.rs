@@ -13,7 +13,7 @@ pub struct Figure {
 
 impl Figure {
     /// Key and value, for the report.
-    pub(crate) fn entry(&self) -> (&'static str, Option<f64>) {
+    pub fn entry(&self) -> (&'static str, Option<f64>) {
         (self.key, self.value)
     }
 }

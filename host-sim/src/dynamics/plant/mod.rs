@@ -12,7 +12,7 @@ use std::fmt::Debug;
 
 use super::{Body, Field, MOST, Mode, PlaneMotion};
 use crate::pose::Pose;
-use crate::scene::file::Fidelity;
+use cophase_scene::file::Fidelity;
 
 /// Values that a drive law keeps from tick to tick.
 pub type Memory = [f64; 4];

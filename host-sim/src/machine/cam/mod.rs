@@ -17,8 +17,8 @@ use cophase_methods::problems::{Cam, Chain};
 use cophase_methods::{Scheme, StepError};
 
 use crate::checked::Checked;
-use crate::scene::SceneError;
-use crate::scene::file::Fidelity;
+use cophase_scene::SceneError;
+use cophase_scene::file::Fidelity;
 use elastic::Elastic;
 use screw::Screws;
 

@@ -6,8 +6,8 @@ use cophase_core::mechanism::CrankRockerSettings;
 
 use super::{CrankRocker, Linkage};
 use crate::mechanism::Configured;
-use crate::scene::SceneError;
-use crate::scene::file::Machine;
+use cophase_scene::SceneError;
+use cophase_scene::file::Machine;
 
 impl Configured for CrankRocker {
     type Settings = CrankRockerSettings;
@@ -23,7 +23,7 @@ impl Configured for CrankRocker {
         /// Range of leads whose travel per radian the core accepts as a crank radius, rounded inwards.
         const LEADS_MM: (f64, f64) = (0.63, 3000.0);
         let lead_mm = machine.needed("machine.screw_lead_mm")?;
-        crate::scene::in_range("machine.screw_lead_mm", lead_mm, LEADS_MM.0, LEADS_MM.1)?;
+        cophase_scene::in_range("machine.screw_lead_mm", lead_mm, LEADS_MM.0, LEADS_MM.1)?;
         Ok(lead_mm / 1e3 / TAU)
     }
 

@@ -5,8 +5,8 @@ use cophase_core::settings::Problem;
 
 use super::SliderCrank;
 use crate::mechanism::Configured;
-use crate::scene::SceneError;
-use crate::scene::file::Machine;
+use cophase_scene::SceneError;
+use cophase_scene::file::Machine;
 
 impl Configured for SliderCrank {
     type Settings = SliderCrankSettings;

@@ -7,7 +7,7 @@ use super::{frame, rods};
 use crate::checked::Output;
 use crate::dynamics::Driven;
 use crate::mechanism::Mechanism;
-use crate::scene::file::Fidelity;
+use cophase_scene::file::Fidelity;
 
 /// Factor for effects that the computation neglects: coefficients that change within a turn, and transients.
 ///

@@ -7,9 +7,9 @@ use nalgebra::{Complex, Matrix3, Vector3};
 
 use crate::checked::Checked;
 use crate::checked::Output;
-use crate::scene::SceneError;
-use crate::scene::file::Fidelity;
 use cophase_methods::problems::{Cam, Links, Shaft};
+use cophase_scene::SceneError;
+use cophase_scene::file::Fidelity;
 
 /// Number of harmonics of the law. The jerk of a modified sine jumps, so harmonic n of its acceleration falls as 1/n². The harmonics
 /// beyond these are some percent of the peak, which [`TAIL`] allows for.

@@ -20,8 +20,8 @@ use crate::checked::Output;
 use crate::dynamics::{Driven, Mode};
 use crate::machine::{Machine, Rotors};
 use crate::operating_range::OperatingRange;
-use crate::scene::SceneError;
-use crate::scene::file::{self, Fidelity, Rods};
+use cophase_scene::SceneError;
+use cophase_scene::file::{self, Fidelity, Rods};
 
 /// Bounds of all model levels of a scene's machine.
 #[derive(Clone, Debug)]

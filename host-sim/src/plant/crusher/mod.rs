@@ -30,7 +30,7 @@ use cophase_methods::problems::crusher::{Jaw, Linkage, Load};
 use crate::dynamics::plant::{Plant, Record, Shafts};
 use crate::dynamics::{Body, PlaneMotion};
 use crate::pose::Pose;
-use crate::scene::file::Fidelity;
+use cophase_scene::file::Fidelity;
 
 use record::CrusherRecord;
 

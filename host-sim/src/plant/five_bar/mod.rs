@@ -31,7 +31,7 @@ use nalgebra::{Matrix2, Vector2};
 use crate::dynamics::plant::{Memory, Plant, Record, Shafts};
 use crate::dynamics::{Body, Field, MOST, Mode, PlaneMotion};
 use crate::pose::Pose;
-use crate::scene::file::Fidelity;
+use cophase_scene::file::Fidelity;
 
 pub use path::{Motion, NoTable, Path};
 use record::ArmRecord;

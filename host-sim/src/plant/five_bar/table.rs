@@ -11,212 +11,210 @@ use super::path::{NoTable, Path};
 use crate::drives::AtCrank;
 use crate::mechanism::five_bar::{FiveBar, Unreachable};
 use crate::plant::{Made, Table};
-use crate::scene::file::{Assembly, AxisOverrides, CamTable, ContactTable, FiveBarTable, Plane};
-use crate::scene::{Scene, SceneError, in_range};
-use crate::units::STANDARD_GRAVITY_MPS2;
+use cophase_scene::file::{Assembly, AxisOverrides, CamTable, ContactTable, FiveBarTable, Plane};
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+use cophase_scene::{Scene, SceneError, in_range};
 
-impl Assembly {
-    /// Index among the solutions of the inverse kinematics.
-    const fn number(self) -> usize {
-        match self {
-            Self::Left => 0,
-            Self::Right => 1,
-        }
+/// Index among the solutions of the inverse kinematics.
+const fn number(mode: Assembly) -> usize {
+    match mode {
+        Assembly::Left => 0,
+        Assembly::Right => 1,
     }
 }
 
-impl ContactTable {
-    /// Sensor of the force, with the source's converter.
-    fn sensor(&self) -> ForceSensor {
-        ForceSensor {
-            full_scale_n: self.sensor_n,
-            ..ForceSensor::SOURCE
-        }
+/// Sensor of the force, with the source's converter.
+fn sensor(contact: &ContactTable) -> ForceSensor {
+    ForceSensor {
+        full_scale_n: contact.sensor_n,
+        ..ForceSensor::SOURCE
     }
 }
 
 /// Names of the joints' cam tables.
 const JOINTS: [&str; 2] = ["joint-1", "joint-2"];
 
-impl FiveBarTable {
-    fn links(&self) -> FiveBar {
-        FiveBar {
-            l1_m: self.links_mm[0] / 1e3,
-            l4_m: self.links_mm[2] / 1e3,
-        }
+fn links(table: &FiveBarTable) -> FiveBar {
+    FiveBar {
+        l1_m: table.links_mm[0] / 1e3,
+        l4_m: table.links_mm[2] / 1e3,
     }
+}
 
-    fn check(&self) -> Result<(), SceneError> {
-        for (i, &length_mm) in self.links_mm.iter().enumerate() {
-            in_range(&format!("five_bar.links_mm[{i}]"), length_mm, 1.0, 10_000.0)?;
-        }
-        for (i, &mass_kg) in self.links_kg.iter().enumerate() {
-            in_range(&format!("five_bar.links_kg[{i}]"), mass_kg, 1e-3, 1e4)?;
-        }
-        in_range("five_bar.tool_kg", self.tool_kg, 0.0, 1e4)?;
-        in_range("five_bar.speed_mm_per_s", self.speed_mm_per_s, 1e-3, 1e5)?;
-        in_range("five_bar.blend_s", self.blend_s, 1e-3, 1e3)?;
-        in_range("five_bar.margin", self.margin, 1e-3, 1.0)?;
-        in_range("five_bar.lift_n", self.lift_n, 0.0, 1e5)?;
-        in_range("five_bar.rope_mm", self.rope_mm, 1.0, 1e5)?;
-        for (i, point) in self.path_mm.iter().enumerate() {
-            for (axis, &mm) in point.iter().enumerate() {
-                let key = format!("five_bar.path_mm[{i}][{axis}]");
-                in_range(&key, mm, -20_000.0, 20_000.0)?;
-            }
-        }
-        for (axis, &mm) in self.balancer_mm.iter().flatten().enumerate() {
-            let key = format!("five_bar.balancer_mm[{axis}]");
+fn check(table: &FiveBarTable) -> Result<(), SceneError> {
+    for (i, &length_mm) in table.links_mm.iter().enumerate() {
+        in_range(&format!("five_bar.links_mm[{i}]"), length_mm, 1.0, 10_000.0)?;
+    }
+    for (i, &mass_kg) in table.links_kg.iter().enumerate() {
+        in_range(&format!("five_bar.links_kg[{i}]"), mass_kg, 1e-3, 1e4)?;
+    }
+    in_range("five_bar.tool_kg", table.tool_kg, 0.0, 1e4)?;
+    in_range("five_bar.speed_mm_per_s", table.speed_mm_per_s, 1e-3, 1e5)?;
+    in_range("five_bar.blend_s", table.blend_s, 1e-3, 1e3)?;
+    in_range("five_bar.margin", table.margin, 1e-3, 1.0)?;
+    in_range("five_bar.lift_n", table.lift_n, 0.0, 1e5)?;
+    in_range("five_bar.rope_mm", table.rope_mm, 1.0, 1e5)?;
+    for (i, point) in table.path_mm.iter().enumerate() {
+        for (axis, &mm) in point.iter().enumerate() {
+            let key = format!("five_bar.path_mm[{i}][{axis}]");
             in_range(&key, mm, -20_000.0, 20_000.0)?;
         }
-        if self.path_mm.len() < 2 {
-            return Err(SceneError::at(
-                "five_bar.path_mm",
-                "has fewer than two points; give the points of the path, such as [[0, 300], [200, 300]]",
-            ));
-        }
-        let Some(contact) = &self.contact else {
-            return Ok(());
+    }
+    for (axis, &mm) in table.balancer_mm.iter().flatten().enumerate() {
+        let key = format!("five_bar.balancer_mm[{axis}]");
+        in_range(&key, mm, -20_000.0, 20_000.0)?;
+    }
+    if table.path_mm.len() < 2 {
+        return Err(SceneError::at(
+            "five_bar.path_mm",
+            "has fewer than two points; give the points of the path, such as [[0, 300], [200, 300]]",
+        ));
+    }
+    let Some(contact) = &table.contact else {
+        return Ok(());
+    };
+    let key = |name: &str| format!("five_bar.contact.{name}");
+    in_range(&key("sensor_n"), contact.sensor_n, 0.1, 1e5)?;
+    in_range(&key("force_n"), contact.force_n, 0.0, 1e4)?;
+    let sensor = sensor(contact);
+    // The law needs a reading above the force to hold it from both sides.
+    if contact.force_n > sensor.max_n() - sensor.step_n() {
+        return Err(SceneError::at(
+            key("force_n"),
+            format!(
+                "{} N is beyond what the force sensor measures, so the law cannot hold it: five_bar.contact.sensor_n = {} N reaches {:.2} N; \
+                 lower the force or give a sensor of a wider range",
+                contact.force_n,
+                contact.sensor_n,
+                sensor.max_n()
+            ),
+        ));
+    }
+    in_range(
+        &key("stiffness_n_per_mm"),
+        contact.stiffness_n_per_mm,
+        1e-3,
+        1e6,
+    )?;
+    in_range(&key("damping_ns_per_m"), contact.damping_ns_per_m, 0.0, 1e6)?;
+    in_range(&key("position_per_s2"), contact.position_per_s2, 0.0, 1e6)?;
+    in_range(&key("velocity_per_s"), contact.velocity_per_s, 0.0, 1e4)?;
+    in_range(&key("force_per_s"), contact.force_per_s, 0.0, 1e4)?;
+    if table.path_mm.len() > 2 {
+        return Err(SceneError::at(
+            "five_bar.contact",
+            "is a plane surface along one line, and five_bar.path_mm has more than two points; give two",
+        ));
+    }
+    Ok(())
+}
+
+fn path(table: &FiveBarTable) -> Result<Path, SceneError> {
+    let points: Vec<_> = table
+        .path_mm
+        .iter()
+        .map(|mm| mm.map(|mm| mm / 1e3))
+        .collect();
+    Path::new(&points, table.speed_mm_per_s / 1e3, table.blend_s).map_err(|short| {
+        SceneError::at(
+            "five_bar.path_mm",
+            format!(
+                "has a line of {:.4} mm, which is too short for blends of {} s at {} mm/s; lengthen it, shorten the blends or lower the speed",
+                1e3 * short.length_m,
+                table.blend_s,
+                table.speed_mm_per_s
+            ),
+        )
+    })
+}
+
+fn tables(table: &FiveBarTable, path: &Path) -> Result<([Vec<f64>; 2], f64), SceneError> {
+    let [l1, _, l4] = table.links_mm;
+    let at = |point: [f64; 2]| format!("({:.1}, {:.1}) mm", 1e3 * point[0], 1e3 * point[1]);
+    path.tables(&links(table), number(table.mode), table.margin).map_err(|no| {
+        let problem = match no {
+            NoTable::Unreachable(point, Unreachable::Beyond(reach)) => format!(
+                "passes {}, {:.1} mm from the axis, and links 1 and 4 reach {} mm; move it nearer or lengthen the links",
+                at(point),
+                1e3 * reach,
+                l1 + l4
+            ),
+            NoTable::Unreachable(point, _) => format!(
+                "passes {}, nearer to the axis than links 1 and 4 differ by, {} mm; move it away",
+                at(point),
+                (l1 - l4).abs()
+            ),
+            NoTable::Singular(point, sine) => format!(
+                "passes {}, where |sin(q1 − q2)| is {sine:.3}, below five_bar.margin = {}: the arm is nearly singular there; move the path or lower the margin",
+                at(point),
+                table.margin
+            ),
         };
-        let key = |name: &str| format!("five_bar.contact.{name}");
-        in_range(&key("sensor_n"), contact.sensor_n, 0.1, 1e5)?;
-        in_range(&key("force_n"), contact.force_n, 0.0, 1e4)?;
-        let sensor = contact.sensor();
-        // The law needs a reading above the force to hold it from both sides.
-        if contact.force_n > sensor.max_n() - sensor.step_n() {
-            return Err(SceneError::at(
-                key("force_n"),
-                format!(
-                    "{} N is beyond what the force sensor measures, so the law cannot hold it: five_bar.contact.sensor_n = {} N reaches {:.2} N; \
-                     lower the force or give a sensor of a wider range",
-                    contact.force_n,
-                    contact.sensor_n,
-                    sensor.max_n()
-                ),
-            ));
-        }
-        in_range(
-            &key("stiffness_n_per_mm"),
-            contact.stiffness_n_per_mm,
-            1e-3,
-            1e6,
-        )?;
-        in_range(&key("damping_ns_per_m"), contact.damping_ns_per_m, 0.0, 1e6)?;
-        in_range(&key("position_per_s2"), contact.position_per_s2, 0.0, 1e6)?;
-        in_range(&key("velocity_per_s"), contact.velocity_per_s, 0.0, 1e4)?;
-        in_range(&key("force_per_s"), contact.force_per_s, 0.0, 1e4)?;
-        if self.path_mm.len() > 2 {
-            return Err(SceneError::at(
-                "five_bar.contact",
-                "is a plane surface along one line, and five_bar.path_mm has more than two points; give two",
-            ));
-        }
-        Ok(())
-    }
+        SceneError::at("five_bar.path_mm", problem)
+    })
+}
 
-    fn path(&self) -> Result<Path, SceneError> {
-        let points: Vec<_> = self
-            .path_mm
-            .iter()
-            .map(|mm| mm.map(|mm| mm / 1e3))
-            .collect();
-        Path::new(&points, self.speed_mm_per_s / 1e3, self.blend_s).map_err(|short| {
-            SceneError::at(
-                "five_bar.path_mm",
-                format!(
-                    "has a line of {:.4} mm, which is too short for blends of {} s at {} mm/s; lengthen it, shorten the blends or lower the speed",
-                    1e3 * short.length_m,
-                    self.blend_s,
-                    self.speed_mm_per_s
-                ),
-            )
-        })
-    }
-
-    fn tables(&self, path: &Path) -> Result<([Vec<f64>; 2], f64), SceneError> {
-        let [l1, _, l4] = self.links_mm;
-        let at = |point: [f64; 2]| format!("({:.1}, {:.1}) mm", 1e3 * point[0], 1e3 * point[1]);
-        path.tables(&self.links(), self.mode.number(), self.margin).map_err(|no| {
-            let problem = match no {
-                NoTable::Unreachable(point, Unreachable::Beyond(reach)) => format!(
-                    "passes {}, {:.1} mm from the axis, and links 1 and 4 reach {} mm; move it nearer or lengthen the links",
-                    at(point),
-                    1e3 * reach,
-                    l1 + l4
-                ),
-                NoTable::Unreachable(point, _) => format!(
-                    "passes {}, nearer to the axis than links 1 and 4 differ by, {} mm; move it away",
-                    at(point),
-                    (l1 - l4).abs()
-                ),
-                NoTable::Singular(point, sine) => format!(
-                    "passes {}, where |sin(q1 − q2)| is {sine:.3}, below five_bar.margin = {}: the arm is nearly singular there; move the path or lower the margin",
-                    at(point),
-                    self.margin
-                ),
-            };
-            SceneError::at("five_bar.path_mm", problem)
-        })
-    }
-
-    fn arm(&self, scene: &Scene, path: Path, (tables, least_sine): ([Vec<f64>; 2], f64)) -> Arm {
-        let [l1, l2, l4] = self.links_mm.map(|mm| mm / 1e3);
-        let lengths = [l1, l2, l1, l4];
-        let direction = path.direction();
-        let normal = [-direction[1], direction[0]];
-        let start = path.start_m();
-        let middle = path.at(0.25).at_m;
-        let below_m = self.balancer_mm.map_or(middle, |mm| mm.map(|mm| mm / 1e3));
-        let is_vertical = self.plane == Plane::Vertical;
-        let suspension = match self.plane {
-            _ if self.lift_n == 0.0 => Load::None,
-            Plane::Vertical => Load::Balancer(self.lift_n),
-            Plane::Horizontal => Load::Rope {
-                lift_n: self.lift_n,
-                length_m: self.rope_mm / 1e3,
-                below_m,
-            },
-        };
-        let limits_nm =
-            (0..scene.axes.count).filter_map(|i| AtCrank::new(scene, i).servo?.limit_nm);
-        let limit_nm = limits_nm.reduce(f64::min);
-        Arm {
-            arm: FiveBarArm {
-                rods: [0, 1, 2, 3].map(|i| Rod {
-                    length_m: lengths[i],
-                    mass_kg: self.links_kg[i],
-                }),
-                hand_kg: self.tool_kg,
-                gravity_mps2: if is_vertical {
-                    STANDARD_GRAVITY_MPS2
-                } else {
-                    0.0
-                },
-                // The axes already have the friction.
-                friction_nm: [0.0; 2],
-                friction_speed_rad_s: 1.0,
-                load: suspension,
-                surface: self.contact.map(|contact| Surface {
-                    normal,
-                    distance_m: start[0] * normal[0] + start[1] * normal[1],
-                    stiffness_n_per_m: 1e3 * contact.stiffness_n_per_mm,
-                    damping_ns_per_m: contact.damping_ns_per_m,
-                }),
-                torque_nm: [0.0; 2],
-            },
-            law: self.contact.map(|contact| HybridLaw {
-                position_per_s2: contact.position_per_s2,
-                velocity_per_s: contact.velocity_per_s,
-                force_per_s: contact.force_per_s,
-                required_n: contact.force_n,
-                limit_nm: limit_nm.unwrap_or(f64::INFINITY),
-                sensor: contact.sensor(),
-                integral_ns: 0.0,
+fn arm(
+    table: &FiveBarTable,
+    scene: &Scene,
+    path: Path,
+    (tables, least_sine): ([Vec<f64>; 2], f64),
+) -> Arm {
+    let [l1, l2, l4] = table.links_mm.map(|mm| mm / 1e3);
+    let lengths = [l1, l2, l1, l4];
+    let direction = path.direction();
+    let normal = [-direction[1], direction[0]];
+    let start = path.start_m();
+    let middle = path.at(0.25).at_m;
+    let below_m = table.balancer_mm.map_or(middle, |mm| mm.map(|mm| mm / 1e3));
+    let is_vertical = table.plane == Plane::Vertical;
+    let suspension = match table.plane {
+        _ if table.lift_n == 0.0 => Load::None,
+        Plane::Vertical => Load::Balancer(table.lift_n),
+        Plane::Horizontal => Load::Rope {
+            lift_n: table.lift_n,
+            length_m: table.rope_mm / 1e3,
+            below_m,
+        },
+    };
+    let limits_nm = (0..scene.axes.count).filter_map(|i| AtCrank::new(scene, i).servo?.limit_nm);
+    let limit_nm = limits_nm.reduce(f64::min);
+    Arm {
+        arm: FiveBarArm {
+            rods: [0, 1, 2, 3].map(|i| Rod {
+                length_m: lengths[i],
+                mass_kg: table.links_kg[i],
             }),
-            path,
-            quarter_rad: tables.map(|turns| turns[turns.len() / 4] * TAU),
-            least_sine,
-        }
+            hand_kg: table.tool_kg,
+            gravity_mps2: if is_vertical {
+                STANDARD_GRAVITY_MPS2
+            } else {
+                0.0
+            },
+            // The axes already have the friction.
+            friction_nm: [0.0; 2],
+            friction_speed_rad_s: 1.0,
+            load: suspension,
+            surface: table.contact.map(|contact| Surface {
+                normal,
+                distance_m: start[0] * normal[0] + start[1] * normal[1],
+                stiffness_n_per_m: 1e3 * contact.stiffness_n_per_mm,
+                damping_ns_per_m: contact.damping_ns_per_m,
+            }),
+            torque_nm: [0.0; 2],
+        },
+        law: table.contact.map(|contact| HybridLaw {
+            position_per_s2: contact.position_per_s2,
+            velocity_per_s: contact.velocity_per_s,
+            force_per_s: contact.force_per_s,
+            required_n: contact.force_n,
+            limit_nm: limit_nm.unwrap_or(f64::INFINITY),
+            sensor: sensor(&contact),
+            integral_ns: 0.0,
+        }),
+        path,
+        quarter_rad: tables.map(|turns| turns[turns.len() / 4] * TAU),
+        least_sine,
     }
 }
 
@@ -239,9 +237,9 @@ impl Table for FiveBarTable {
 
     /// Adds a cam table for each joint. Program entries without a level get the one at which the path has its own speed.
     fn fill(&self, scene: &mut Scene) -> Result<(), SceneError> {
-        self.check()?;
-        let path = self.path()?;
-        let (tables, _) = self.tables(&path)?;
+        check(self)?;
+        let path = path(self)?;
+        let (tables, _) = tables(self, &path)?;
         let is_made = |table: &CamTable| table.segments.is_empty() && table.file.is_none();
         let own = |table: &CamTable| is_made(table) && JOINTS.contains(&table.name.as_str());
         if let Some(i) = scene.cam_table.iter().position(|table| !own(table)) {
@@ -284,11 +282,11 @@ impl Table for FiveBarTable {
     }
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
-        self.check()?;
-        let path = self.path()?;
-        let tables = self.tables(&path)?;
+        check(self)?;
+        let path = path(self)?;
+        let tables = tables(self, &path)?;
         let radius = ("five_bar.path_mm", path.radius_m());
-        let arm = self.arm(scene, path, tables);
+        let arm = arm(self, scene, path, tables);
         Made::square_law(scene, self.key(), radius, Arc::new(arm))
     }
 }

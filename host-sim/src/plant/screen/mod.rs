@@ -28,7 +28,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::dynamics::plant::{Plant, Record, Shafts};
 use crate::dynamics::{Body, Mode, PlaneMotion};
 use crate::pose::Pose;
-use crate::scene::file::Fidelity;
+use cophase_scene::file::Fidelity;
 
 use record::ScreenRecord;
 

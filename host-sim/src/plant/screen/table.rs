@@ -7,103 +7,101 @@ use std::sync::Arc;
 use super::{Screen, Sufficient};
 use crate::drives::{AtCrank, PullOut};
 use crate::plant::{Made, Table};
-use crate::scene::file::{Band, ScreenTable};
-use crate::scene::{Scene, SceneError, in_range};
+use cophase_scene::file::{Band, ScreenTable};
+use cophase_scene::{Scene, SceneError, in_range};
 
-impl ScreenTable {
-    fn screen(&self, scene: &Scene) -> Result<Screen, SceneError> {
-        in_range("screen.box_kg", self.box_kg, 1.0, 1e5)?;
-        in_range("screen.length_mm", self.length_mm, 100.0, 20_000.0)?;
-        in_range("screen.block_kg", self.block_kg, 0.01, 1e4)?;
-        in_range("screen.eccentricity_mm", self.eccentricity_mm, 0.1, 1000.0)?;
-        let stiffness = self.stiffness_n_per_mm;
-        in_range("screen.stiffness_n_per_mm", stiffness, 0.1, 1e6)?;
-        in_range("screen.zeta", self.zeta, 0.001, 0.7)?;
-        in_range("screen.gravity_mps2", self.gravity_mps2, 0.0, 20.0)?;
-        if self.shafts_mm.len() != scene.axes.count {
-            return Err(SceneError::at(
-                "screen.shafts_mm",
-                format!(
-                    "has {} places, and axes.count is {}; give one an axis",
-                    self.shafts_mm.len(),
-                    scene.axes.count
-                ),
-            ));
-        }
-        let half_mm = self.length_mm / 2.0;
-        for (i, &place_mm) in self.shafts_mm.iter().enumerate() {
-            let key = format!("screen.shafts_mm[{i}]");
-            in_range(&key, place_mm, -half_mm, half_mm)?;
-        }
-        let axes = &scene.axes;
-        let length_m = self.length_mm / 1e3;
-        let mut screen = Screen {
-            box_kg: self.box_kg,
-            pitch_kgm2: self.box_kg * length_m * length_m / 12.0,
-            block_kg: self.block_kg,
-            eccentricity_m: self.eccentricity_mm / 1e3,
-            places_m: self.shafts_mm.iter().map(|mm| mm / 1e3).collect(),
-            stiffness_n_per_m: self.stiffness_n_per_mm * 1e3,
-            zeta: self.zeta,
-            springs_m: length_m / 2.0,
-            gravity_mps2: self.gravity_mps2,
-            phases_turns: (0..axes.count)
-                .map(|i| {
-                    let own = scene.overrides(i).and_then(|own| own.offset_deg);
-                    own.unwrap_or(axes.offset_deg) / 360.0
-                })
-                .collect(),
-            top_hz: scene.limits.speed_hz,
-            common_limit_turns: scene.drift.common_limit_deg / 360.0,
-            sufficient: Sufficient::default(),
-        };
-        PullOut::new(&axes.pull_out)?;
-        let motors: Vec<_> = (0..axes.count).map(|i| AtCrank::new(scene, i)).collect();
-        // The weakest counts.
-        let motor_nm = |speed_hz: f64| {
-            let torque_nm = |motor: &AtCrank| {
-                if axes.pull_out.is_empty() {
-                    motor.servo?.limit_nm
-                } else {
-                    Some(motor.pull_out.torque_nm(speed_hz))
-                }
-            };
-            motors.iter().filter_map(torque_nm).reduce(f64::min)
-        };
-        let needed = screen.resonances().into_iter().map(|resonance| Sufficient {
-            enough_nm: resonance.enough_nm,
-            motor_nm: motor_nm(resonance.omega_rad_s / TAU),
-        });
-        // Without a torque of the motors the reserve is 1 over the sufficient torque.
-        let reserve = |one: &Sufficient| one.motor_nm.unwrap_or(1.0) / one.enough_nm;
-        let critical = needed.min_by(|one, other| reserve(one).total_cmp(&reserve(other)));
-        screen.sufficient = critical.unwrap_or_default();
-        Ok(screen)
+fn screen(table: &ScreenTable, scene: &Scene) -> Result<Screen, SceneError> {
+    in_range("screen.box_kg", table.box_kg, 1.0, 1e5)?;
+    in_range("screen.length_mm", table.length_mm, 100.0, 20_000.0)?;
+    in_range("screen.block_kg", table.block_kg, 0.01, 1e4)?;
+    in_range("screen.eccentricity_mm", table.eccentricity_mm, 0.1, 1000.0)?;
+    let stiffness = table.stiffness_n_per_mm;
+    in_range("screen.stiffness_n_per_mm", stiffness, 0.1, 1e6)?;
+    in_range("screen.zeta", table.zeta, 0.001, 0.7)?;
+    in_range("screen.gravity_mps2", table.gravity_mps2, 0.0, 20.0)?;
+    if table.shafts_mm.len() != scene.axes.count {
+        return Err(SceneError::at(
+            "screen.shafts_mm",
+            format!(
+                "has {} places, and axes.count is {}; give one an axis",
+                table.shafts_mm.len(),
+                scene.axes.count
+            ),
+        ));
     }
-
-    /// Refuses motors without sufficient torque at a resonance. Every scene crosses that of the springs, as its band must end below
-    /// the largest speed.
-    fn check_torque(&self, screen: &Screen, scene: &Scene) -> Result<(), SceneError> {
-        let enough_nm = screen.sufficient.enough_nm;
-        match screen.sufficient.motor_nm {
-            Some(motor_nm) if motor_nm < enough_nm && !self.allow_capture => {
-                let key = if scene.axes.pull_out.is_empty() {
-                    "axes.servo.limit_nm"
-                } else {
-                    "axes.pull_out"
-                };
-                Err(SceneError::at(
-                    key,
-                    format!(
-                        "gives {motor_nm:.1} N·m of each motor at the resonance, and {enough_nm:.1} N·m are enough to turn there: the torque reserve is \
-                         {:.1} N·m, and the resonance may capture the shafts; raise the torque or `screen.zeta`, or set `screen.allow_capture = true` \
-                         to run it all the same",
-                        motor_nm - enough_nm
-                    ),
-                ))
+    let half_mm = table.length_mm / 2.0;
+    for (i, &place_mm) in table.shafts_mm.iter().enumerate() {
+        let key = format!("screen.shafts_mm[{i}]");
+        in_range(&key, place_mm, -half_mm, half_mm)?;
+    }
+    let axes = &scene.axes;
+    let length_m = table.length_mm / 1e3;
+    let mut screen = Screen {
+        box_kg: table.box_kg,
+        pitch_kgm2: table.box_kg * length_m * length_m / 12.0,
+        block_kg: table.block_kg,
+        eccentricity_m: table.eccentricity_mm / 1e3,
+        places_m: table.shafts_mm.iter().map(|mm| mm / 1e3).collect(),
+        stiffness_n_per_m: table.stiffness_n_per_mm * 1e3,
+        zeta: table.zeta,
+        springs_m: length_m / 2.0,
+        gravity_mps2: table.gravity_mps2,
+        phases_turns: (0..axes.count)
+            .map(|i| {
+                let own = scene.overrides(i).and_then(|own| own.offset_deg);
+                own.unwrap_or(axes.offset_deg) / 360.0
+            })
+            .collect(),
+        top_hz: scene.limits.speed_hz,
+        common_limit_turns: scene.drift.common_limit_deg / 360.0,
+        sufficient: Sufficient::default(),
+    };
+    PullOut::new(&axes.pull_out)?;
+    let motors: Vec<_> = (0..axes.count).map(|i| AtCrank::new(scene, i)).collect();
+    // The weakest counts.
+    let motor_nm = |speed_hz: f64| {
+        let torque_nm = |motor: &AtCrank| {
+            if axes.pull_out.is_empty() {
+                motor.servo?.limit_nm
+            } else {
+                Some(motor.pull_out.torque_nm(speed_hz))
             }
-            _ => Ok(()),
+        };
+        motors.iter().filter_map(torque_nm).reduce(f64::min)
+    };
+    let needed = screen.resonances().into_iter().map(|resonance| Sufficient {
+        enough_nm: resonance.enough_nm,
+        motor_nm: motor_nm(resonance.omega_rad_s / TAU),
+    });
+    // Without a torque of the motors the reserve is 1 over the sufficient torque.
+    let reserve = |one: &Sufficient| one.motor_nm.unwrap_or(1.0) / one.enough_nm;
+    let critical = needed.min_by(|one, other| reserve(one).total_cmp(&reserve(other)));
+    screen.sufficient = critical.unwrap_or_default();
+    Ok(screen)
+}
+
+/// Refuses motors without sufficient torque at a resonance. Every scene crosses that of the springs, as its band must end below
+/// the largest speed.
+fn check_torque(table: &ScreenTable, screen: &Screen, scene: &Scene) -> Result<(), SceneError> {
+    let enough_nm = screen.sufficient.enough_nm;
+    match screen.sufficient.motor_nm {
+        Some(motor_nm) if motor_nm < enough_nm && !table.allow_capture => {
+            let key = if scene.axes.pull_out.is_empty() {
+                "axes.servo.limit_nm"
+            } else {
+                "axes.pull_out"
+            };
+            Err(SceneError::at(
+                key,
+                format!(
+                    "gives {motor_nm:.1} N·m of each motor at the resonance, and {enough_nm:.1} N·m are enough to turn there: the torque reserve is \
+                     {:.1} N·m, and the resonance may capture the shafts; raise the torque or `screen.zeta`, or set `screen.allow_capture = true` \
+                     to run it all the same",
+                    motor_nm - enough_nm
+                ),
+            ))
         }
+        _ => Ok(()),
     }
 }
 
@@ -122,7 +120,7 @@ impl Table for ScreenTable {
 
     /// Adds the forbidden bands of the screen's resonances.
     fn fill(&self, scene: &mut Scene) -> Result<(), SceneError> {
-        let screen = self.screen(scene)?;
+        let screen = screen(self, scene)?;
         let bands_hz = screen.bands_hz();
         let top_hz = screen.top_hz;
         let covers_top = |(from_hz, to_hz): &&(f64, f64)| (*from_hz..=*to_hz).contains(&top_hz);
@@ -155,8 +153,8 @@ impl Table for ScreenTable {
     }
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
-        let screen = self.screen(scene)?;
-        self.check_torque(&screen, scene)?;
+        let screen = screen(self, scene)?;
+        check_torque(self, &screen, scene)?;
         let radius = ("screen.eccentricity_mm", screen.throw_m());
         Made::square_law(scene, self.key(), radius, Arc::new(screen))
     }

@@ -5,8 +5,8 @@
 
 use cophase_core::supervisor::{FaultKind, State};
 
+use cophase_scene::file::{AxisOverrides, Drive, FaultAt, FaultName, Scene, ServoDrive};
 use host_sim::axes::{Axes, per_axis};
-use host_sim::scene::file::{AxisOverrides, Drive, FaultAt, FaultName, Scene, ServoDrive};
 
 use super::bound;
 use super::geometry::Geometry;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::campaign::response::Response;
 use crate::campaign::watch::{FaultEvent, Place};
-use host_sim::scene::library;
+use cophase_scene::library;
 
 const BEYOND_TURNS: f64 = 10.0;
 

@@ -3,8 +3,8 @@
 use super::machines::Driven;
 use super::stream::{Stream, rounded};
 use crate::campaign::geometry::Geometry;
-use host_sim::scene::Scene;
-use host_sim::scene::file::{Drive, FaultAt, FaultName, Lines};
+use cophase_scene::Scene;
+use cophase_scene::file::{Drive, FaultAt, FaultName, Lines};
 
 /// Kinds of faults that are drawn.
 pub const KINDS: [FaultName; 15] = [

@@ -7,13 +7,13 @@ use std::f64::consts::TAU;
 
 use super::stream::{Stream, rounded};
 use crate::campaign::geometry::Geometry;
-use host_sim::mechanism::Mechanism;
-use host_sim::scene::Scene;
-use host_sim::scene::file::{
+use cophase_scene::Scene;
+use cophase_scene::file::{
     AxisOverrides, Correction, Drive, Fidelity, Index, Noise, Questions, Segment, ServoDrive,
 };
-use host_sim::scene::load;
-use host_sim::units::STANDARD_GRAVITY_MPS2;
+use cophase_scene::load;
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+use host_sim::mechanism::Mechanism;
 
 /// Scenes of the mechanisms. They are no built-in ones, so that a case of a seed stays the same when those change.
 const MECHANISMS: [&str; 3] = [

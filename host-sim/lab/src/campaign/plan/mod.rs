@@ -8,11 +8,11 @@ pub mod machines;
 pub mod strata;
 pub mod stream;
 
+use cophase_scene::file::{FaultAt, FaultName, Noise};
+use cophase_scene::{Scene, SceneError};
 use faults::Window;
 use host_sim::checked::Checked;
 use host_sim::mechanism::Mechanism;
-use host_sim::scene::file::{FaultAt, FaultName, Noise};
-use host_sim::scene::{Scene, SceneError};
 use machines::Driven;
 use strata::{Share, Stratum};
 use stream::Stream;
@@ -263,7 +263,7 @@ fn kinds_of(checked: &Checked) -> Vec<FaultName> {
 /// beginning of *run*, and the hold is long enough for the difference not to matter.
 fn window(scene: &Scene, geometry: Option<&Geometry>) -> Window {
     let amax_mps2 =
-        scene.program[0].amax_g.unwrap_or_default() * host_sim::units::STANDARD_GRAVITY_MPS2;
+        scene.program[0].amax_g.unwrap_or_default() * cophase_scene::units::STANDARD_GRAVITY_MPS2;
     let level_hz = geometry.map_or(scene.limits.homing_speed_hz, |geometry| {
         geometry.mechanism().speed_for_amax_rad_s(amax_mps2) / std::f64::consts::TAU
     });

@@ -5,7 +5,7 @@
 use std::fmt;
 
 use super::faults::KINDS;
-use host_sim::scene::file::FaultName;
+use cophase_scene::file::FaultName;
 
 /// Cases of one kind of fault, on axes with an index sensor alone or with an encoder too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,8 +79,8 @@ impl fmt::Display for Share {
 mod tests {
     use super::super::Plan;
     use super::*;
+    use cophase_scene::library;
     use host_sim::checked::Checked;
-    use host_sim::scene::library;
 
     fn plans() -> [Plan; 2] {
         let scene = library::find("default").unwrap().scene();

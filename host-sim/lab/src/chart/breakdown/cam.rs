@@ -9,7 +9,7 @@ use super::runs::check;
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use cophase_methods::problems::{Cam, Law};
-use host_sim::scene::library;
+use cophase_scene::library;
 use host_sim::sim::{Moment, Observer, simulate};
 
 /// Angle of the cam, degrees, and acceleration of the first pusher there, m/s², over the last turn at full speed.
@@ -54,7 +54,7 @@ struct LastTurn {
 impl Observer for LastTurn {
     fn tick(&mut self, moment: &Moment<'_>) {
         let tick_s = (moment.end_ns - moment.start_ns) as f64 * 1e-9;
-        let speed_hz = host_sim::units::turns(moment.telemetry.motion.speed) / tick_s;
+        let speed_hz = cophase_scene::units::turns(moment.telemetry.motion.speed) / tick_s;
         if let Some(followers) = moment.machine.followers() {
             let accel_mps2 = followers.pushers()[0].accel_mps2;
             self.ticks.push((moment.master_turns, speed_hz, accel_mps2));

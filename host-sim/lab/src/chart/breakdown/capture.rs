@@ -14,7 +14,7 @@ use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
 use cophase_methods::Scheme;
 use cophase_methods::problems::Screen;
-use host_sim::scene::library;
+use cophase_scene::library;
 
 /// Torque at which the motor is captured, over the rated torque.
 pub const CAPTURED: f64 = 1.05;

@@ -13,9 +13,9 @@ use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::run;
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
+use cophase_scene::library;
 use host_sim::dynamics::{Body, Driven, Field, Freedom, Induction, Motor, OnPlant};
 use host_sim::plant::screen::{Screen, Sufficient};
-use host_sim::scene::library;
 
 /// Positions of two and of four shafts along the box from its centre, m.
 pub const TWO_M: &[f64] = &[-0.6, 0.6];

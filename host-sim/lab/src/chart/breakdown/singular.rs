@@ -9,7 +9,7 @@ use super::runs::{check, refusal, run};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
-use host_sim::scene::library;
+use cophase_scene::library;
 
 /// Reach of the arm: links 1 and 4 in line, mm.
 pub const REACH_MM: f64 = 500.0;

@@ -10,7 +10,7 @@ use super::runs::{check, fault_s, run};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
-use host_sim::scene::library;
+use cophase_scene::library;
 
 /// Peak force of the rock that the crusher of the scene breaks, and of rock that it does not, kN.
 pub const BROKEN_KN: f64 = 1310.0;

@@ -16,8 +16,8 @@ use super::axis::Axis;
 use super::ink::{Ink, Stroke};
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
+use cophase_scene::library;
 use host_sim::checked::Checked;
-use host_sim::scene::library;
 use host_sim::sim::simulate;
 use ramp::{ProgramLevels, Ramp};
 

@@ -4,11 +4,11 @@ use cophase_core::program::Cursor;
 use cophase_core::supervisor::State;
 use cophase_core::units::Amax;
 
+use cophase_scene::SceneError;
+use cophase_scene::units::speed_hz;
 use host_sim::checked::Checked;
 use host_sim::mechanism::{AnyMechanism, Mechanism};
-use host_sim::scene::SceneError;
 use host_sim::sim::{Moment, Observer};
-use host_sim::units::speed_hz;
 
 /// Level of the program at any time: levels at the fastest tick, with straight lines between them.
 #[derive(Debug)]

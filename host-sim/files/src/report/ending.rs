@@ -1,0 +1,265 @@
+//! Sentences about the end of a run: by its program or by a fault, with the drives and cranks after it.
+
+use std::fmt::Write;
+use std::ops::Range;
+
+use cophase_core::supervisor::{Fault, FaultKind, Reaction, State, reaction};
+
+use super::causes::{causes, causes_in_words};
+use super::words::{fault_words, plural};
+use cophase_scene::file::{FaultAt, FaultName, InputLine};
+use host_sim::checked::Checked;
+use host_sim::sim::Outcome;
+use host_sim::sim::events::{Event, EventKind, StoppedBy};
+
+/// Distance of a crank from its command beyond which it did not follow, turns. A crank moves less after a stop.
+const FOLLOWS_TURNS: f64 = 0.75;
+
+/// Returns the latched faults in the order of time, each with its first name, and its last one if it got a better name later.
+fn latched(events: &[Event]) -> Vec<[(f64, &Fault); 2]> {
+    let mut all: Vec<[(f64, &Fault); 2]> = Vec::new();
+    for event in events {
+        let EventKind::Fault { fault, .. } = &event.what else {
+            continue;
+        };
+        let named = (event.t_s, fault);
+        match all.last_mut() {
+            // A better name keeps the tick of the detection.
+            Some([(_, first), last]) if first.tick == fault.tick => *last = named,
+            _ => all.push([named, named]),
+        }
+    }
+    all
+}
+
+/// Returns sentences about the cause of a run's end.
+pub fn ending(checked: &Checked, outcome: &Outcome) -> String {
+    let statistics = &outcome.statistics;
+    if outcome.diverged.is_some() {
+        return "The simulated machine diverged: its equations, not the controller, came to an end.".to_owned();
+    }
+    let faults = latched(&statistics.events);
+    match (faults.last(), outcome.state) {
+        (Some(&names), State::Fault) => stopped_by_fault(checked, outcome, names),
+        (Some(_), state) => {
+            let count = faults.len();
+            let were = if count == 1 { "was" } else { "were" };
+            format!(
+                "There {were} {count} fault{}, and the machine ended in state `{}`.",
+                plural(count),
+                state.name(),
+            )
+        }
+        (None, State::Parked) => match statistics.stopped_by {
+            Some(StoppedBy::Request) => "The machine was stopped on request, and parked.",
+            _ => "The program ran to its end, and the machine parked.",
+        }
+        .to_owned(),
+        (None, state) => format!("The machine ended in state `{}`.", state.name()),
+    }
+}
+
+/// Returns a sentence about the tilt of a platform that the drives held after a fault.
+pub fn held(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
+    let held = &outcome.statistics.fault_hold;
+    let Some(at_stop_mrad) = held.at_stop_mrad.filter(|_| checked.has_platform()) else {
+        return Ok(());
+    };
+    writeln!(
+        page,
+        "As the stop ended the platform was tilted by {at_stop_mrad:.3} mrad; held by the drives, it tilted by at most {:.3} mrad after that.",
+        held.worst_mrad,
+    )
+}
+
+/// Returns a sentence about the motion of cranks without drives.
+pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
+    let coast = &outcome.statistics.coast;
+    let Some(tilt_mrad) = coast.worst_tilt_mrad.filter(|_| coast.turned_s > 0.0) else {
+        return Ok(());
+    };
+    let until = if coast.is_on() {
+        ", when the run was ended"
+    } else {
+        ", until they stood"
+    };
+    let tilted = if checked.has_platform() {
+        format!("; the platform tilted by at most {tilt_mrad:.3} mrad then")
+    } else {
+        String::new()
+    };
+    writeln!(
+        page,
+        "After the drives were off the {}s turned on for {:.2} s{until}{tilted}.",
+        checked.axis_noun(),
+        coast.turned_s,
+    )?;
+    if outcome.state != State::Fault {
+        return Ok(());
+    }
+    // Commands do not change after the drives are off.
+    let ends = (0..checked.scene.axes.count).map(|axis| {
+        // Adding 0 makes a positive zero of a negative one.
+        let away_deg = super::round(away_turns(checked, outcome, axis)? * 360.0, 1) + 0.0;
+        Some(format!("axis {axis} {away_deg:+.1}°"))
+    });
+    let Some(ends) = ends.collect::<Option<Vec<_>>>() else {
+        return Ok(());
+    };
+    writeln!(
+        page,
+        "They ended this far from where they were commanded to be: {}.",
+        ends.join(", ")
+    )
+}
+
+/// Returns sentences about the fault in which a run ended.
+fn stopped_by_fault(
+    checked: &Checked,
+    outcome: &Outcome,
+    [(t_s, fault), (named_s, name)]: [(f64, &Fault); 2],
+) -> String {
+    let events = &outcome.statistics.events;
+    let states = events.iter().filter_map(|event| match event.what {
+        EventKind::State(state) => Some((event.t_s, state)),
+        EventKind::Running { .. } => Some((event.t_s, State::Run)),
+        EventKind::Stopped { .. } => Some((event.t_s, State::Fault)),
+        _ => None,
+    });
+    let states: Vec<_> = states.collect();
+    let end = states.iter().rposition(|&(_, state)| state == State::Fault);
+    let off_s = end.map_or(named_s, |end| states[end].0);
+    let (from_s, before) = match end {
+        Some(end) if end > 0 => states[end - 1],
+        _ => (0.0, State::Idle),
+    };
+    let did = if before == State::Idle {
+        "refused the start"
+    } else {
+        "stopped the machine"
+    };
+    let detected = format!("A fault {did} at {t_s:.3} s: {}.", fault_words(fault));
+    let renamed = if name.kind == fault.kind && name.axis == fault.axis {
+        String::new()
+    } else {
+        format!(" At {named_s:.3} s it was named {}.", fault_words(name))
+    };
+    let alike = alike(checked, name);
+    let is_cut = reaction(name.kind, false) == Reaction::Disable
+        || events
+            .iter()
+            .any(|event| (from_s..=off_s).contains(&event.t_s) && opens_enable(&event.what));
+    let holds = outcome.statistics.fault_hold.is_on();
+    let ended = match before {
+        State::Idle | State::Fault => "The drives stayed off.".to_owned(),
+        State::Parked if holds => "The machine stood already, and the drives hold.".to_owned(),
+        State::Parked => "The machine stood already; the drives were switched off.".to_owned(),
+        State::Homing | State::Run => {
+            format!("The drives were switched off at {off_s:.3} s, without a stop.")
+        }
+        State::Stop if is_cut => {
+            format!("The drives were switched off at {off_s:.3} s, before the stop was over.")
+        }
+        State::Stop => at_rest(checked, outcome, from_s..off_s),
+    };
+    format!("{detected}{renamed} {ended}{alike}")
+}
+
+/// Returns a sentence about other faults that look the same to the sensors of the axis, if there are any.
+fn alike(checked: &Checked, fault: &Fault) -> String {
+    let causes = causes(fault, &checked.settings.axes);
+    let Some(axis) = fault.axis else {
+        return String::new();
+    };
+    let others: Vec<_> = (causes.iter().map(|cause| cause.kind))
+        .filter(|kind| *kind != fault.kind.name())
+        .collect();
+    let in_words = causes_in_words(&causes);
+    let alike = match &others[..] {
+        [] => String::new(),
+        [other] => format!(" To the sensors of axis {axis}, {other} looks the same.{in_words}"),
+        others => format!(
+            " To the sensors of axis {axis}, these look the same: {}.{in_words}",
+            others.join(", ")
+        ),
+    };
+    alike + &jitter(checked, fault, axis)
+}
+
+/// Returns a sentence about readings that scatter, which no campaign draws as a cause, if they get the name of the fault.
+fn jitter(checked: &Checked, fault: &Fault, axis: usize) -> String {
+    let reads_index = checked.settings.axes[axis].index_turns.is_some();
+    let is_of_scatter = matches!(
+        fault.kind,
+        FaultKind::Slip | FaultKind::Runaway | FaultKind::IndexTimeout
+    );
+    if !reads_index || !is_of_scatter {
+        return String::new();
+    }
+    let error_deg = checked.scene.drift.reading_error_deg;
+    format!(
+        " An index sensor whose readings scatter by more than drift.reading_error_deg, {error_deg}°, looks the same as well."
+    )
+}
+
+/// Returns a sentence about a stop that ended at rest: the axes that followed it.
+fn at_rest(checked: &Checked, outcome: &Outcome, stop_s: Range<f64>) -> String {
+    let axes = 0..checked.scene.axes.count;
+    let apart: Vec<_> = axes
+        .filter(|&axis| !follows(checked, outcome, axis, &stop_s))
+        .map(|axis| axis.to_string())
+        .collect();
+    let (and, then) = if outcome.statistics.fault_hold.is_on() {
+        (", and", "the drives hold them.")
+    } else {
+        (";", "then the drives were switched off.")
+    };
+    match &apart[..] {
+        [] => format!("All axes were brought to rest together{and} {then}"),
+        _ => format!(
+            "All axes were commanded to stop together, and axis {} did not follow; {then}",
+            apart.join(", ")
+        ),
+    }
+}
+
+/// Returns true if an axis followed its command in a stop: it did not slip, no fault of the scene moved it, and it is not turns
+/// behind.
+fn follows(checked: &Checked, outcome: &Outcome, axis: usize, stop_s: &Range<f64>) -> bool {
+    let statistics = &outcome.statistics;
+    let is_disturbed = statistics.events.iter().any(|event| match &event.what {
+        EventKind::Slipped { axis: slipped, .. } => *slipped == axis && stop_s.contains(&event.t_s),
+        EventKind::Injected(fault) => {
+            let until_s = fault.for_s.map_or(f64::INFINITY, |for_s| event.t_s + for_s);
+            moves_by_itself(fault, axis) && event.t_s < stop_s.end && until_s > stop_s.start
+        }
+        _ => false,
+    });
+    let away_turns = away_turns(checked, outcome, axis).unwrap_or(0.0);
+    !is_disturbed && away_turns.abs() < FOLLOWS_TURNS
+}
+
+/// Returns the distance of a crank from its command at the end of a run, turns; positive if ahead. Its error at power-up does not count.
+/// `None` in a run with a second homing, as motion before that would count.
+fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> Option<f64> {
+    let statistics = &outcome.statistics;
+    let homed = |event: &&Event| event.what == EventKind::State(State::Homing);
+    let is_homed_once = statistics.events.iter().filter(homed).count() == 1;
+    let start_deg = checked.overrides(axis).map_or(0.0, |own| own.start_deg);
+    let (command, actual) = statistics.turns[axis];
+    is_homed_once.then_some(actual - command - start_deg / 360.0)
+}
+
+/// Returns true if a fault of a scene moves a crank away from its command.
+fn moves_by_itself(fault: &FaultAt, axis: usize) -> bool {
+    let kinds = [FaultName::Stuck, FaultName::Slip, FaultName::Runaway];
+    fault.axis == Some(axis) && kinds.contains(&fault.kind)
+}
+
+fn opens_enable(what: &EventKind) -> bool {
+    match what {
+        EventKind::Input { line, active } => *line == InputLine::Enable && !active,
+        EventKind::Injected(fault) => fault.kind == FaultName::EnableLoss,
+        _ => false,
+    }
+}

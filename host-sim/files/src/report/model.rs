@@ -1,0 +1,173 @@
+//! Part of the report about the machine's equations: model level and method.
+
+use serde::Serialize;
+
+use cophase_scene::file::{Fidelity, MethodName, Rods};
+use host_sim::checked::Checked;
+use host_sim::checked::Judged;
+use host_sim::mechanism::Mechanism;
+use host_sim::model_level::Bounds;
+use host_sim::sim::Outcome;
+
+#[derive(Clone, Debug, Serialize)]
+pub struct FidelityReport<'a> {
+    model_level: &'static str,
+    why: &'a str,
+    left_out: String,
+    /// Largest distance of a platform on quasi-static rods from its position on springs, on levels where it moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quasi_static_rods_um: Option<f64>,
+    /// Requested outputs, with the accuracy of this model level.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    outputs: Vec<OutputReport>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct OutputReport {
+    /// Key in `[questions]`, with the unit of the numbers.
+    output: &'static str,
+    tolerance: f64,
+    /// Value in running and stopping; `None` if the model level does not compute it.
+    value: Option<f64>,
+    /// Bound on its error; `None` if there is none.
+    bound: Option<f64>,
+    /// Difference from another model level in a sample of the scene.
+    measured: Option<f64>,
+    against: Option<&'static str>,
+    /// Error by the method's step, as the sample shows it; `None` if nothing is integrated.
+    step_error: Option<f64>,
+}
+
+impl OutputReport {
+    fn new(judged: &Judged) -> Self {
+        Self {
+            output: judged.output.key(),
+            tolerance: judged.tolerance,
+            value: judged.value,
+            bound: judged.bound,
+            measured: judged.measured.map(|(off, _)| off),
+            against: judged.measured.map(|(_, model_level)| model_level.name()),
+            step_error: judged.step_error,
+        }
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodReport {
+    name: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps_per_tick: Option<u32>,
+    /// Permitted relative error of oscillations by the step, if the step was chosen for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resolution: Option<f64>,
+    why: String,
+}
+
+impl<'a> FidelityReport<'a> {
+    pub fn new(checked: &'a Checked) -> Self {
+        Self {
+            model_level: checked.fidelity.name(),
+            why: checked.why(),
+            left_out: left_out(checked),
+            quasi_static_rods_um: quasi_static_rods_um(checked),
+            outputs: judged(checked).iter().map(OutputReport::new).collect(),
+        }
+    }
+}
+
+impl MethodReport {
+    pub fn new(checked: &Checked, outcome: &Outcome) -> Self {
+        Self {
+            name: outcome
+                .method
+                .map_or("closed form", |(scheme, _)| scheme.facts().name),
+            steps_per_tick: outcome.method.map(|(_, steps)| steps),
+            resolution: outcome
+                .method
+                .filter(|_| checked.scene.method.steps_per_tick.is_none())
+                .map(|_| checked.resolution),
+            why: match checked.fidelity {
+                Fidelity::QuasiStatic => {
+                    "torques follow from the motion, and slips from torques: nothing is integrated".to_owned()
+                }
+                model_level
+                    if model_level.moves_by_torque()
+                        && checked.scene.method.name != MethodName::Auto =>
+                {
+                    "the scene sets it".to_owned()
+                }
+                model_level if model_level.moves_by_torque() => {
+                    "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution".to_owned()
+                }
+                Fidelity::Elastic => {
+                    "the follower is linear, so that nothing is unstable or damped by the method; a peak is looked at every \
+                         0.05 rad of the slowest mode"
+                        .to_owned()
+                }
+                _ => format!(
+                    "{}s are where pulses and setpoints put them: nothing is integrated",
+                    checked.axis_noun()
+                ),
+            },
+        }
+    }
+}
+
+/// Returns the requested outputs and their accuracy; nothing if the scene sets its model level.
+pub fn judged(checked: &Checked) -> &[Judged] {
+    checked
+        .choice
+        .as_ref()
+        .map_or(&[], |choice| &choice.judged[..])
+}
+
+fn quasi_static_rods_um(checked: &Checked) -> Option<f64> {
+    let moves = checked.fidelity >= Fidelity::Phased && checked.has_platform();
+    let bounds = moves.then(|| Bounds::new(checked).ok()).flatten()?;
+    bounds.quasi_static_um()
+}
+
+/// Returns the effects that the model level neglects, for readers of the results.
+fn left_out(checked: &Checked) -> String {
+    if let Some(plant) = &checked.plant {
+        return plant.left_out(checked.fidelity);
+    }
+    let over_constrained = checked.scene.axes.count > 3;
+    let links = checked.mechanism.links();
+    let rods = checked
+        .scene
+        .machine
+        .as_ref()
+        .map_or(Rods::QuasiStatic, |machine| machine.rods);
+    let link_motion = match (rods, over_constrained) {
+        (Rods::Elastic, _) => String::new(),
+        (Rods::QuasiStatic, false) => format!("{links} that give, "),
+        (Rods::QuasiStatic, true) => format!("the {links}' own oscillation, "),
+    };
+    let plane = if rods == Rods::QuasiStatic && over_constrained {
+        format!(
+            "; more than three cranks over-constrain the platform, so that it lies in the plane that loads the {links} least"
+        )
+    } else {
+        String::new()
+    };
+    match checked.fidelity {
+        Fidelity::QuasiStatic => {
+            "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors".to_owned()
+        }
+        Fidelity::Rigid => {
+            "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft".to_owned()
+        }
+        Fidelity::Elastic if checked.cam.is_some() => {
+            "what the followers push back with: the cams turn as commanded, and no roller lifts off".to_owned()
+        }
+        Fidelity::Phased => format!("{link_motion}microsteps, suspension and foundation{plane}"),
+        Fidelity::Elastic => {
+            format!("{link_motion}microsteps, and forces on the frame across the line of travel{plane}")
+        }
+        _ if checked.cam.is_some() => {
+            "torque, inertia and elasticity: no cam ever lags, and no pusher leaves its law".to_owned()
+        }
+        _ => "torque, inertia and elasticity: no crank ever lags".to_owned(),
+    }
+}

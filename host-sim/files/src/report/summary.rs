@@ -1,0 +1,348 @@
+//! Summary that `cophase run` prints.
+
+use std::fmt::Write;
+
+use super::ending::{coasting, ending, held};
+use super::questions::model;
+use super::words::plural;
+use super::{describe, motors, notable, warnings};
+use crate::trace::written::Written;
+use cophase_scene::file::{Drive, Fidelity};
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+use host_sim::checked::Checked;
+use host_sim::machine::Peaks;
+use host_sim::sim::Outcome;
+use host_sim::sim::events::{Event, EventKind};
+
+/// Number of events that are listed at most, and number of those from the end.
+const LISTED: usize = 24;
+const LISTED_LAST: usize = 8;
+
+/// Returns the summary of a run.
+pub fn summary(
+    checked: &Checked,
+    outcome: &Outcome,
+    written: Option<Written>,
+    wall_s: f64,
+) -> String {
+    let mut page = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_page(&mut page, checked, outcome, written, wall_s);
+    page
+}
+
+fn write_page(
+    page: &mut String,
+    checked: &Checked,
+    outcome: &Outcome,
+    written: Option<Written>,
+    wall_s: f64,
+) -> std::fmt::Result {
+    let scene = &checked.scene;
+    let statistics = &outcome.statistics;
+    let colon = if scene.description.is_empty() {
+        ""
+    } else {
+        ": "
+    };
+    writeln!(page, "{}{colon}{}", scene.name, scene.description)?;
+    model(page, checked, outcome)?;
+    writeln!(page)?;
+
+    let mut listed = notable(&statistics.events);
+    let all = listed.len();
+    if all > LISTED {
+        // A motor may slip hundreds of times. Only its first and last slips are listed, so they hide no other events.
+        let axis = |event: &Event| match event.what {
+            EventKind::Slipped { axis, .. } => Some(axis),
+            _ => None,
+        };
+        let slips: Vec<_> = listed.iter().map(|event| axis(event)).collect();
+        let mut place = 0;
+        listed.retain(|_| {
+            let (before, rest) = slips.split_at(place);
+            place += 1;
+            let own = rest[0];
+            own.is_none() || !before.contains(&own) || !rest[1..].contains(&own)
+        });
+    }
+    // Users look at the end most often, so a long list is shortened in the middle.
+    let (first, last) = if listed.len() > LISTED {
+        (
+            &listed[..LISTED - LISTED_LAST],
+            &listed[listed.len() - LISTED_LAST..],
+        )
+    } else {
+        (&listed[..], &listed[..0])
+    };
+    for event in first {
+        writeln!(page, "  {:9.3} s  {}", event.t_s, describe(&event.what))?;
+    }
+    let between = all - first.len() - last.len() + statistics.events_left_out;
+    if between > 0 {
+        writeln!(
+            page,
+            "               … {between} more, which report.json lists …"
+        )?;
+    }
+    for event in last {
+        writeln!(page, "  {:9.3} s  {}", event.t_s, describe(&event.what))?;
+    }
+    writeln!(page)?;
+
+    writeln!(page, "{}", ending(checked, outcome))?;
+    let holding = statistics.holding;
+    if holding.held_s > 0.0 {
+        writeln!(
+            page,
+            "The commanded amax was held for {:.1} s in all, within {} of the program; at most {:.1} g, at {:.2} rev/s{}.",
+            holding.held_s,
+            relative(holding.worst_relative),
+            statistics.top_amax_mps2 / STANDARD_GRAVITY_MPS2,
+            statistics.top_speed_hz,
+            of_master(checked),
+        )?;
+    }
+    if let Some(plant) = &checked.plant {
+        writeln!(page, "Here amax is {}.", plant.amax_words())?;
+    }
+    if statistics.worst_accel_mps2 > 0.0 && checked.has_platform() {
+        writeln!(
+            page,
+            "The platform itself accelerated by at most {:.1} g.",
+            statistics.worst_accel_mps2 / STANDARD_GRAVITY_MPS2
+        )?;
+    }
+    let lagged = notable(&statistics.events)
+        .iter()
+        .filter(|event| matches!(event.what, EventKind::Lagged { .. }))
+        .count();
+    if lagged > 0 {
+        writeln!(
+            page,
+            "The limits held the shaft behind its program {lagged} time{} (a limit, no fault).",
+            plural(lagged)
+        )?;
+    }
+    let axis = checked.axis_noun();
+    let commanded_mrad = checked.settings.commanded_tilt_mrad();
+    if checked.scene.axes.count == 1 {
+        // One shaft has no difference of phases.
+    } else if statistics.worst_spread_deg < 1e-6 && commanded_mrad > 0.0 {
+        writeln!(
+            page,
+            "The cranks were exactly as far apart as commanded, which tilts the platform by up to {commanded_mrad:.3} mrad. Its centre accelerates by less than amax then."
+        )?;
+    } else if statistics.worst_spread_deg < 1e-6 {
+        let stayed = if checked.has_platform() {
+            "stayed exactly in phase with each other"
+        } else {
+            "were exactly as far apart as commanded" // cams, and shafts with a ratio, are apart
+        };
+        let by_model = match checked.fidelity {
+            Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",
+            _ => "",
+        };
+        writeln!(page, "The {axis}s {stayed}{by_model}.")?;
+    } else {
+        let tilted = if checked.has_platform() {
+            format!(
+                "; the platform tilted by at most {:.3} mrad of the {} allowed",
+                statistics.worst_tilt_mrad, scene.drift.tilt_limit_mrad
+            )
+        } else {
+            String::new()
+        };
+        writeln!(
+            page,
+            "The {axis}s were at most {:.3}° apart ({:.3}° rms while running){tilted}.",
+            statistics.worst_spread_deg, statistics.rms_spread_deg,
+        )?;
+    }
+    held(page, checked, outcome)?;
+    coasting(page, checked, outcome)?;
+    let trims = statistics.correction_deg.iter().enumerate();
+    if trims.clone().any(|(_, trim_deg)| *trim_deg != 0.0) {
+        let trims: Vec<_> = trims
+            .map(|(axis, trim_deg)| format!("axis {axis} {trim_deg:.2}°"))
+            .collect();
+        writeln!(
+            page,
+            "Phase offsets by the correction as the run ended: {}.",
+            trims.join(", ")
+        )?;
+    }
+    if let Some(coupling) = coupling(checked) {
+        writeln!(page, "{coupling}")?;
+    }
+    for (table, points, off) in checked.cam_tables() {
+        if let Some(off) = off {
+            writeln!(
+                page,
+                "Cam table \"{}\": {points} points; the curve's acceleration is within {:.1} % of its law's peak.",
+                table.name,
+                // Rounded up, so that it is a bound.
+                (1e3 * off).ceil() / 10.0
+            )?;
+        }
+    }
+    followers(page, checked, outcome)?;
+    let figures = statistics.figures.iter();
+    for figure in figures.filter(|figure| !figure.sentence.is_empty()) {
+        writeln!(page, "{}", figure.sentence)?;
+    }
+    let closest = statistics
+        .torque_used
+        .iter()
+        .enumerate()
+        .filter_map(|(axis, used)| Some((axis, (*used)?)));
+    let least = closest
+        .clone()
+        .map(|(_, (used, _))| used)
+        .fold(f64::INFINITY, f64::min);
+    if let Some((axis, (used, hz))) = closest.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
+        if used.is_finite() {
+            // Smaller differences print as the same number.
+            let (which, has) = if least > 0.995 * used && scene.axes.count > 1 {
+                ("all axes".to_owned(), "they have")
+            } else {
+                (format!("axis {axis}"), "it has")
+            };
+            writeln!(
+                page,
+                "Closest to pull-out: {which}, loaded to {:.0} % of the torque that {has} at {hz:.2} rev/s.",
+                used * 100.0
+            )?;
+        } else {
+            writeln!(
+                page,
+                "Axis {axis} was loaded at {hz:.2} rev/s, where its pull-out torque counts as zero."
+            )?;
+        }
+    }
+    let torques = statistics.worst_torque_nm.iter().copied().enumerate();
+    if let Some((axis, torque_nm)) = torques.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        writeln!(
+            page,
+            "Greatest motor torque: {torque_nm:.3} N·m, of axis {axis}."
+        )?;
+    }
+    if let Some(frame) = statistics.frame {
+        writeln!(
+            page,
+            "The frame went at most {:.1} µm from rest; the ground took at most {:.1} N beyond the weight.",
+            frame.worst_um, frame.worst_ground_n,
+        )?;
+    }
+    for line in motors::lines(checked) {
+        writeln!(page, "{line}")?;
+    }
+    for warning in warnings(checked, outcome) {
+        writeln!(page, "Warning: {warning}")?;
+    }
+    if written.is_some_and(|written| written.is_empty()) {
+        writeln!(page, "Warning: steps.vcd is empty: the shaft did not move.")?;
+    }
+    writeln!(page)?;
+    steps(page, checked, outcome)?;
+    writeln!(
+        page,
+        "Simulated {:.2} s in {:.2} s: {:.0} times real time.",
+        outcome.simulated_s(),
+        wall_s,
+        outcome.simulated_s() / wall_s.max(1e-9),
+    )
+}
+
+/// Returns the shaft to which amplitude and speed of a summary belong, where not every axis turns once with the master.
+fn of_master(checked: &Checked) -> &'static str {
+    if checked.turns_with_master() {
+        ""
+    } else {
+        " of the master, for a shaft that turns once with it"
+    }
+}
+
+/// Returns a line about the worst of the followers.
+fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
+    let statistics = &outcome.statistics.followers;
+    let worst = |of: fn(&Peaks) -> f64| statistics.iter().map(of).fold(0.0, f64::max);
+    match checked.fidelity {
+        _ if statistics.is_empty() => Ok(()),
+        _ if checked
+            .cam
+            .is_some_and(|follower| follower.screw_lead_m.is_some()) =>
+        {
+            writeln!(
+                page,
+                "The pushers accelerated by at most {:.2} m/s², and those of a mechanical cam shaft by {:.2} m/s². They differ by at most {:.4} mm and \
+             {:.3} m/s².",
+                worst(|peaks| peaks.pusher_mps2),
+                worst(|peaks| peaks.cam_side_mps2),
+                worst(|peaks| peaks.off_m * 1e3),
+                worst(|peaks| peaks.off_mps2),
+            )
+        }
+        Fidelity::Elastic => writeln!(
+            page,
+            "The pushers accelerated by at most {:.1} m/s² and were at most {:.3} mm off their law.",
+            worst(|peaks| peaks.pusher_mps2),
+            worst(|peaks| peaks.off_m * 1e3),
+        ),
+        _ => writeln!(
+            page,
+            "The pushers accelerated by at most {:.1} m/s², as their law has it.",
+            worst(|peaks| peaks.pusher_mps2),
+        ),
+    }
+}
+
+/// Returns a line with the gains of the cross-coupling, if there is one.
+pub fn coupling(checked: &Checked) -> Option<String> {
+    let settings = &checked.settings.correction;
+    let given = &checked.scene.correction;
+    (settings.coupling != 0.0 || settings.coupling_per_s != 0.0).then(|| {
+        let derived = match (given.coupling, given.coupling_per_s) {
+            (Some(_), Some(_)) => "given",
+            _ if !given.couple => "given",
+            (None, None) => "derived",
+            _ => "one given, one derived",
+        };
+        format!(
+            "Cross-coupling of the setpoints: gain {:.4}, integral gain {:.3} 1/s ({derived}).",
+            settings.coupling, settings.coupling_per_s
+        )
+    })
+}
+
+fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
+    let statistics = &outcome.statistics;
+    let what = match checked.scene.axes.drive {
+        Drive::Stepper => "steps",
+        Drive::Servo | Drive::PulseServo | Drive::Induction => "counts",
+    };
+    let alike = statistics.steps.windows(2).all(|pair| pair[0] == pair[1]);
+    if alike {
+        return writeln!(
+            page,
+            "Every axis was given {} {what}, {:.3} turns.",
+            statistics.steps[0], statistics.turns[0].0
+        );
+    }
+    for (axis, (steps, turns)) in statistics.steps.iter().zip(&statistics.turns).enumerate() {
+        writeln!(
+            page,
+            "Axis {axis} was given {steps} {what}, {:.3} turns.",
+            turns.0
+        )?;
+    }
+    Ok(())
+}
+
+fn relative(error: f64) -> String {
+    match error {
+        e if e < 1e-9 => "a billionth".to_owned(),
+        e if e < 1e-3 => format!("{:.2} parts in a million", e * 1e6),
+        e => format!("{:.2} %", e * 100.0),
+    }
+}

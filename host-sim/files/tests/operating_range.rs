@@ -1,0 +1,117 @@
+//! The operating range that pictures show, against runs, and against the limits of the settings.
+
+use cophase_files::report::draw_operating_range;
+use cophase_link::board::{self, Rp2040};
+use cophase_scene::{library, load};
+use host_sim::checked::Checked;
+use host_sim::operating_range::OperatingRange;
+use host_sim::sim::simulate;
+
+fn checked(text: &str) -> Checked {
+    Checked::new(load::parse(text).expect("well-formed")).expect("a scene")
+}
+
+fn range(checked: &Checked) -> OperatingRange {
+    let range = OperatingRange::of(checked).expect("a machine");
+    range.expect("whose torque is known")
+}
+
+/// Three steppers with a flat pull-out curve that hold one level, at the quasi-static model level.
+fn level(amax_g: f64, more: &str) -> Checked {
+    checked(&format!(
+        "name = \"level\"\nfidelity = \"quasi-static\"\n\
+         [machine]\ncrank_radius_mm = 12\nlambda = 0.3\nload_kg = 9\nplatform = \"below\"\n\
+         [limits]\nspeed_hz = 30\nacceleration_hz_per_s = 3\njerk_hz_per_s2 = 60\n\
+         [axes]\ncount = 3\ndrive = \"stepper\"\nsteps_per_turn = 3200\nfriction_nm = 0.4\nrotor_inertia_kgm2 = 1e-3\n\
+         pull_out = [[0, 200], [40, 200]]\n{more}\
+         [[program]]\namax_g = {amax_g}\nramp_s = 12\nhold_s = 2\n"
+    ))
+}
+
+/// If this fails, the picture's required torque differs from that of the simulation: a run that holds a level has the same peak. A tick
+/// may miss the peak of the turn by 0.06 rad at 20 rev/s: 0.2 % of a second harmonic. Ramps of 3 rev/s² add up to 0.2 % at 10 rev/s.
+#[test]
+fn required_torque_is_the_peak_of_a_run_at_that_speed() {
+    for (amax_g, axis) in [(6.0, 0), (15.0, 1), (25.0, 2)] {
+        let checked = level(amax_g, "");
+        let range = range(&checked);
+        let outcome = simulate(&checked, &mut (), |_, _| {}).expect("it runs");
+        let (used, _) = outcome.statistics.torque_used[axis].expect("torques are compared");
+        let available_nm = range.available_nm(axis, range.top_hz).expect("a curve");
+        assert_eq!(available_nm, 200.0);
+        let peak_nm = used * available_nm;
+        let required_nm = range.required_nm(axis, range.top_hz, 0.0);
+        let off = peak_nm / required_nm - 1.0;
+        assert!(
+            (-0.005..0.005).contains(&off),
+            "{amax_g} g: {required_nm} N·m in the picture, {peak_nm} in the run"
+        );
+    }
+}
+
+/// If this fails, the picture shows a step rate as possible that settings refuse, or one as impossible that they accept.
+#[test]
+fn limits_of_the_step_rate_are_where_settings_are_refused() {
+    let range = range(&level(10.0, ""));
+    // Slow drifts of phase offsets, 1 degree a second on each of three axes, count towards the limit, too.
+    let offset_hz = 3.0 / 360.0;
+    let most_hz = range.planner_step_hz().expect("a timing");
+    let steps = most_hz / (30.0 + offset_hz);
+    let accepts = |steps_per_turn: u32| {
+        let text = "fidelity = \"kinematic\"\nname = \"steps\"\n[machine]\ncrank_radius_mm = 12\nlambda = 0.3\nload_kg = 9\n\
+                    [limits]\nspeed_hz = 30\nacceleration_hz_per_s = 3\njerk_hz_per_s2 = 60\n[[program]]\namax_g = 2\nhold_s = 1\n";
+        let axes = format!(
+            "[axes]\ncount = 3\ndrive = \"pulse-servo\"\nsteps_per_turn = {steps_per_turn}\n"
+        );
+        Checked::new(load::parse(&format!("{text}{axes}")).unwrap()).is_ok()
+    };
+    assert!(
+        accepts(steps as u32) && !accepts(steps as u32 + 2),
+        "{steps}"
+    );
+
+    let board_hz = range.board_speed_hz().expect("steppers").expect("a limit");
+    let mut settings = level(10.0, "").settings;
+    for (part, fits) in [(0.999, true), (1.001, false)] {
+        settings.limits.speed_hz = part * board_hz;
+        assert_eq!(board::check::<Rp2040>(&settings).is_ok(), fits);
+    }
+}
+
+/// If this fails, a picture lacks a curve or a limit, or shows one that its machine does not have.
+#[test]
+fn each_picture_labels_its_curves_and_limits() {
+    let of = |name: &str| Checked::new(library::find(name).expect("built in").scene()).unwrap();
+    let svg = draw_operating_range(&range(&of("default")));
+    for label in [
+        "available",
+        "required",
+        "in the steepest ramp",
+        "avoid 10–12",
+        "limit 22 rev/s",
+        "20 g",
+        "limit 781 k (above)",
+    ] {
+        assert!(svg.contains(&format!(">{label}</text>")), "no {label}");
+    }
+    let weak = draw_operating_range(&range(&of("stiff-bearing")));
+    for label in ["available", "required, 0 1", "required, 2"] {
+        assert!(weak.contains(&format!(">{label}</text>")), "no {label}");
+    }
+    for name in ["patent-1", "wrapper", "screen", "five-bar"] {
+        assert!(OperatingRange::of(&of(name)).unwrap().is_none(), "{name}");
+    }
+}
+
+/// If this fails, a scene with a load that starts during the run has no picture, and `cophase run` refuses it.
+#[test]
+fn a_disturbed_scene_has_the_range_of_its_undisturbed_machine() {
+    let scene = library::find("pulse-servo").expect("it is built in").text;
+    let load = "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 2\n";
+    let disturbed = range(&checked(&format!("{scene}{load}")));
+    let undisturbed = range(&checked(scene));
+    for speed_hz in [0.5, 2.0] {
+        let required = |range: &OperatingRange| range.required_nm(1, speed_hz, 0.0);
+        assert_eq!(required(&disturbed), required(&undisturbed));
+    }
+}
