@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use cophase_core::controller::Controller;
+use cophase_core::problem::SettingsError;
 use cophase_core::program::EntrySettings;
 use cophase_core::settings::{
-    AxisSettings, MachineSettings, PlatformSettings, Settings, SettingsError, Transmission,
+    AxisSettings, MachineSettings, PlatformSettings, Settings, Transmission,
 };
 
 use super::SceneError;

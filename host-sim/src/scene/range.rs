@@ -5,7 +5,7 @@
 
 use core::f64::consts::TAU;
 
-use cophase_core::settings::Problem;
+use cophase_core::problem::Problem;
 
 use crate::design::{STANDARD_GRAVITY_MPS2, plain};
 

@@ -3,7 +3,8 @@
 
 use crate::axes::PhaseOffsets;
 use crate::drift::DriftMonitor;
-use crate::settings::{Problem, Settings, SettingsError};
+use crate::problem::{Problem, SettingsError};
+use crate::settings::Settings;
 use crate::units::{PerAxis, Turns};
 
 /// Smallest distance by which any two cranks are moved apart in one of the tilts, in tolerances.

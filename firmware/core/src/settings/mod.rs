@@ -5,7 +5,6 @@
 
 mod check;
 mod commanded;
-mod error;
 mod host_loss;
 mod machine;
 #[cfg(test)]
@@ -18,7 +17,6 @@ pub use cophase_motion::settings::{
     BandSettings, LimitSettings, MAX_BANDS, PulseSettings, inside, tick_cycles, turns,
     turns_at_most,
 };
-pub use error::{Problem, SettingsError};
 pub use host_loss::{HostLossReaction, HostLossSettings};
 pub use machine::{MachineSettings, Platform, PlatformSettings, ShaftSettings};
 pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
@@ -26,6 +24,7 @@ pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
 use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
 use crate::drift::sensing::index_filter::MOST_OF_TICK;
 use crate::mechanism::AnyMechanism;
+use crate::problem::{Problem, SettingsError};
 use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder, SegmentSettings, Shape};
 use crate::pulse::StepsPerTurn;
 use crate::units::MAX_AXES;

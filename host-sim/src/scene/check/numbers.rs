@@ -1,6 +1,8 @@
 //! Checks of a scene's values that the core does not have, or has in another form.
 
-use cophase_core::settings::{MAX_BANDS, Problem, Transmission};
+use cophase_core::problem::Problem;
+
+use cophase_core::settings::{MAX_BANDS, Transmission};
 
 use crate::fidelity::Output;
 use crate::machine::MOST_STEPS;
