@@ -22,7 +22,6 @@ pub use machine::{MachineSettings, Platform, PlatformSettings, ShaftSettings};
 pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
 
 use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
-use crate::drift::sensing::index_filter::MOST_OF_TICK;
 use crate::mechanism::AnyMechanism;
 use crate::problem::{Problem, SettingsError};
 use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder, SegmentSettings, Shape};
@@ -86,6 +85,9 @@ pub struct Settings {
     /// Program amax(t): segments, and repeats of earlier entries.
     pub program: heapless::Vec<EntrySettings, CAPACITY>,
 }
+
+/// Reciprocal of the greatest width of the index filter as a part of a tick: one fourth.
+pub const MOST_OF_TICK: u32 = 4;
 
 /// Filter of the index lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
