@@ -3,12 +3,14 @@
 //! This is the only place where the core has floats. The tick works on the coefficients that the modules' own builders
 //! make from settings that passed [`Settings::check`]. So it never has to handle a bad setting.
 
+mod axis_motion;
 mod check;
 mod commanded;
 mod host_loss;
 mod machine;
 #[cfg(test)]
 pub(crate) mod sample;
+mod slots;
 #[cfg(test)]
 mod tests;
 mod wiring;
@@ -19,6 +21,7 @@ pub use cophase_motion::settings::{
 };
 pub use host_loss::{HostLossReaction, HostLossSettings};
 pub use machine::{MachineSettings, Platform, PlatformSettings, ShaftSettings};
+pub(crate) use slots::{slot_steps, slot_ticks};
 pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
 
 use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
