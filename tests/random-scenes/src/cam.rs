@@ -5,8 +5,9 @@ use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 use host_sim::mechanism::{AnyMechanism, Configured};
 use host_sim::scene::file::{CamSegment, CamShaft, CamTable, Damper, LawName};
 
+use crate::basis::{Basis, Kind, Kinds};
+use crate::drawn::TABLE_FILE;
 use crate::source::Source;
-use crate::{Basis, Kind, Kinds, TABLE_FILE};
 
 const LAWS: [LawName; 4] = [
     LawName::Cycloid,

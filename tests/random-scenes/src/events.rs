@@ -2,7 +2,7 @@
 
 use host_sim::scene::file::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
 
-use crate::Basis;
+use crate::basis::Basis;
 use crate::source::Source;
 
 #[derive(Default)]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use host_sim::mechanism::{AnyMechanism, Configured, Mechanism, MechanismName};
 use host_sim::scene::file::{Axes, Fidelity, Foundation, Frame, Machine, Platform, Rods};
 
-use crate::Basis;
+use crate::basis::Basis;
 use crate::source::{Source, at_most};
 
 /// Crank, coupler and ground of crank-rockers, relative to their rockers: those of the source, a short crank, and one that comes close to
