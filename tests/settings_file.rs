@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Parser;
 use cophase::{Command, Status};
 use cophase_link::board::{Board, Rp2040};
-use cophase_link::codec::VERSION;
+use cophase_link::file_format::VERSION;
 use cophase_link::{Header, decode};
 use cophase_scene::library::SCENES;
 use cophase_tests::built_in;
@@ -38,7 +38,7 @@ fn the_format_changes_only_with_its_version() {
     assert!(
         settings("default") == GOLDEN,
         "the default scene is no longer compiled to the golden settings file. If the bytes of settings changed, raise \
-         cophase_link::codec::VERSION. Then, or if only the scene changed, {RENEW}"
+         cophase_link::file_format::VERSION. Then, or if only the scene changed, {RENEW}"
     );
 }
 

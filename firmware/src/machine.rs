@@ -3,7 +3,8 @@
 use cophase_core::controller::Controller;
 use cophase_core::drift::IndexFilter;
 use cophase_core::panel::Panel;
-use cophase_core::settings::{Settings, SettingsError};
+use cophase_core::problem::SettingsError;
+use cophase_core::settings::Settings;
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_core::units::MAX_AXES;
 use cophase_link::board::{self, Rp2040, Unfit};

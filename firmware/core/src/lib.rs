@@ -25,6 +25,8 @@ pub mod controller;
 pub mod drift;
 pub mod mechanism;
 pub mod panel;
+pub mod phase_offset;
+pub mod problem;
 pub mod program;
 pub mod servo;
 pub mod settings;

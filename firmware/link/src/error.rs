@@ -1,7 +1,6 @@
 //! Errors of bytes that are not a settings file.
 
-use crate::codec::{MAX_FILE_BYTES, MAX_PAYLOAD_BYTES, VERSION};
-use crate::header::HEADER_BYTES;
+use crate::file_format::{HEADER_BYTES, MAX_FILE_BYTES, MAX_PAYLOAD_BYTES, VERSION};
 
 /// Problem with a settings file, and how to solve it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -6,10 +6,8 @@
 //! In flash the header is written after its payload, in one page write. That write is the commit. The CRC does not
 //! match in a page that was written or erased in part.
 
+use crate::file_format::HEADER_BYTES;
 use crate::{CRC, SettingsFileError};
-
-/// Length of the header, bytes: a write page of serial NOR flash.
-pub const HEADER_BYTES: usize = 256;
 
 /// First bytes of every settings file.
 pub const MAGIC: [u8; 8] = *b"COPHASE\0";

@@ -2,7 +2,7 @@
 //!
 //! The linker map (`memory.x`) ends the program's flash below them, and `docs/settings-file.md` names the addresses.
 
-use crate::codec::MAX_FILE_BYTES;
+use crate::file_format::MAX_FILE_BYTES;
 
 /// Size of the board's flash, bytes.
 pub const FLASH_BYTES: u32 = 2 << 20;

@@ -12,7 +12,7 @@
 //! - *Header*: one page that describes the payload and lets a reader check that it is intact ([`header`]). Its layout
 //!   never changes, so that any firmware can distinguish a settings file of any version from other bytes.
 //! - *Payload*: the settings, in [postcard](https://postcard.jamesmunns.com/)'s wire format ([`codec`]). Its format has
-//!   a version.
+//!   a version ([`file_format`]).
 //! - *Slot*: one of two places in flash that hold a settings file each ([`store`], at the offsets of [`layout`]).
 //! - *Origin*: source of a stored settings file: placed from outside, or stored by firmware with certain built-in settings.
 //!
@@ -34,6 +34,7 @@ pub mod client;
 pub mod codec;
 mod condition;
 mod error;
+pub mod file_format;
 pub mod frame;
 pub mod header;
 pub mod layout;
@@ -46,10 +47,11 @@ pub mod store;
 pub mod uf2;
 pub mod watch;
 
-pub use codec::{MAX_FILE_BYTES, decode, decode_into, encode, verify};
+pub use codec::{decode, decode_into, encode, verify};
 pub use condition::Condition;
 pub use cophase_core::settings::Settings;
 pub use error::SettingsFileError;
+pub use file_format::MAX_FILE_BYTES;
 pub use header::Header;
 pub use store::{Choice, Newest, Slot, Store, StoreError, choose, inspect};
 

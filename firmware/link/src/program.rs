@@ -2,8 +2,9 @@
 //!
 //! The bytes are `program` of the settings, in postcard's format: the number of entries, then the entries.
 
+use cophase_core::problem::SettingsError;
 use cophase_core::program::{CAPACITY, EntrySettings, ProgramBuilder};
-use cophase_core::settings::{Settings, SettingsError};
+use cophase_core::settings::Settings;
 
 /// Greatest length of a program file, bytes.
 pub const MAX_PROGRAM_BYTES: usize = {

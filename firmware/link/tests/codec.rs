@@ -3,8 +3,8 @@
 mod support;
 
 use cophase_link::board::{Board, Rp2040};
-use cophase_link::codec::{MAX_PAYLOAD_BYTES, VERSION};
-use cophase_link::header::{HEADER_BYTES, OUTSIDE};
+use cophase_link::file_format::{HEADER_BYTES, MAX_PAYLOAD_BYTES, VERSION};
+use cophase_link::header::OUTSIDE;
 use cophase_link::store::settings_file_in;
 use cophase_link::{Header, MAX_FILE_BYTES, Settings, SettingsFileError, encode};
 use proptest::prelude::*;

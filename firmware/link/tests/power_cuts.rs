@@ -5,7 +5,7 @@
 mod support;
 
 use cophase_link::Newest;
-use cophase_link::header::HEADER_BYTES;
+use cophase_link::file_format::HEADER_BYTES;
 use proptest::prelude::*;
 use support::nor::{CUTS, Cut, Nor, PAGE, SECTOR};
 use support::slots::{empty, newest, payload, save, settings_file};

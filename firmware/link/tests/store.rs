@@ -2,8 +2,8 @@
 
 mod support;
 
-use cophase_link::codec::VERSION;
-use cophase_link::header::{HEADER_BYTES, OUTSIDE};
+use cophase_link::file_format::{HEADER_BYTES, VERSION};
+use cophase_link::header::OUTSIDE;
 use cophase_link::{
     Choice, Header, Newest, SettingsFileError, Slot, Store, StoreError, choose, layout,
 };

@@ -2,10 +2,9 @@
 
 use std::io::Write;
 
-use clap::CommandFactory;
 use clap_complete::{Shell, generate};
 
-use super::{Command, CommandError, Status};
+use super::{CommandError, Status};
 
 /// Long help with the place of the script for each shell. It is not a doc comment, because indented lines in a
 /// doc comment are an example in Rust.
@@ -33,9 +32,9 @@ pub(super) struct CompletionsArgs {
 
 pub(super) fn completions(
     args: &CompletionsArgs,
+    mut command: clap::Command,
     out: &mut impl Write,
 ) -> Result<Status, CommandError> {
-    let mut command = Command::command();
     let name = command.get_name().to_owned();
     // `generate` panics on a write error, and writing to a vector has none.
     let mut script = Vec::new();

@@ -82,7 +82,7 @@ impl Command {
     /// that has the place, the problem and the fix.
     pub fn of_process() -> Self {
         Self::parsed().unwrap_or_else(|error| {
-            match refusal::sentence(&error, std::env::args_os()) {
+            match refusal::sentence(&error, &Self::command(), std::env::args_os()) {
                 None => error.exit(),
                 Some(sentence) => {
                     // If the error cannot be written, the status still reports it.
@@ -113,8 +113,8 @@ impl Command {
             What::Compare(args) => compare::compare(&args, out),
             What::Scope(args) => scope::scope(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),
-            What::Completions(args) => completions::completions(&args, out),
-            What::Man(args) => man::man(&args, out),
+            What::Completions(args) => completions::completions(&args, Self::command(), out),
+            What::Man(args) => man::man(&args, Self::command(), out),
             What::Design(args) => match design::run(&args, out) {
                 Ok(()) => Ok(Status::Done),
                 Err(DesignCommandError::Write(error)) => Err(error.into()),

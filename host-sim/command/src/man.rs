@@ -3,11 +3,10 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use clap::CommandFactory;
 use clap_mangen::Man;
 use cophase_files::trace::RunFiles;
 
-use super::{Command, CommandError, Status};
+use super::{CommandError, Status};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ManArgs {
@@ -16,9 +15,13 @@ pub(super) struct ManArgs {
     dir: PathBuf,
 }
 
-pub(super) fn man(args: &ManArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+pub(super) fn man(
+    args: &ManArgs,
+    command: clap::Command,
+    out: &mut impl Write,
+) -> Result<Status, CommandError> {
     // `help` only repeats the other pages.
-    let mut command = Command::command().disable_help_subcommand(true);
+    let mut command = command.disable_help_subcommand(true);
     command.build();
     let mut pages = Vec::new();
     render(&command, &mut pages)?;

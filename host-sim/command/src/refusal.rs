@@ -4,15 +4,15 @@
 
 use std::ffi::OsString;
 
-use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-use super::{Command, numbers};
+use super::numbers;
 use cophase_scene::load;
 
-/// Returns the refusal of the arguments of this process as a sentence, or none if clap's text is not a refusal but a page of help.
+/// Returns the refusal of the arguments of `cophase` as a sentence, or none if clap's text is not a refusal but a page of help.
 pub(super) fn sentence(
     error: &clap::Error,
+    cophase: &clap::Command,
     arguments: impl IntoIterator<Item = OsString>,
 ) -> Option<String> {
     let arguments: Vec<_> = arguments.into_iter().skip(1).collect();
@@ -21,7 +21,7 @@ pub(super) fn sentence(
     let (place, value) = (one(ContextKind::InvalidArg), one(ContextKind::InvalidValue));
     // The option without the name of its value, as the user wrote it.
     let option = place.split([' ', '=', '[']).next().unwrap_or_default();
-    let (innermost, its) = subcommand(arguments.iter().cloned());
+    let (innermost, its) = subcommand(cophase, arguments.iter().cloned());
     // Most errors have the usage of the command that met the problem, which may be an outer one.
     let usage = one(ContextKind::Usage);
     let usage = usage.trim_start_matches("Usage:").trim();
@@ -30,7 +30,7 @@ pub(super) fn sentence(
         (innermost.clone(), its.clone())
     } else {
         let names = usage.split_whitespace().skip(1).take_while(is_name);
-        subcommand(names.map(OsString::from))
+        subcommand(cophase, names.map(OsString::from))
     };
     let help = format!("`{named} --help`");
     let commands = command.get_subcommands().map(clap::Command::get_name);
@@ -172,8 +172,11 @@ const USUAL: [(&str, &str); 9] = [
 ];
 
 /// Returns the innermost subcommand that words name, with its name in full. Other words are skipped.
-fn subcommand(words: impl Iterator<Item = OsString>) -> (String, clap::Command) {
-    let mut command = Command::command();
+fn subcommand(
+    cophase: &clap::Command,
+    words: impl Iterator<Item = OsString>,
+) -> (String, clap::Command) {
+    let mut command = cophase.clone();
     let mut named = command.get_name().to_owned();
     for word in words {
         let subcommand = word.to_str().and_then(|word| command.find_subcommand(word));

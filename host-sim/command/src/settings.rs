@@ -5,7 +5,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use cophase_link::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
+use cophase_link::file_format::HEADER_BYTES;
+use cophase_link::header::{FIRST_SEQUENCE, MAGIC, OUTSIDE};
 use cophase_link::layout::{FLASH_ADDRESS, SLOT_A_OFFSET, SLOT_B_OFFSET};
 use cophase_link::uf2::{self, PAGE_BYTES};
 use cophase_link::{Header, MAX_FILE_BYTES, board, encode};

@@ -1,4 +1,4 @@
-//! Errors of a method: before the first step, and in a step.
+//! Errors of a method: before the first step, in a step, and in measurements that make steps.
 
 use crate::Needs;
 
@@ -59,6 +59,17 @@ pub enum StepError {
         /// Start of the step.
         t_s: f64,
     },
+}
+
+/// Reason why a measurement that makes steps has no result.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NotMeasured {
+    /// The method cannot be prepared for these equations.
+    #[error(transparent)]
+    Refused(#[from] Refused),
+    /// A step failed.
+    #[error(transparent)]
+    Step(#[from] StepError),
 }
 
 impl StepError {

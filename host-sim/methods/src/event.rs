@@ -7,8 +7,7 @@
 //! The search prepares methods, which allocates memory; events are rare. A quantity that falls below 0 and rises again
 //! within one step is not detected.
 
-use crate::stability::NotMeasured;
-use crate::{Equations, Scheme};
+use crate::{Equations, NotMeasured, Scheme};
 
 /// Number of halvings of the step: down to 2⁻⁵² of it, the resolution of `f64`.
 const HALVINGS: u32 = 52;

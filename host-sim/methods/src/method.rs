@@ -5,7 +5,8 @@
 
 use core::fmt;
 
-use crate::{Equations, Facts, Refused, StepError, friction};
+use crate::rule::Rule;
+use crate::{Equations, Facts, Refused, StepError, friction_step};
 
 /// Method for one machine and one step length. It advances a state by that step.
 ///
@@ -48,31 +49,6 @@ pub fn advance(
     Ok(())
 }
 
-/// Computation of a step, of any length.
-pub(crate) trait Rule: Clone + fmt::Debug + Sized + 'static {
-    /// Properties of the method.
-    const FACTS: &'static Facts;
-
-    /// Allocates the memory for equations that have the required structure, and for a step that is finite and above 0.
-    fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused>;
-
-    /// Prepares coefficients that depend on the equations and the length of the step. The default has none.
-    fn fit(&mut self, _: &dyn Equations, _t_s: f64, _h: f64) -> Result<(), StepError> {
-        Ok(())
-    }
-
-    /// Writes the state at `t_s` + `h` into `next`, from the state `y` at `t_s`. The caller checks whether it is
-    /// finite.
-    fn step(
-        &mut self,
-        equations: &dyn Equations,
-        t_s: f64,
-        h: f64,
-        y: &[f64],
-        next: &mut [f64],
-    ) -> Result<(), StepError>;
-}
-
 /// Method: a rule with a fixed step.
 #[derive(Clone, Debug)]
 pub(crate) struct Fixed<R> {
@@ -80,7 +56,7 @@ pub(crate) struct Fixed<R> {
     step_s: f64,
     next: Vec<f64>,
     /// Memory for dry friction, if the machine has any.
-    friction: Option<friction::Memory>,
+    friction: Option<friction_step::Memory>,
 }
 
 impl<R: Rule> Fixed<R> {
@@ -103,7 +79,7 @@ impl<R: Rule> Fixed<R> {
             next: vec![0.0; equations.dimension()],
             friction: equations
                 .friction()
-                .map(|_| friction::Memory::new(equations.dimension())),
+                .map(|_| friction_step::Memory::new(equations.dimension())),
         }))
     }
 }
@@ -127,9 +103,9 @@ impl<R: Rule> Method for Fixed<R> {
             None => self
                 .rule
                 .step(equations, t_s, self.step_s, y, &mut self.next)?,
-            Some(machine) => friction::Step {
+            Some(machine) => friction_step::Step {
                 rule: &mut self.rule,
-                memory: (self.friction).get_or_insert_with(|| friction::Memory::new(y.len())),
+                memory: (self.friction).get_or_insert_with(|| friction_step::Memory::new(y.len())),
                 equations,
                 machine,
             }

@@ -2,10 +2,11 @@
 
 use core::fmt;
 
-use crate::method::{Fixed, Rule};
+use crate::method::Fixed;
 use crate::methods::{
     Exact, ExplicitEuler, ImplicitMidpoint, Rk4, Sdirk4, SymplecticEuler, VelocityVerlet,
 };
+use crate::rule::Rule;
 use crate::{Equations, Facts, Method, Refused};
 
 /// Name of a method.

@@ -19,7 +19,7 @@ use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{DMatrix, Matrix2};
 
 use crate::problems::Oscillator;
-use crate::{Equations, Refused, Scheme, StepError};
+use crate::{Equations, NotMeasured, Refused, Scheme};
 
 /// Largest hω that is examined. A method that is stable up to here counts as having no limit.
 pub const LARGEST_H_OMEGA: f64 = 1e6;
@@ -44,17 +44,6 @@ const LIMITS_KEPT: usize = 16;
 
 /// Ratio between successive step lengths of the search. An unstable range between two stable ones is not found.
 const SCAN_RATIO: f64 = 1.05;
-
-/// Reason why the growth over a step could not be measured.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NotMeasured {
-    /// The method cannot be prepared for these equations.
-    #[error(transparent)]
-    Refused(#[from] Refused),
-    /// A step failed.
-    #[error(transparent)]
-    Step(#[from] StepError),
-}
 
 /// Reason why a step must not be used.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use cophase_core::settings::{Problem, SettingsError};
+use cophase_core::problem::{Problem, SettingsError};
 
 use super::{entry, range};
 

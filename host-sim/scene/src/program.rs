@@ -1,7 +1,7 @@
 //! Conversion of a scene's program, with its levels and blocks, into the core's flat list of entries.
 
+use cophase_core::problem::{Problem, SettingsError};
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape as ProgramShape};
-use cophase_core::settings::{Problem, SettingsError};
 
 use crate::SceneError;
 use crate::file::{self, Segment};

@@ -5,7 +5,7 @@
 
 use core::f64::consts::TAU;
 
-use cophase_core::settings::Problem;
+use cophase_core::problem::Problem;
 
 use crate::SceneError;
 use crate::digits::plain;

@@ -9,10 +9,9 @@ pub use output::Output;
 use std::sync::Arc;
 
 use cophase_core::controller::Controller;
+use cophase_core::problem::SettingsError;
 use cophase_core::program::EntrySettings;
-use cophase_core::settings::{
-    AxisSettings, MachineSettings, PlatformSettings, Settings, SettingsError,
-};
+use cophase_core::settings::{AxisSettings, MachineSettings, PlatformSettings, Settings};
 
 use crate::cam::{self, Follower, off_law};
 use crate::dynamics::plant::Plant;

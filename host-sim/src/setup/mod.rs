@@ -16,7 +16,8 @@ mod settings;
 use std::sync::Arc;
 
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
-use cophase_core::settings::{DriftSettings, MachineSettings, Problem, ShaftSettings};
+use cophase_core::problem::Problem;
+use cophase_core::settings::{DriftSettings, MachineSettings, ShaftSettings};
 use cophase_link::board;
 
 use crate::cam::Follower;

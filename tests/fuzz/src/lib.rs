@@ -12,25 +12,13 @@ mod script;
 mod watch;
 
 pub use script::Script;
+pub use watch::Reached;
 
 use machine::Machine;
 use watch::Watch;
 
 /// Ticks of a case: enough to home at the slowest, run, stop and start again.
 pub const TICKS: u32 = 5000;
-
-/// Progress of a case, with which a test checks that cases run.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Reached {
-    /// Ticks that were played.
-    pub ticks: u32,
-    /// Ticks in which the program was played.
-    pub running: u32,
-    /// Faults that latched.
-    pub faults: u32,
-    /// Reported events, faults or not: a bit for each kind, at its number.
-    pub kinds: u32,
-}
 
 /// Plays the case of some bytes on a machine of `count` axes.
 ///

@@ -5,7 +5,18 @@ use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::{MAX_AXES, ONE_TURN, Phase, Turns};
 
-use crate::Reached;
+/// Progress of a case, with which a test checks that cases run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reached {
+    /// Ticks that were played.
+    pub ticks: u32,
+    /// Ticks in which the program was played.
+    pub running: u32,
+    /// Faults that latched.
+    pub faults: u32,
+    /// Reported events, faults or not: a bit for each kind, at its number.
+    pub kinds: u32,
+}
 
 /// The limits in units of 2⁻⁴⁸ turn and one tick, and the state of the previous tick.
 pub struct Watch {

@@ -5,8 +5,9 @@ use cophase_motion::pulse::PulseTiming;
 use cophase_motion::settings::PulseSettings;
 use cophase_scene::file::{Axes, AxisOverrides, CamTable, Drive, Fidelity, Limits, Pulse};
 
+use crate::basis::{Basis, Kind};
 use crate::source::Source;
-use crate::{Basis, Kind, cam, motors};
+use crate::{cam, motors};
 
 /// Steps per turn that a scene may have.
 const STEPS: (f64, f64) = (4.0, 1_048_576.0);

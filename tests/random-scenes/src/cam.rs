@@ -6,8 +6,9 @@ use cophase_scene::file::{CamSegment, CamShaft, CamTable, Damper, LawName};
 use host_sim::cam::cam_of;
 use host_sim::mechanism::{AnyMechanism, Configured};
 
+use crate::basis::{Basis, Kind, Kinds};
+use crate::drawn::TABLE_FILE;
 use crate::source::Source;
-use crate::{Basis, Kind, Kinds, TABLE_FILE};
 
 const LAWS: [LawName; 4] = [
     LawName::Cycloid,

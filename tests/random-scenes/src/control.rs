@@ -8,8 +8,8 @@ use cophase_scene::file::{
 };
 use host_sim::mechanism::{AnyMechanism, Mechanism};
 
+use crate::basis::{Basis, Kind};
 use crate::source::Source;
-use crate::{Basis, Kind};
 
 /// A tick rate whose tick is a whole number of microseconds. The default is drawn most often, and rates that the board keeps for few
 /// machines seldom.

@@ -2,7 +2,7 @@
 
 use cophase_scene::file::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
 
-use crate::Basis;
+use crate::basis::Basis;
 use crate::source::Source;
 
 #[derive(Default)]

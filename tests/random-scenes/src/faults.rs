@@ -2,8 +2,8 @@
 
 use cophase_scene::file::{Axes, AxisOverrides, Drive, FaultAt, FaultName, Fidelity, Lines, Noise};
 
+use crate::basis::{Basis, Kind};
 use crate::source::Source;
-use crate::{Basis, Kind};
 
 /// Kinds that put a crank off its commanded phase, which neither one shaft for all cranks nor a cam shaft can show.
 const MOVING: [FaultName; 7] = [

@@ -2,8 +2,8 @@
 
 use cophase_scene::file::{Axes, Fidelity, Method, MethodName, Questions};
 
+use crate::basis::{Basis, Kind, Kinds};
 use crate::source::Source;
-use crate::{Basis, Kind, Kinds};
 
 /// Model level, and whether the motors have torque.
 pub fn level(source: &mut Source, kind: Kind, kinds: Kinds, has_links: bool) -> (Fidelity, bool) {

@@ -6,7 +6,7 @@ use cophase_scene::file::MechanismName;
 use cophase_scene::file::{Axes, Fidelity, Foundation, Frame, Machine, Platform, Rods};
 use host_sim::mechanism::{AnyMechanism, Configured, Mechanism};
 
-use crate::Basis;
+use crate::basis::Basis;
 use crate::source::{Source, at_most};
 
 /// Crank, coupler and ground of crank-rockers, relative to their rockers: those of the source, a short crank, and one that comes close to

@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 use cophase_scene::file::{Drive, InductionDrive, Limits, ServoDrive};
 use host_sim::mechanism::Mechanism;
 
+use crate::basis::{Basis, Kind};
 use crate::source::{Source, at_most};
-use crate::{Basis, Kind};
 
 pub struct Motors {
     pub rotor_inertia_kgm2: f64,

@@ -6,7 +6,7 @@ use cophase_scene::file::{Segment, Shape};
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::mechanism::Mechanism;
 
-use crate::Basis;
+use crate::basis::Basis;
 use crate::source::{Source, at_most};
 
 /// Greatest level that a program can ask for, m/s².

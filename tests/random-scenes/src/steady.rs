@@ -11,8 +11,11 @@ use cophase_scene::file::{
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::mechanism::{AnyMechanism, Mechanism};
 
+use crate::basis::Kinds;
+use crate::drawn::Drawn;
 use crate::source::{Source, at_most};
-use crate::{Basis, Drawn, Kinds, axes, machine};
+use crate::tables::scene_and_table;
+use crate::{axes, machine};
 
 /// Turns of the cranks at a level, at least.
 const TURNS: f64 = 6.0;
@@ -36,7 +39,7 @@ pub fn steady(seed: u64) -> Drawn {
     };
     let source = &mut Source::new(seed);
     let mut scene = loop {
-        let (scene, _) = Basis::draw(source, kinds, seed);
+        let (scene, _) = scene_and_table(source, kinds, seed);
         if scene.machine.is_some() {
             break scene;
         }

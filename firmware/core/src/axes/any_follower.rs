@@ -10,7 +10,7 @@ use super::cam_table::{CamSettings, CamTable, CamTableSettings};
 use super::cams::Cams;
 use super::follower::Follower;
 use super::gear::{Gear, GearSettings};
-use crate::settings::SettingsError;
+use crate::problem::SettingsError;
 use crate::units::Turns;
 
 /// Makes [`AnyFollower`] and its settings from a list: name, text, settings type.

@@ -9,7 +9,7 @@ use super::bounds::Bounds;
 use super::cams::Cams;
 use super::follower::Follower;
 use super::spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};
-use crate::settings::{Problem, SettingsError};
+use crate::problem::{Problem, SettingsError};
 use crate::units::{ONE_TURN, Phase, Turns};
 use cophase_motion::settings::{self as motion, inside, turns};
 

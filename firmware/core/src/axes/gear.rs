@@ -7,7 +7,7 @@ use super::cam_table::CamSettings;
 use super::cams::Cams;
 use super::follower::Follower;
 use crate::functions::Ratio;
-use crate::settings::SettingsError;
+use crate::problem::SettingsError;
 use crate::units::Turns;
 use cophase_motion::settings::inside;
 

@@ -1,4 +1,4 @@
-//! Axes: conversion of the master's phase to the phase of each crank by follower (gear or cam table) and phase offset.
+//! Axes: conversion of the master's phase to the phase of each crank by its follower, a gear or a cam table.
 //!
 //! An axis never has a speed of its own. Each tick it converts the turns of the master to its own, exactly: the remainder
 //! of a ratio is kept for the next tick. The sense of rotation is not part of the phase either. A *reversed* axis counts
@@ -11,10 +11,8 @@ mod cam_table;
 mod cams;
 #[cfg(test)]
 mod conformance;
-mod correction;
 mod follower;
 mod gear;
-mod phase_offset;
 mod spline;
 
 pub use any_follower::{AnyFollower, FollowerSettings};
@@ -23,5 +21,4 @@ pub use cam_table::{CamSettings, CamTable, CamTableSettings};
 pub use cams::{Cams, MAX_CAMS, NO_CAMS};
 pub use follower::Follower;
 pub use gear::{Gear, GearSettings};
-pub use phase_offset::{OffsetMotion, PhaseOffsets, slot_turns};
 pub use spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};

@@ -6,8 +6,9 @@
 
 use super::Controller;
 use super::channel::Channel;
-use crate::axes::{Follower, OffsetMotion};
+use crate::axes::Follower;
 use crate::drift::AxisSet;
+use crate::phase_offset::OffsetMotion;
 use crate::signals::Output;
 use crate::supervisor::State;
 use crate::units::{MAX_AXES, Turns};

@@ -17,9 +17,10 @@ mod punctuality;
 mod tick;
 mod wiring_proof;
 
-use crate::axes::{Cams, PhaseOffsets};
+use crate::axes::Cams;
 use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
+use crate::phase_offset::PhaseOffsets;
 use crate::program::{AmplitudeOverride, Cursor, Program};
 use crate::pulse::StepRates;
 use crate::servo::{Coupling, ServoPart};

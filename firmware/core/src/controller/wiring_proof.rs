@@ -1,9 +1,10 @@
 //! Tilts that prove the wiring: about one axis, and about the other. They are computed once from the settings; [`super::homing`] commands
 //! them.
 
-use crate::axes::PhaseOffsets;
 use crate::drift::DriftMonitor;
-use crate::settings::{Problem, Settings, SettingsError};
+use crate::phase_offset::PhaseOffsets;
+use crate::problem::{Problem, SettingsError};
+use crate::settings::Settings;
 use crate::units::{PerAxis, Turns};
 
 /// Smallest distance by which any two cranks are moved apart in one of the tilts, in tolerances.

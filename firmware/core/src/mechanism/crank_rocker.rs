@@ -19,7 +19,7 @@ use core::hash::{Hash, Hasher};
 
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::{isqrt, sine_cosine};
-use crate::settings::{Problem, SettingsError};
+use crate::problem::{Problem, SettingsError};
 use crate::units::{Amax, Turns};
 use cophase_motion::settings::inside;
 

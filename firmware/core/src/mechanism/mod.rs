@@ -23,7 +23,7 @@ pub use square_law::SquareLaw;
 
 use core::hash::{Hash, Hasher};
 
-use crate::settings::SettingsError;
+use crate::problem::SettingsError;
 use crate::units::{Amax, Turns};
 
 /// Makes [`AnyMechanism`] and its settings from a list: name, text, settings type.

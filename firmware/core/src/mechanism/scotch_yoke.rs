@@ -7,7 +7,7 @@ use core::hash::{Hash, Hasher};
 
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::sine_cosine;
-use crate::settings::SettingsError;
+use crate::problem::SettingsError;
 use crate::units::{Amax, Turns};
 
 /// Settings of the Scotch yoke. It has none beside its crank radius.

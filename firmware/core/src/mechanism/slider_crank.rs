@@ -13,7 +13,7 @@ use core::hash::{Hash, Hasher};
 
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::{ONE_Q30, inverse_root_of_one_minus, multiply_q30, sine_cosine};
-use crate::settings::SettingsError;
+use crate::problem::SettingsError;
 use crate::units::{Amax, Turns};
 use cophase_motion::settings::inside;
 

@@ -2,7 +2,7 @@
 
 use super::{CAPACITY, Entry, Program, Segment, Shape};
 use crate::mechanism::{AnyMechanism, Mechanism};
-use crate::settings::{Problem, SettingsError};
+use crate::problem::{Problem, SettingsError};
 use crate::units::{Amax, Turns};
 use cophase_motion::settings::inside;
 

@@ -12,7 +12,8 @@ use core::hash::{Hash, Hasher};
 
 use crate::functions::multiply_q30;
 use crate::mechanism::{AnyMechanism, Kinematics, Mechanism};
-use crate::settings::{MachineSettings, Problem, SettingsError, Transmission};
+use crate::problem::{Problem, SettingsError};
+use crate::settings::{MachineSettings, Transmission};
 use crate::units::{FRACTION_BITS, ONE_TURN, Phase, Torque, Turns};
 
 /// Coefficients of one machine at one tick rate, for one motor of `N`.

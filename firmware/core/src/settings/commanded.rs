@@ -9,9 +9,10 @@
 //! radius ρ, and is R Z(α + δᵢ) high: δᵢ is the lead of its crank, and Z the integral of the mechanism's slope over the crank angle. With
 //! heights zᵢ the slope is |2/N Σ zᵢ (cos θ, sin θ)| / ρ. *Warp* is the largest distance of a lead from the plane closest to all leads.
 
-use super::{AxisSettings, PlatformSettings, Problem, Settings, SettingsError};
-use crate::axes::slot_turns;
+use super::slots::slot_turns;
+use super::{AxisSettings, PlatformSettings, Settings};
 use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::problem::{Problem, SettingsError};
 use crate::units::{MAX_AXES, PerAxis, Turns};
 use core::f64::consts::TAU;
 

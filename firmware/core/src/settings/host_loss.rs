@@ -1,6 +1,7 @@
 //! Reaction to the loss of the host that started the machine.
 
-use super::{SettingsError, inside};
+use super::inside;
+use crate::problem::SettingsError;
 
 /// Action when the host is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,8 +5,8 @@
 
 use cophase_motion::settings::inside;
 
-use super::SettingsError;
 use crate::mechanism::{AnyMechanism, Mechanism, MechanismSettings, ScotchYokeSettings};
+use crate::problem::SettingsError;
 
 /// Side of the cranks on which the platform is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

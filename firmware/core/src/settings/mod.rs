@@ -3,13 +3,14 @@
 //! This is the only place where the core has floats. The tick works on the coefficients that the modules' own builders
 //! make from settings that passed [`Settings::check`]. So it never has to handle a bad setting.
 
+mod axis_motion;
 mod check;
 mod commanded;
-mod error;
 mod host_loss;
 mod machine;
 #[cfg(test)]
 pub(crate) mod sample;
+mod slots;
 #[cfg(test)]
 mod tests;
 mod wiring;
@@ -18,14 +19,14 @@ pub use cophase_motion::settings::{
     BandSettings, LimitSettings, MAX_BANDS, PulseSettings, inside, tick_cycles, turns,
     turns_at_most,
 };
-pub use error::{Problem, SettingsError};
 pub use host_loss::{HostLossReaction, HostLossSettings};
 pub use machine::{MachineSettings, Platform, PlatformSettings, ShaftSettings};
+pub(crate) use slots::{slot_steps, slot_ticks};
 pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
 
 use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
-use crate::drift::sensing::index_filter::MOST_OF_TICK;
 use crate::mechanism::AnyMechanism;
+use crate::problem::{Problem, SettingsError};
 use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder, SegmentSettings, Shape};
 use crate::pulse::StepsPerTurn;
 use crate::units::MAX_AXES;
@@ -87,6 +88,9 @@ pub struct Settings {
     /// Program amax(t): segments, and repeats of earlier entries.
     pub program: heapless::Vec<EntrySettings, CAPACITY>,
 }
+
+/// Reciprocal of the greatest width of the index filter as a part of a tick: one fourth.
+pub const MOST_OF_TICK: u32 = 4;
 
 /// Filter of the index lines.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,8 @@ use embedded_storage::nor_flash::{NorFlash, NorFlashError, NorFlashErrorKind};
 use super::Slot;
 use super::inspect::newer;
 use crate::codec::verify;
-use crate::header::{FIRST_SEQUENCE, HEADER_BYTES};
+use crate::file_format::HEADER_BYTES;
+use crate::header::FIRST_SEQUENCE;
 use crate::{Header, SettingsFileError};
 
 const PAGE_BYTES: usize = HEADER_BYTES;

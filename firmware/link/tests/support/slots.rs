@@ -1,7 +1,6 @@
 //! Two slots in a simulated flash, and settings files to store there.
 
-use cophase_link::codec::VERSION;
-use cophase_link::header::HEADER_BYTES;
+use cophase_link::file_format::{HEADER_BYTES, VERSION};
 use cophase_link::store::settings_file_in;
 use cophase_link::{Header, Newest, Slot, Store, StoreError, inspect};
 

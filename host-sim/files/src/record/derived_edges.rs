@@ -7,7 +7,8 @@
 //!
 //! The resulting whole steps are compared with those of each sample. If they differ, no edges are written.
 
-use cophase_core::axes::{AnyFollower, Cams, Follower, PhaseOffsets};
+use cophase_core::axes::{AnyFollower, Cams, Follower};
+use cophase_core::phase_offset::PhaseOffsets;
 use cophase_core::pulse::{Planner, PulseTiming, Runs, StepRates, StepsPerTurn};
 use cophase_core::settings::{DriveKind, Settings};
 use cophase_core::units::{ONE_TURN, Turns};

@@ -24,12 +24,10 @@
 //! Friction at rest is as large as friction in motion. A speed that reverses twice within a step is not detected.
 
 mod response;
-mod step;
 
 use core::ops::Deref;
 
-use response::Response;
-pub(crate) use step::{Memory, Step};
+pub(crate) use response::Response;
 
 /// Largest number of contacts of a machine.
 pub const MAX_CONTACTS: usize = 8;

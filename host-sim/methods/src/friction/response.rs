@@ -4,7 +4,7 @@ use super::{Contact, Contacts, DryFriction, MAX_CONTACTS};
 
 /// Accelerations of the contacts at rest as a function of the friction at them: a = free + matrix · friction.
 #[derive(Debug)]
-pub(super) struct Response {
+pub(crate) struct Response {
     /// Numbers of these contacts.
     pub at_rest: [usize; MAX_CONTACTS],
     pub count: usize,

@@ -18,7 +18,7 @@
 
 use nalgebra::{DMatrix, DVector, DVectorView, DVectorViewMut};
 
-use crate::method::Rule;
+use crate::rule::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Memory of the exact discretisation.

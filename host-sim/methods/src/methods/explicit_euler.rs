@@ -4,7 +4,7 @@
 //! one is stable up to hω = 2ζ (for ζ ≤ 1; above, up to 2 / (ζ + √(ζ² − 1))). It is here for comparison, as controllers
 //! often use it.
 
-use crate::method::Rule;
+use crate::rule::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Memory of explicit Euler.

@@ -6,8 +6,8 @@
 //!
 //! The implicit equation is solved by [`newton`](crate::newton), with the tolerance stated there.
 
-use crate::method::Rule;
 use crate::newton::Stage;
+use crate::rule::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Memory of the implicit midpoint method.

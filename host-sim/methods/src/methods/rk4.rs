@@ -3,7 +3,7 @@
 //! Four evaluations per step. An undamped oscillation is stable up to hω = 2√2. Below that it loses (hω)⁶/72 of its energy
 //! per step. It is the cheapest method for smooth machines whose fastest mode the step resolves.
 
-use crate::method::Rule;
+use crate::rule::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Memory of RK4.

@@ -9,8 +9,8 @@
 //!
 //! The implicit equations are solved by [`newton`](crate::newton), with the tolerance stated there.
 
-use crate::method::Rule;
 use crate::newton::Stage;
+use crate::rule::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 const STAGES: usize = 5;

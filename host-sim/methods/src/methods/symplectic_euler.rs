@@ -5,7 +5,7 @@
 //! stability: the limit is hω = 2 (√(1 + ζ²) − ζ), from 1 − trace + det = 0 at the eigenvalue −1 of
 //! [[1 − x², x (1 − 2ζx)], [−x, 1 − 2ζx]], x = hω. At ζ = 0.34 that is 1.43.
 
-use crate::method::Rule;
+use crate::rule::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Memory of symplectic Euler.

@@ -11,7 +11,7 @@
 //! velocity in place of v*, as in many texts, damping lowers the order to 1.) Without damping, v* is not used. The method is then
 //! plain Verlet: symplectic, and stable up to hω = 2. With damping, each step evaluates both accelerations.
 
-use crate::method::Rule;
+use crate::rule::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Memory of velocity Verlet.

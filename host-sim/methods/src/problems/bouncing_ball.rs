@@ -5,10 +5,9 @@
 
 use nalgebra::DMatrix;
 
-use crate::Scheme;
 use crate::equations::{Equations, Linear};
 use crate::event::step_to_crossing;
-use crate::stability::NotMeasured;
+use crate::{NotMeasured, Scheme};
 
 /// A ball above the ground; state (height, speed upwards).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,7 @@
 //! Answer to the page: the mistakes of a text, or the results of its scene.
 
-use std::f64::consts::TAU;
-
 use cophase_scene::SceneError;
-use host_sim::checked::Checked;
 use serde::Serialize;
-
-use crate::Preview;
 
 /// Answer to a text: mistakes, or a scene.
 #[derive(Debug, Serialize)]
@@ -102,35 +97,5 @@ impl Mistake {
             line,
             text: text.strip_prefix(": ").unwrap_or(&text).to_owned(),
         }
-    }
-}
-
-impl Scene {
-    pub(crate) fn new(
-        checked: &Checked,
-        preview: &Preview,
-        expected_ticks: u64,
-        ended: Ended,
-    ) -> Result<Self, SceneError> {
-        let tick_s = 1.0 / f64::from(checked.settings.tick_hz);
-        let limits = &checked.settings.limits;
-        let program_ticks = checked.controller()?.program().0.duration();
-        Ok(Self {
-            name: checked.scene.name.clone(),
-            program_s: program_ticks as f64 * tick_s,
-            expected_s: expected_ticks as f64 * tick_s,
-            previewed_s: preview.envelope().span().map_or(0.0, |(_, last_s)| last_s),
-            ended,
-            limits: Limits {
-                speed_rad_s: limits.speed_hz * TAU,
-                amax_mps2: preview.amax_at(limits.speed_hz),
-                acceleration_rad_s2: limits.reachable_acceleration_hz_per_s() * TAU,
-                bands_rad_s: limits
-                    .bands
-                    .iter()
-                    .map(|band| (band.from_hz * TAU, band.to_hz * TAU))
-                    .collect(),
-            },
-        })
     }
 }

@@ -14,7 +14,7 @@ use host_sim::model_level::LADDER;
 use host_sim::setup;
 use host_sim::sim::{Moment, Observer, simulate_first};
 
-use crate::answer::{Answer, Ended, Scene};
+use crate::answer::{Answer, Ended, Limits, Scene};
 
 /// Number of values of a tick. In order: amax requested and commanded (m/s²), speed (rad/s), acceleration of the shaft (rad/s²). Three
 /// flags, 1 or 0: the speed lags behind the program because of the acceleration limit, it is held at the edge of a forbidden band, it
@@ -76,8 +76,37 @@ fn run(
         fault: outcome.fault.map(|fault| fault.kind.name()),
         is_cut_off: matches!(outcome.state, State::Homing | State::Run | State::Stop),
     };
-    let scene = Scene::new(checked, &preview, expected_ticks, ended)?;
+    let scene = results(checked, &preview, expected_ticks, ended)?;
     Ok((Answer::previewed(scene), preview.envelope))
+}
+
+/// The results of a scene.
+fn results(
+    checked: &Checked,
+    preview: &Preview,
+    expected_ticks: u64,
+    ended: Ended,
+) -> Result<Scene, SceneError> {
+    let tick_s = 1.0 / f64::from(checked.settings.tick_hz);
+    let limits = &checked.settings.limits;
+    let program_ticks = checked.controller()?.program().0.duration();
+    Ok(Scene {
+        name: checked.scene.name.clone(),
+        program_s: program_ticks as f64 * tick_s,
+        expected_s: expected_ticks as f64 * tick_s,
+        previewed_s: preview.envelope().span().map_or(0.0, |(_, last_s)| last_s),
+        ended,
+        limits: Limits {
+            speed_rad_s: limits.speed_hz * TAU,
+            amax_mps2: preview.amax_at(limits.speed_hz),
+            acceleration_rad_s2: limits.reachable_acceleration_hz_per_s() * TAU,
+            bands_rad_s: limits
+                .bands
+                .iter()
+                .map(|band| (band.from_hz * TAU, band.to_hz * TAU))
+                .collect(),
+        },
+    })
 }
 
 /// The envelope of a run so far, and its greatest values.
@@ -100,7 +129,7 @@ impl Preview {
     }
 
     /// Returns amax at a speed in rev/s, m/s².
-    pub(crate) fn amax_at(&self, speed_hz: f64) -> f64 {
+    fn amax_at(&self, speed_hz: f64) -> f64 {
         let speed = Turns::saturating_from_num(speed_hz / f64::from(self.tick_hz));
         mps2(self.mechanism.amax(speed))
     }

@@ -1,7 +1,7 @@
 //! Creation of a slider-crank from a scene's keys: `machine.lambda`, or `machine.rod_length_mm`.
 
 use cophase_core::mechanism::SliderCrankSettings;
-use cophase_core::settings::Problem;
+use cophase_core::problem::Problem;
 
 use super::SliderCrank;
 use crate::mechanism::Configured;

@@ -7,7 +7,7 @@ use std::path::Path;
 use cophase::Status;
 use serde_json::Value;
 
-use super::Run;
+use super::command::Run;
 
 /// Files of a run, as listed in `docs/formats.md`.
 const FILES: [&str; 4] = ["report.json", "scope.svg", "steps.vcd", "trace.csv"];

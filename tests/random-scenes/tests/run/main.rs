@@ -11,6 +11,7 @@
 //! `target/tmp/random-scenes`. Overflow checks must be on, so do not run the tests in release mode.
 
 mod at_the_crank;
+mod command;
 mod files;
 mod refusal;
 
@@ -22,9 +23,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use clap::Parser;
-use cophase::{Command, Status};
+use cophase::Status;
 use cophase_random_scenes::{Drawn, scene, steady};
+
+use command::{Fate, run};
 
 /// Number of scenes if no other is requested.
 const FEW: u64 = 60;
@@ -37,59 +39,6 @@ const TWICE: u64 = 10;
 
 /// Interval of the progress messages of long tests.
 const PROGRESS: Duration = Duration::from_secs(20);
-
-/// Outcome of a run of the command.
-struct Run {
-    status: Status,
-    out: String,
-    err: String,
-}
-
-/// Runs a scene into a folder, with options.
-fn run(scene: &Path, folder: &Path, options: &[&str]) -> Run {
-    let fixed = [
-        "cophase".as_ref(),
-        "run".as_ref(),
-        scene.as_os_str(),
-        "--out".as_ref(),
-        folder.as_os_str(),
-    ];
-    let command = Command::try_parse_from(
-        fixed
-            .into_iter()
-            .chain(options.iter().map(|option| option.as_ref())),
-    );
-    let (mut out, mut err) = (Vec::new(), Vec::new());
-    let status = command.expect("arguments").carry_out(&mut out, &mut err);
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    Run {
-        status,
-        out: text(out),
-        err: text(err),
-    }
-}
-
-/// Writes the settings of a scene for a board into a folder.
-fn settings(scene: &Path, folder: &Path) -> Status {
-    let file = folder.join("scene.settings");
-    let command = Command::try_parse_from([
-        "cophase".as_ref(),
-        "settings".as_ref(),
-        scene.as_os_str(),
-        "--out".as_ref(),
-        file.as_os_str(),
-    ]);
-    let (mut out, mut err) = (Vec::new(), Vec::new());
-    command.expect("arguments").carry_out(&mut out, &mut err)
-}
-
-/// Outcome of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fate {
-    Done,
-    Fault,
-    Refused,
-}
 
 /// Runs a scene and checks all that it leaves in a folder. With `twice`, it runs the scene again and compares.
 fn play(scene: &Path, folder: &Path, twice: bool) -> Result<Fate, String> {

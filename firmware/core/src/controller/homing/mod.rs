@@ -20,8 +20,8 @@ mod verify;
 
 use core::hash::{Hash, Hasher};
 
-use crate::axes::PhaseOffsets;
 use crate::drift::{AxisSet, DriftMonitor, Measured};
+use crate::phase_offset::PhaseOffsets;
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 use checks::{Deviation, Moves, When};
 

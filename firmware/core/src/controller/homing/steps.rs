@@ -2,8 +2,8 @@
 
 use super::verify::Verdict;
 use super::{Homing, Step, errors};
-use crate::axes::PhaseOffsets;
 use crate::drift::{DriftMonitor, Measured};
+use crate::phase_offset::PhaseOffsets;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 

@@ -2,8 +2,8 @@
 
 use super::checks::When;
 use super::{Homing, Step};
-use crate::axes::PhaseOffsets;
 use crate::drift::{DriftMonitor, Measured};
+use crate::phase_offset::PhaseOffsets;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Turns, nearest};
 

@@ -9,7 +9,8 @@
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-use cophase_core::axes::{FollowerSettings, PhaseOffsets};
+use cophase_core::axes::FollowerSettings;
+use cophase_core::phase_offset::PhaseOffsets;
 use cophase_core::settings::{AxisSettings, DriveKind, Settings, Transmission};
 use cophase_core::units::Turns;
 

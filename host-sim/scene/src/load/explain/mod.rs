@@ -1,6 +1,6 @@
 //! Messages of the TOML reader and of serde, in the words of authors of scenes.
 
-use cophase_core::settings::Problem;
+use cophase_core::problem::Problem;
 
 use super::nearest::nearest;
 use super::place::{example, example_value, home_of};

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use cophase_core::settings::Problem;
+use cophase_core::problem::Problem;
 
 use super::tokens::{Token, is_number, joined, tokens, values};
 

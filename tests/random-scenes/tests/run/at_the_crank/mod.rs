@@ -18,7 +18,8 @@ use serde_json::Value;
 use self::height::{Height, Peak};
 use self::stated::Stated;
 use self::trace::{Trace, apart};
-use super::{Fate, Run, files, refusal, run, settings};
+use super::command::{Fate, Run, run, settings};
+use super::{files, refusal};
 
 /// Standard gravity, in which `amax_g` is stated.
 const G_MPS2: f64 = 9.80665;

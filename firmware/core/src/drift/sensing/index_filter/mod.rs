@@ -16,13 +16,11 @@
 //! The filter does not decide whether the crank can have made a pulse at that time.
 
 use super::tick_phase::IndexPulse;
+use crate::settings::MOST_OF_TICK;
 use crate::units::MAX_AXES;
 
 /// Largest time from a pulse's first edge to the confirmed stretch, in widths.
 pub const BRIDGE_WIDTHS: u32 = 2;
-
-/// Reciprocal of the greatest width as a part of a tick: one fourth.
-pub const MOST_OF_TICK: u32 = 4;
 
 /// Earlier times are replaced by this one. It lies further back than any width, and differences of two times still fit 32 bits.
 const LONG_AGO: i32 = -(1 << 29);

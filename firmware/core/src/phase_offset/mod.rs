@@ -8,15 +8,15 @@
 //! rate; averaged over a round it stays within its rate. All axes of a part reach their targets in the same round. After every
 //! round each is at most a slot's steps behind the straight line to its target.
 
+mod correction;
 mod lane;
 mod part;
 
 use core::hash::{Hash, Hasher};
 
-use crate::settings::Settings;
+use crate::settings::{Settings, slot_steps, slot_ticks};
 use crate::units::{MAX_AXES, ONE_TURN, PerAxis, Turns};
-pub use lane::slot_turns;
-use lane::{Lane, STEP, slot_steps, slot_ticks};
+use lane::{Lane, STEP};
 use part::Part;
 
 /// Phase offsets of all axes.
@@ -30,7 +30,7 @@ pub struct PhaseOffsets {
     /// Controller's part as moved so far, turns.
     now: PerAxis<Turns>,
     /// Fraction of a difference that is corrected at once, 16 fraction bits.
-    pub(super) gain: i64,
+    gain: i64,
 }
 
 /// Motion of one axis by its phase offset in one tick.

@@ -2,10 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::response::Response;
-use super::{Contact, Contacts, DryFriction, EVENT_LIMIT, MAX_CONTACTS};
 use crate::equations::{Equations, Linear};
-use crate::method::Rule;
+use crate::friction::{Contact, Contacts, DryFriction, EVENT_LIMIT, MAX_CONTACTS, Response};
+use crate::rule::Rule;
 use crate::{Needs, StepError};
 
 /// Limit of iterations to locate an event.
