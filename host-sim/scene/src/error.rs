@@ -107,3 +107,14 @@ impl fmt::Display for SceneError {
 }
 
 impl std::error::Error for SceneError {}
+
+/// Checks that a value lies within its range, ends included.
+///
+/// # Errors
+/// The value is out of its range. The error names the key and the range.
+pub fn in_range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(SceneError::of(key, Problem::out_of_range(value, low, high)))
+}

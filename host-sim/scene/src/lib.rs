@@ -4,6 +4,7 @@
 //! converts it into the core's settings and reports errors of its values. Each message names the file, the key, the problem, and the fix.
 #![forbid(unsafe_code)]
 
+pub mod built_in;
 pub mod digits;
 pub mod entry;
 mod error;
@@ -16,6 +17,5 @@ pub mod program;
 pub mod range;
 pub mod units;
 
-pub use error::SceneError;
+pub use error::{SceneError, in_range};
 pub use file::Scene;
-pub use range::in_range;

@@ -7,7 +7,6 @@ use core::f64::consts::TAU;
 
 use cophase_core::problem::Problem;
 
-use crate::SceneError;
 use crate::digits::plain;
 use crate::units::STANDARD_GRAVITY_MPS2;
 
@@ -141,17 +140,6 @@ pub(super) fn reason(key: &str) -> Option<&'static str> {
         "steps_per_turn" => "the resolutions that the planner counts in",
         _ => return None,
     })
-}
-
-/// Checks that a value lies within its range, ends included.
-///
-/// # Errors
-/// The value is out of its range. The error names the key and the range.
-pub fn in_range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    Err(SceneError::of(key, Problem::out_of_range(value, low, high)))
 }
 
 #[cfg(test)]

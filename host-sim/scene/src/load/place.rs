@@ -8,7 +8,7 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use crate::library::SCENES;
+use crate::built_in::SCENES;
 
 /// Returns the line of a byte, counted from 1.
 pub(super) fn line_at(text: &str, byte: usize) -> usize {
@@ -151,7 +151,7 @@ pub(super) fn home_of(key: &str) -> Option<String> {
 pub(super) fn homes_of(key: &str) -> Vec<String> {
     let scenes: Vec<Table> = SCENES
         .iter()
-        .filter_map(|built_in| Table::try_from(built_in.scene()).ok())
+        .filter_map(|built_in| Table::try_from(super::parse(built_in.text).ok()?).ok())
         .collect();
     let is_at_top = |scene: &Table| {
         scene
