@@ -33,7 +33,6 @@ class Layers:
     def __init__(self, path):
         table = tomllib.loads(path.read_text())
         self.path = path
-        self.circles_allowed = table.pop('circles_allowed', [])
         self.rows = {name: crate['rows'] for name, crate in table.items()}
 
 
@@ -79,7 +78,7 @@ def check(workspace, path=None):
     """Problems in all crates of a workspace, and what has been read."""
     workspace = workspace.resolve()
     layers = Layers(path or workspace / 'tests/layers/layers.toml')
-    problems, found_circles, files, crates = [], set(), 0, 0
+    problems, files, crates = [], 0, 0
     known = set()
     for name, folder, manifest in packages(workspace):
         known.add(name)
@@ -89,19 +88,12 @@ def check(workspace, path=None):
             crates += 1
             for file, module in folders.missing:
                 problems.append(f'{file.relative_to(workspace)}: mod {module} has no file that is found here')
-            circles = list(circle_problems(folders, root_file.relative_to(workspace), workspace))
-            if circles and number == 0:
-                found_circles.add(name)
-            if number > 0 or name not in layers.circles_allowed:
-                problems += circles
+            problems += circle_problems(folders, root_file.relative_to(workspace), workspace)
             if number == 0 and name in layers.rows:
                 problems += layer_problems(folders, name, layers.rows[name], workspace)
     for name in layers.rows:
         if name not in known:
             problems.append(f'layers.toml: there is no crate {name}; remove it')
-    for name in layers.circles_allowed:
-        if name not in found_circles:
-            problems.append(f'layers.toml: {name} has no circle; remove it from circles_allowed')
     return problems, f'{files} files of {crates} crates; {len(layers.rows)} have layers'
 
 

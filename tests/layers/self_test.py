@@ -177,13 +177,6 @@ def layers():
     finds(SOUND, 'there is no crate b-crate', '[b-crate]\nrows = []\n')
 
 
-def allowed():
-    upward = low(UPWARD['use'])
-    assert problems(upward, 'circles_allowed = ["a-crate"]\n') == []
-    finds(SOUND, 'a-crate has no circle', 'circles_allowed = ["a-crate"]\n')
-    finds(upward, 'high is above low', 'circles_allowed = ["a-crate"]\n' + ROWS)
-
-
 def targets():
     """All programs of a package are read, and tests wholly."""
     program = {'{}main.rs': 'mod a;\nmod b;\n', '{}a.rs': 'use crate::b::B;\npub struct A;\n', '{}b.rs': '#[test]\nfn f() { crate::a::A; }\n'}
@@ -207,7 +200,7 @@ def reading():
 
 def run():
     """Runs all tests; 0 if they pass."""
-    parts = (reading, circles, methods, layers, allowed, targets)
+    parts = (reading, circles, methods, layers, targets)
     for part in parts:
         part()
     print(f'{len(UPWARD)} ways to import are found, {len(DOWNWARD)} that look alike are not; {len(parts)} parts pass')
