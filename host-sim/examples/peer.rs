@@ -12,7 +12,7 @@ use std::error::Error;
 use cophase_methods::friction::{Contact, DryFriction};
 use cophase_methods::{Equations, Scheme, advance};
 use host_sim::drives::PullOut;
-use host_sim::dynamics::{Body, Driven, Field, Freedom, MOST, Motor, Phased, Stepper};
+use host_sim::dynamics::{Body, Driven, Field, MOST, Motor, Phased, Stepper};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
 use serde::Deserialize;
@@ -99,7 +99,7 @@ impl Machine {
                 }))
             })
             .collect::<Result<Vec<_>, Box<dyn Error>>>()?;
-        let mut driven = Driven::new(Freedom::Phased(Box::new(Phased::new(body))), motors);
+        let mut driven = Driven::new(Box::new(Phased::new(body)), motors);
         driven.energised = true;
         Ok(driven)
     }

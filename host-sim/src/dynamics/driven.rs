@@ -3,55 +3,17 @@
 //! Within a control tick the drives' command to the motors advances evenly: a field at an angle turns at a constant speed.
 //! Microsteps are not modelled, because they are smaller than anything that this model resolves.
 
-use std::sync::Arc;
-
 use cophase_methods::Equations;
 use cophase_methods::friction::{self, Contact, Contacts, DryFriction};
 
 use super::corners::{FREEDOMS, MOST};
 use super::modes::{Bound, Mode};
-use super::plant::{Memory, Plant, Shafts};
-use super::{Body, Elastic, Field, Frame, FrameMotion, Motor, Phased, PlaneMotion, Rigid};
-
-/// Degrees of freedom of the machine, by model level.
-#[derive(Clone, Debug)]
-pub enum Freedom {
-    /// All cranks on one shaft, with one angle.
-    Rigid(Rigid),
-    /// One rotor per crank, with quasi-static rods. N angles, and the frame's plane if the frame moves.
-    Phased(Box<Phased>),
-    /// Rods as springs. N angles, the platform's plane, and the frame's plane if the frame moves.
-    Elastic(Box<Elastic>),
-    /// A plant with equations of its own. N angles, and the positions that the plant adds.
-    Plant(Box<OnPlant>),
-}
-
-/// Rotors on the shafts of a plant.
-#[derive(Clone, Debug)]
-pub struct OnPlant {
-    body: Body,
-    plant: Arc<dyn Plant>,
-    memory: Memory,
-    /// Torques that the plant's drive law gives in this tick, N·m. `None` if the plant has no such law.
-    law_nm: Option<[f64; MOST]>,
-}
-
-impl OnPlant {
-    /// Creates rotors of a body, free to turn.
-    pub fn new(body: Body, plant: Arc<dyn Plant>) -> Self {
-        Self {
-            body,
-            plant,
-            memory: Memory::default(),
-            law_nm: None,
-        }
-    }
-}
+use super::{Body, Dynamics, Field, Frame, FrameMotion, Motor, PlaneMotion};
 
 /// Motors on a machine. Time counts from the start of the control tick.
 #[derive(Clone, Debug)]
 pub struct Driven {
-    freedom: Freedom,
+    machine: Box<dyn Dynamics>,
     motors: Vec<Motor>,
     /// For each motor, the index of the first motor that is equal to it.
     equal_to: [usize; MOST],
@@ -63,7 +25,7 @@ pub struct Driven {
     sliding: Vec<usize>,
     /// Dry friction at each of them, N·m.
     friction_nm: Vec<f64>,
-    /// True if a plant resists forward rotation.
+    /// True if the machine resists forward rotation.
     resists: bool,
     /// Angle of each field at the start of the tick, and its speed during the tick.
     pub fields: Vec<Field>,
@@ -75,7 +37,7 @@ pub struct Driven {
 
 impl Driven {
     /// Creates a machine with one motor per axis and the drives off.
-    pub fn new(freedom: Freedom, motors: Vec<Motor>) -> Self {
+    pub fn new(machine: Box<dyn Dynamics>, motors: Vec<Motor>) -> Self {
         let integral = |(i, motor): (usize, &Motor)| Some((i, motor.integral_s()?));
         let first = |i: usize| motors.iter().position(|motor| Some(motor) == motors.get(i));
         let mut driven = Self {
@@ -86,7 +48,7 @@ impl Driven {
             friction_nm: Vec::with_capacity(MOST),
             resists: false,
             integrals: motors.iter().enumerate().filter_map(integral).collect(),
-            freedom,
+            machine,
             motors,
             loads_nm: [0.0; MOST],
             energised: false,
@@ -98,12 +60,7 @@ impl Driven {
 
     /// The machine.
     pub fn body(&self) -> &Body {
-        match &self.freedom {
-            Freedom::Rigid(rigid) => rigid.body(),
-            Freedom::Phased(phased) => phased.body(),
-            Freedom::Elastic(elastic) => elastic.body(),
-            Freedom::Plant(on) => &on.body,
-        }
+        self.machine.body()
     }
 
     /// Motors, one per axis.
@@ -113,34 +70,22 @@ impl Driven {
 
     /// Number of angles at the start of the state.
     pub fn angles(&self) -> usize {
-        match self.freedom {
-            Freedom::Rigid(_) => 1,
-            _ => self.motors.len(),
-        }
+        self.machine.angles()
     }
 
     /// Number of positions in the state, including the angles. The same number of speeds follows.
     pub fn positions(&self) -> usize {
-        match &self.freedom {
-            Freedom::Rigid(_) => 1,
-            Freedom::Phased(phased) => phased.positions(),
-            Freedom::Elastic(elastic) => elastic.positions(),
-            Freedom::Plant(on) => on.plant.positions(),
-        }
+        self.machine.positions()
     }
 
     /// True if the platform has no equations of its own, because its position follows from the cranks.
     pub fn is_geometric(&self) -> bool {
-        matches!(self.freedom, Freedom::Rigid(_) | Freedom::Phased(_)) && self.frame().is_none()
+        self.machine.is_geometric()
     }
 
     /// The frame, if it moves.
     pub fn frame(&self) -> Option<&Frame> {
-        match &self.freedom {
-            Freedom::Rigid(_) | Freedom::Plant(_) => None,
-            Freedom::Phased(phased) => phased.frame(),
-            Freedom::Elastic(elastic) => elastic.frame(),
-        }
+        self.machine.frame()
     }
 
     /// Returns the state in which the cranks stand at these angles, one per axis, and platform and frame are at rest.
@@ -148,14 +93,7 @@ impl Driven {
         let mut state = vec![0.0; self.dimension()];
         let angles = self.angles();
         state[..angles].copy_from_slice(&alpha_rad[..angles]);
-        match &self.freedom {
-            Freedom::Elastic(elastic) => {
-                let plane = elastic.rest(alpha_rad);
-                state[angles..angles + plane.len()].copy_from_slice(&plane);
-            }
-            Freedom::Plant(on) => on.plant.rest(&mut state[..self.positions()]),
-            Freedom::Rigid(_) | Freedom::Phased(_) => {}
-        }
+        self.machine.rest(alpha_rad, &mut state[..self.positions()]);
         state
     }
 
@@ -166,15 +104,13 @@ impl Driven {
 
     /// Index of the angle of crank `i` among the positions.
     pub(crate) fn angle(&self, i: usize) -> usize {
-        match self.freedom {
-            Freedom::Rigid(_) => 0,
-            _ => i,
-        }
+        self.machine.angle(i)
     }
 
     /// Locks rotor `i`, or releases it. On a single shaft this has no effect.
     pub fn hold(&mut self, i: usize, held: bool) {
-        if self.locked[i] != held && !matches!(self.freedom, Freedom::Rigid(_)) {
+        let turns_alone = self.angles() == self.motors.len();
+        if self.locked[i] != held && turns_alone {
             self.locked[i] = held;
             self.list_sliding();
         }
@@ -185,12 +121,8 @@ impl Driven {
         self.friction_nm.clear();
         let (positions, nowhere) = (self.positions(), vec![0.0; self.positions()]);
         for i in 0..self.angles() {
-            let each = &self.body().friction_nm;
-            let friction_nm = match self.freedom {
-                Freedom::Rigid(_) => each.iter().sum(),
-                _ => each[i],
-            };
-            self.resists = self.resistance_nm(i, &nowhere).is_some();
+            let friction_nm = self.machine.friction_nm(i);
+            self.resists = self.machine.resistance_nm(i, &nowhere).is_some();
             if (friction_nm > 0.0 || self.resists) && !self.locked[i] {
                 self.sliding.push(positions + i);
                 self.friction_nm.push(friction_nm);
@@ -198,48 +130,18 @@ impl Driven {
         }
     }
 
-    /// Resistance of a plant to forward rotation at these positions, N·m, if it ever resists.
-    fn resistance_nm(&self, i: usize, q: &[f64]) -> Option<f64> {
-        match &self.freedom {
-            Freedom::Plant(on) => on.plant.resistance_nm(i, q),
-            _ => None,
-        }
-    }
-
     /// Starts a control tick of `tick_s` in a state. Sampled drive laws compute their torques for the tick.
     pub fn begin_tick(&mut self, state: &[f64], tick_s: f64) {
         let positions = self.positions();
-        if let Freedom::Plant(on) = &mut self.freedom {
-            if !self.energised {
-                on.memory = Memory::default();
-                return;
-            }
-            let (q, v) = state[..2 * positions].split_at(positions);
-            on.law_nm = on
-                .plant
-                .drive_law(&self.fields, q, v, &mut on.memory, tick_s);
-        }
+        let (q, v) = state[..2 * positions].split_at(positions);
+        let fields = self.energised.then_some(&self.fields[..]);
+        self.machine.begin_tick(fields, q, v, tick_s);
     }
 
     /// Upper bound of the fastest mode.
     pub fn fastest_mode(&self) -> Mode {
-        let body = self.body();
-        let rotors = Bound::of_rotors(&self.motors, &body.rotors_kgm2);
-        let frame = self.frame().map_or_else(Bound::default, Bound::of_frame);
-        let bound = match &self.freedom {
-            Freedom::Rigid(_) => rotors,
-            Freedom::Phased(_) if body.axes() > 3 => {
-                rotors.and(Bound::of_bent_rods(body)).or(frame)
-            }
-            Freedom::Phased(_) => rotors.or(frame),
-            Freedom::Plant(on) => rotors.or(Bound::of_mode(on.plant.fastest_mode())),
-            Freedom::Elastic(elastic) => {
-                let damper = elastic.damper_ns_per_m();
-                let rods = Bound::of_elastic_rods(body, self.frame(), damper);
-                rods.and(rotors.or(frame))
-            }
-        };
-        bound.mode()
+        let rotors = Bound::of_rotors(&self.motors, &self.body().rotors_kgm2);
+        self.machine.fastest_mode(rotors).mode()
     }
 
     /// Modes of individual parts. They are slower than [`Driven::fastest_mode`], and may be damped less. A method that is
@@ -259,9 +161,7 @@ impl Driven {
         if !self.energised {
             return torques;
         }
-        if let Freedom::Plant(on) = &self.freedom
-            && let Some(law_nm) = on.law_nm
-        {
+        if let Some(law_nm) = self.machine.law_nm() {
             return law_nm;
         }
         let positions = self.positions();
@@ -278,23 +178,19 @@ impl Driven {
             };
             motor.torque_nm(&field, alpha_rad, omega_rad_s, integral_nm)
         };
-        if matches!(self.freedom, Freedom::Rigid(_)) {
-            for (i, ((motor, field), integral)) in drives.enumerate() {
-                // Equal motors under equal commands give equal torques. On a single shaft most motors are equal.
-                let first = self.equal_to[i];
-                let is_alike = integral_nm[first] == integral && self.fields[first] == *field;
-                torques[i] = if first < i && is_alike {
-                    torques[first]
-                } else {
-                    torque_nm(motor, field, angles[0], speeds[0], integral)
-                };
-            }
-            return torques;
-        }
-        let rotors = angles.iter().zip(speeds);
-        let all = torques.iter_mut().zip(drives).zip(rotors);
-        for ((torque, ((motor, field), integral)), (&alpha, &omega)) in all {
-            *torque = torque_nm(motor, field, alpha, omega, integral);
+        for (i, ((motor, field), integral)) in drives.enumerate() {
+            let at = self.angle(i);
+            // Equal motors at one angle give equal torques under equal commands. On a single shaft most motors are equal.
+            let first = self.equal_to[i];
+            let is_alike = first < i
+                && self.angle(first) == at
+                && integral_nm[first] == integral
+                && self.fields[first] == *field;
+            torques[i] = if is_alike {
+                torques[first]
+            } else {
+                torque_nm(motor, field, angles[at], speeds[at], integral)
+            };
         }
         torques
     }
@@ -329,7 +225,7 @@ impl Driven {
             let i = speed - n;
             match contact {
                 Contact::Forwards if self.resists => {
-                    net[i] -= friction_nm + self.resistance_nm(i, state).unwrap_or(0.0);
+                    net[i] -= friction_nm + self.machine.resistance_nm(i, state).unwrap_or(0.0);
                 }
                 Contact::Forwards => net[i] -= friction_nm,
                 Contact::Backwards => net[i] += friction_nm,
@@ -342,25 +238,7 @@ impl Driven {
         let (speeds, rest) = rates.split_at_mut(n);
         let (accelerations, integral_rates) = rest.split_at_mut(n);
         speeds.copy_from_slice(v);
-        match &self.freedom {
-            Freedom::Rigid(rigid) => {
-                accelerations[0] = if held[0] {
-                    0.0
-                } else {
-                    rigid.acceleration_rad_s2(q[0], v[0], net.iter().sum())
-                };
-            }
-            Freedom::Phased(phased) => phased.accelerations(q, v, &net, &held, accelerations),
-            Freedom::Elastic(elastic) => elastic.accelerations(q, v, &net, &held, accelerations),
-            Freedom::Plant(on) => {
-                let shafts = Shafts {
-                    body: &on.body,
-                    torques_nm: &net[..self.motors.len()],
-                    held: &held[..self.motors.len()],
-                };
-                on.plant.accelerations(&shafts, q, v, accelerations);
-            }
-        }
+        self.machine.accelerations(q, v, &net, &held, accelerations);
         let of_each = self.integrals.iter().zip(integrals).zip(integral_rates);
         for ((&(i, integral_s), integral), rate) in of_each {
             *rate = if self.energised {
@@ -388,21 +266,12 @@ impl Driven {
     pub fn platform(&self, state: &[f64], rates: &[f64]) -> Option<PlaneMotion> {
         let n = self.positions();
         let (q, v, a) = (&state[..n], &state[n..2 * n], &rates[n..2 * n]);
-        match &self.freedom {
-            Freedom::Rigid(_) => None,
-            Freedom::Phased(phased) => Some(phased.plane(q, v, a)),
-            Freedom::Elastic(elastic) => Some(elastic.plane(q, v, a)),
-            Freedom::Plant(on) => Some(on.plant.moved(q, v, a)),
-        }
+        self.machine.moved(q, v, a)
     }
 
     /// Position of the platform in a state. `None` if it follows the shaft, or a plant moves it.
     pub fn place(&self, state: &[f64]) -> Option<[f64; FREEDOMS]> {
-        match &self.freedom {
-            Freedom::Rigid(_) | Freedom::Plant(_) => None,
-            Freedom::Phased(phased) => Some(phased.place(state)),
-            Freedom::Elastic(elastic) => Some(elastic.place(state)),
-        }
+        self.machine.place(&state[..self.positions()])
     }
 
     /// Motion of the frame, if it moves.
@@ -416,12 +285,7 @@ impl Driven {
     /// Kinetic and potential energy, J. It is constant without friction, damping and motors.
     pub fn energy_j(&self, state: &[f64]) -> f64 {
         let (q, v) = state[..2 * self.positions()].split_at(self.positions());
-        match &self.freedom {
-            Freedom::Rigid(rigid) => rigid.energy_j(q[0], v[0]),
-            Freedom::Phased(phased) => phased.energy_j(q, v),
-            Freedom::Elastic(elastic) => elastic.energy_j(q, v),
-            Freedom::Plant(on) => on.plant.energy_j(&on.body, q, v),
-        }
+        self.machine.energy_j(q, v)
     }
 }
 
@@ -452,7 +316,7 @@ impl DryFriction for Driven {
         let n = self.positions();
         let each = self.sliding.iter().zip(&self.friction_nm);
         for (bounds, (speed, &friction_nm)) in bounds.iter_mut().zip(each) {
-            let resistance_nm = self.resistance_nm(speed - n, state).unwrap_or(0.0);
+            let resistance_nm = self.machine.resistance_nm(speed - n, state).unwrap_or(0.0);
             *bounds = [-friction_nm - resistance_nm, friction_nm];
         }
     }

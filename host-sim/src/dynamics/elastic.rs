@@ -7,6 +7,8 @@
 
 use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Frame, PlaneMotion};
+use crate::dynamics::Dynamics;
+use crate::dynamics::modes::Bound;
 
 /// A machine with N angles, the platform's plane, and the frame's plane if it has a frame. Positions are in that order.
 #[derive(Clone, Debug)]
@@ -39,24 +41,9 @@ impl Elastic {
         self
     }
 
-    /// Body of the machine.
-    pub fn body(&self) -> &Body {
-        &self.body
-    }
-
-    /// Frame, if there is one.
-    pub fn frame(&self) -> Option<&Frame> {
-        self.frame.as_ref()
-    }
-
     /// Damping of each rod, N·s/m.
     pub fn damper_ns_per_m(&self) -> f64 {
         self.damper_ns_per_m
-    }
-
-    /// Number of positions.
-    pub fn positions(&self) -> usize {
-        self.body.axes() + FREEDOMS + self.frame.as_ref().map_or(0, Frame::freedoms)
     }
 
     /// Angular frequency of the platform's heave on its rods with all cranks locked, rad/s.
@@ -64,8 +51,21 @@ impl Elastic {
         (self.body.axes() as f64 * self.body.rod_n_per_m / self.body.load.mass_kg).sqrt()
     }
 
+    /// Platform's plane relative to the frame's.
+    fn over_frame(&self, q: &[f64]) -> [f64; FREEDOMS] {
+        let n = self.body.axes();
+        let under = |f: usize| {
+            if self.frame.is_some() {
+                q[n + FREEDOMS + f]
+            } else {
+                0.0
+            }
+        };
+        std::array::from_fn(|f| q[n + f] - under(f))
+    }
+
     /// Plane of the platform at rest on cranks that stand at these angles.
-    pub fn rest(&self, alpha: &[f64]) -> [f64; FREEDOMS] {
+    fn plane_at_rest(&self, alpha: &[f64]) -> [f64; FREEDOMS] {
         let mut plane = [0.0; FREEDOMS];
         for (i, &alpha) in alpha.iter().enumerate() {
             let height = self.body.crank(alpha).height_m;
@@ -77,8 +77,37 @@ impl Elastic {
         plane
     }
 
-    /// Computes the second derivative of each position under the torque on each rotor, N·m. A rotor that is held does not turn.
-    pub fn accelerations(
+    /// Position and motion of the platform at these positions and their rates.
+    pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
+        PlaneMotion {
+            place: self.place_at(q),
+            rate: self.place_at(v),
+            acceleration: self.place_at(a),
+        }
+    }
+
+    /// Position of the platform at these positions.
+    fn place_at(&self, q: &[f64]) -> [f64; FREEDOMS] {
+        let n = self.body.axes();
+        std::array::from_fn(|f| q[n + f])
+    }
+}
+
+impl Dynamics for Elastic {
+    fn body(&self) -> &Body {
+        &self.body
+    }
+
+    fn positions(&self) -> usize {
+        self.body.axes() + FREEDOMS + self.frame.as_ref().map_or(0, Frame::freedoms)
+    }
+
+    fn rest(&self, alpha_rad: &[f64], positions: &mut [f64]) {
+        let n = self.body.axes();
+        positions[n..n + FREEDOMS].copy_from_slice(&self.plane_at_rest(alpha_rad));
+    }
+
+    fn accelerations(
         &self,
         q: &[f64],
         v: &[f64],
@@ -118,36 +147,25 @@ impl Elastic {
         }
     }
 
-    /// Platform's plane relative to the frame's.
-    fn over_frame(&self, q: &[f64]) -> [f64; FREEDOMS] {
-        let n = self.body.axes();
-        let under = |f: usize| {
-            if self.frame.is_some() {
-                q[n + FREEDOMS + f]
-            } else {
-                0.0
-            }
-        };
-        std::array::from_fn(|f| q[n + f] - under(f))
+    fn fastest_mode(&self, rotors: Bound) -> Bound {
+        let frame = self.frame.as_ref();
+        let rods = Bound::of_elastic_rods(&self.body, frame, self.damper_ns_per_m);
+        rods.and(rotors.or(frame.map_or_else(Bound::default, Bound::of_frame)))
     }
 
-    /// Position and motion of the platform at these positions and their rates.
-    pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
-        PlaneMotion {
-            place: self.place(q),
-            rate: self.place(v),
-            acceleration: self.place(a),
-        }
+    fn frame(&self) -> Option<&Frame> {
+        self.frame.as_ref()
     }
 
-    /// Position of the platform at these positions.
-    pub fn place(&self, q: &[f64]) -> [f64; FREEDOMS] {
-        let n = self.body.axes();
-        std::array::from_fn(|f| q[n + f])
+    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> Option<PlaneMotion> {
+        Some(self.plane(q, v, a))
     }
 
-    /// Kinetic and potential energy, J. It is constant without damping, friction and motors.
-    pub fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
+    fn place(&self, q: &[f64]) -> Option<[f64; FREEDOMS]> {
+        Some(self.place_at(q))
+    }
+
+    fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
         let body = &self.body;
         let n = body.axes();
         let rotors: f64 = (0..n).map(|i| body.rotors_kgm2[i] * v[i] * v[i]).sum();

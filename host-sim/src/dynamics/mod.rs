@@ -21,6 +21,7 @@ mod body;
 mod corners;
 mod driven;
 mod elastic;
+mod equations;
 mod frame;
 mod modes;
 mod motor;
@@ -31,8 +32,9 @@ pub mod step;
 
 pub use body::{Body, Crank, PlaneMotion};
 pub use corners::{Corners, FREEDOMS, MOST};
-pub use driven::{Driven, Freedom, OnPlant};
+pub use driven::Driven;
 pub use elastic::Elastic;
+pub use equations::{CloneDynamics, Dynamics};
 pub use frame::{Frame, FrameMotion, Layer};
 pub use modes::Mode;
 pub use motor::{Field, Induction, Motor, Servo, Stepper};

@@ -19,7 +19,7 @@ pub struct Mode {
 
 /// Largest eigenvalues of D⁻¹ K and of D⁻¹ C, 1/s² and 1/s: bounds of ω² and 2 ζ ω.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Bound {
+pub struct Bound {
     stiff: f64,
     damped: f64,
 }

@@ -21,6 +21,8 @@ use std::cell::Cell;
 
 use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Crank, Frame, PlaneMotion};
+use crate::dynamics::Dynamics;
+use crate::dynamics::modes::Bound;
 
 /// A machine with N angles, and the frame's plane if it has a frame. Positions are in that order.
 #[derive(Clone, Debug)]
@@ -65,24 +67,91 @@ impl Phased {
         self
     }
 
-    /// Body of the machine.
-    pub fn body(&self) -> &Body {
+    #[inline(always)] // otherwise 150 bytes are copied
+    fn cranks(&self, alpha: &[f64]) -> [Crank; MOST] {
+        let mut cranks = [Crank::default(); MOST];
+        for ((crank, &alpha), last) in cranks.iter_mut().zip(alpha).zip(&self.last) {
+            let (last_alpha, last_crank) = last.get();
+            // Compares bits and not values, because the levers at 0 and −0 have different signs.
+            *crank = if last_alpha.to_bits() == alpha.to_bits() {
+                last_crank
+            } else {
+                let crank = self.body.crank(alpha);
+                last.set((alpha, crank));
+                crank
+            };
+        }
+        cranks
+    }
+
+    fn warps(&self, cranks: &[Crank; MOST]) -> [f64; MOST] {
+        let mut warps = [0.0; MOST];
+        let n = self.body.axes();
+        if n <= FREEDOMS {
+            return warps;
+        }
+        let heights = cranks.map(|crank| crank.height_m);
+        let plane = self.corners.plane(&heights[..n]);
+        for (i, warp) in warps.iter_mut().enumerate().take(n) {
+            *warp = heights[i] - self.corners.height(&plane, i);
+        }
+        warps
+    }
+
+    /// Height of each corner above the platform's plane, m. Zero for up to three corners.
+    pub fn warps_m(&self, alpha: &[f64]) -> [f64; MOST] {
+        self.warps(&self.cranks(alpha))
+    }
+
+    /// Position and motion of the platform at these positions and their rates.
+    pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
+        let n = self.body.axes();
+        let mut motion = PlaneMotion {
+            place: self.place_at(q),
+            ..PlaneMotion::default()
+        };
+        let cranks = self.cranks(&q[..n]);
+        for (i, crank) in cranks.iter().enumerate().take(n) {
+            let rate = crank.lever_m * v[i];
+            let acceleration = crank.lever_m * a[i] + crank.lever_rate_m * v[i] * v[i];
+            for (f, share) in self.corners.share(i).into_iter().enumerate() {
+                motion.rate[f] += share * rate;
+                motion.acceleration[f] += share * acceleration;
+            }
+        }
+        if self.frame.is_some() {
+            for f in 0..FREEDOMS {
+                motion.rate[f] += v[n + f];
+                motion.acceleration[f] += a[n + f];
+            }
+        }
+        motion
+    }
+
+    /// Position of the platform at these positions.
+    fn place_at(&self, q: &[f64]) -> [f64; FREEDOMS] {
+        let n = self.body.axes();
+        let heights = self.cranks(&q[..n]).map(|crank| crank.height_m);
+        let mut place = self.corners.plane(&heights[..n]);
+        if self.frame.is_some() {
+            for (place, frame) in place.iter_mut().zip(&q[n..]) {
+                *place += frame;
+            }
+        }
+        place
+    }
+}
+
+impl Dynamics for Phased {
+    fn body(&self) -> &Body {
         &self.body
     }
 
-    /// Frame, if there is one.
-    pub fn frame(&self) -> Option<&Frame> {
-        self.frame.as_ref()
-    }
-
-    /// Number of positions.
-    pub fn positions(&self) -> usize {
+    fn positions(&self) -> usize {
         self.body.axes() + self.frame.as_ref().map_or(0, Frame::freedoms)
     }
 
-    /// Computes the second derivative of each position under the torque on each rotor, N·m. A rotor that is held does not turn,
-    /// as if its inertia were infinite.
-    pub fn accelerations(
+    fn accelerations(
         &self,
         q: &[f64],
         v: &[f64],
@@ -144,82 +213,35 @@ impl Phased {
         }
     }
 
-    #[inline(always)] // otherwise 150 bytes are copied
-    fn cranks(&self, alpha: &[f64]) -> [Crank; MOST] {
-        let mut cranks = [Crank::default(); MOST];
-        for ((crank, &alpha), last) in cranks.iter_mut().zip(alpha).zip(&self.last) {
-            let (last_alpha, last_crank) = last.get();
-            // Compares bits and not values, because the levers at 0 and −0 have different signs.
-            *crank = if last_alpha.to_bits() == alpha.to_bits() {
-                last_crank
-            } else {
-                let crank = self.body.crank(alpha);
-                last.set((alpha, crank));
-                crank
-            };
+    fn fastest_mode(&self, rotors: Bound) -> Bound {
+        let frame = self
+            .frame
+            .as_ref()
+            .map_or_else(Bound::default, Bound::of_frame);
+        if self.body.axes() > 3 {
+            rotors.and(Bound::of_bent_rods(&self.body)).or(frame)
+        } else {
+            rotors.or(frame)
         }
-        cranks
     }
 
-    fn warps(&self, cranks: &[Crank; MOST]) -> [f64; MOST] {
-        let mut warps = [0.0; MOST];
-        let n = self.body.axes();
-        if n <= FREEDOMS {
-            return warps;
-        }
-        let heights = cranks.map(|crank| crank.height_m);
-        let plane = self.corners.plane(&heights[..n]);
-        for (i, warp) in warps.iter_mut().enumerate().take(n) {
-            *warp = heights[i] - self.corners.height(&plane, i);
-        }
-        warps
+    fn is_geometric(&self) -> bool {
+        self.frame.is_none()
     }
 
-    /// Height of each corner above the platform's plane, m. Zero for up to three corners.
-    pub fn warps_m(&self, alpha: &[f64]) -> [f64; MOST] {
-        self.warps(&self.cranks(alpha))
+    fn frame(&self) -> Option<&Frame> {
+        self.frame.as_ref()
     }
 
-    /// Position and motion of the platform at these positions and their rates.
-    pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
-        let n = self.body.axes();
-        let mut motion = PlaneMotion {
-            place: self.place(q),
-            ..PlaneMotion::default()
-        };
-        let cranks = self.cranks(&q[..n]);
-        for (i, crank) in cranks.iter().enumerate().take(n) {
-            let rate = crank.lever_m * v[i];
-            let acceleration = crank.lever_m * a[i] + crank.lever_rate_m * v[i] * v[i];
-            for (f, share) in self.corners.share(i).into_iter().enumerate() {
-                motion.rate[f] += share * rate;
-                motion.acceleration[f] += share * acceleration;
-            }
-        }
-        if self.frame.is_some() {
-            for f in 0..FREEDOMS {
-                motion.rate[f] += v[n + f];
-                motion.acceleration[f] += a[n + f];
-            }
-        }
-        motion
+    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> Option<PlaneMotion> {
+        Some(self.plane(q, v, a))
     }
 
-    /// Position of the platform at these positions.
-    pub fn place(&self, q: &[f64]) -> [f64; FREEDOMS] {
-        let n = self.body.axes();
-        let heights = self.cranks(&q[..n]).map(|crank| crank.height_m);
-        let mut place = self.corners.plane(&heights[..n]);
-        if self.frame.is_some() {
-            for (place, frame) in place.iter_mut().zip(&q[n..]) {
-                *place += frame;
-            }
-        }
-        place
+    fn place(&self, q: &[f64]) -> Option<[f64; FREEDOMS]> {
+        Some(self.place_at(q))
     }
 
-    /// Kinetic and potential energy, J. The elastic energy of the rods is included. The sum is constant without friction, damping and motors.
-    pub fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
+    fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
         let body = &self.body;
         let n = body.axes();
         let motion = self.plane(q, v, &[0.0; MOST + 2 * FREEDOMS]);

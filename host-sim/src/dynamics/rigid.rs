@@ -4,7 +4,9 @@
 //! J α″ + ½ J′ ω² + dV/dα = torque, where J′ = 2 m R² s h. A moving platform returns to the shaft at one angle the energy that
 //! it takes at another.
 
-use super::Body;
+use super::corners::MOST;
+use super::modes::Bound;
+use super::{Body, Dynamics, PlaneMotion};
 
 /// A machine with one angle. The state is `[α, ω]`.
 #[derive(Clone, Debug)]
@@ -18,11 +20,6 @@ impl Rigid {
     pub fn new(body: Body) -> Self {
         let rotors_kgm2 = body.rotors_kgm2.iter().sum();
         Self { body, rotors_kgm2 }
-    }
-
-    /// Body of the machine.
-    pub fn body(&self) -> &Body {
-        &self.body
     }
 
     /// Equivalent inertia at an angle, kg·m².
@@ -40,10 +37,59 @@ impl Rigid {
             body.load.mass_kg * crank.lever_rate_m * omega_rad_s * omega_rad_s + body.weight_n();
         (torque_nm - crank.lever_m * push_n) / inertia
     }
+}
 
-    /// Kinetic and potential energy, J. It is constant without friction and motors.
-    pub fn energy_j(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
-        0.5 * self.inertia_kgm2(alpha_rad) * omega_rad_s * omega_rad_s
-            + self.body.weight_n() * self.body.crank(alpha_rad).height_m
+impl Dynamics for Rigid {
+    fn body(&self) -> &Body {
+        &self.body
+    }
+
+    fn positions(&self) -> usize {
+        1
+    }
+
+    fn angle(&self, _: usize) -> usize {
+        0
+    }
+
+    fn angles(&self) -> usize {
+        1
+    }
+
+    fn accelerations(
+        &self,
+        q: &[f64],
+        v: &[f64],
+        torques_nm: &[f64],
+        held: &[bool; MOST],
+        a: &mut [f64],
+    ) {
+        a[0] = if held[0] {
+            0.0
+        } else {
+            self.acceleration_rad_s2(q[0], v[0], torques_nm.iter().sum())
+        };
+    }
+
+    /// All friction acts on the one shaft.
+    fn friction_nm(&self, _: usize) -> f64 {
+        self.body.friction_nm.iter().sum()
+    }
+
+    fn fastest_mode(&self, rotors: Bound) -> Bound {
+        rotors
+    }
+
+    fn is_geometric(&self) -> bool {
+        true
+    }
+
+    fn moved(&self, _: &[f64], _: &[f64], _: &[f64]) -> Option<PlaneMotion> {
+        None
+    }
+
+    fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
+        0.5 * self.inertia_kgm2(q[0]) * v[0] * v[0]
+            + self.body.weight_n() * self.body.crank(q[0]).height_m
     }
 }

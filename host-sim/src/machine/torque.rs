@@ -8,9 +8,9 @@ use crate::drives::{AtCrank, SimulatedAxis};
 use std::sync::Arc;
 
 use crate::checked::Checked;
+use crate::dynamics::plant::OnPlant;
 use crate::dynamics::{
-    Body, Driven, Elastic, Frame, Freedom, Induction, Layer, Motor, OnPlant, Phased, Rigid, Servo,
-    Stepper,
+    Body, Driven, Dynamics, Elastic, Frame, Induction, Layer, Motor, Phased, Rigid, Servo, Stepper,
 };
 use cophase_scene::SceneError;
 use cophase_scene::file::{self, Drive, Fidelity, Rods};
@@ -35,7 +35,7 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
     let motors = (0..axes.len())
         .map(|i| motor(checked, i))
         .collect::<Result<Vec<_>, _>>()?;
-    let driven = Driven::new(freedom(checked)?, motors);
+    let driven = Driven::new(dynamics(checked)?, motors);
     assembly::check(checked, &driven)?;
     let commanded = axes.iter().map(|axis| DriveCommand {
         turns: axis.turns(),
@@ -64,14 +64,11 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
         .map_err(|problem| SceneError::at("method", problem))
 }
 
-/// Returns the degrees of freedom that the model level gives the machine.
-fn freedom(checked: &Checked) -> Result<Freedom, SceneError> {
+/// Returns the equations of motion that the model level gives the machine.
+fn dynamics(checked: &Checked) -> Result<Box<dyn Dynamics>, SceneError> {
     let body = body(checked)?;
     if let Some(plant) = &checked.plant {
-        return Ok(Freedom::Plant(Box::new(OnPlant::new(
-            body,
-            Arc::clone(plant),
-        ))));
+        return Ok(Box::new(OnPlant::new(body, Arc::clone(plant))));
     }
     if checked.fidelity == Fidelity::Rigid {
         if let Some(apart) = checked.cranks_apart() {
@@ -82,7 +79,7 @@ fn freedom(checked: &Checked) -> Result<Freedom, SceneError> {
                 ),
             ));
         }
-        return Ok(Freedom::Rigid(Rigid::new(body)));
+        return Ok(Box::new(Rigid::new(body)));
     }
     let frame = if checked.fidelity == Fidelity::Elastic {
         let given = checked.scene.frame.as_ref().ok_or_else(|| {
@@ -101,17 +98,17 @@ fn freedom(checked: &Checked) -> Result<Freedom, SceneError> {
     Ok(match rods {
         (Rods::QuasiStatic, _) => {
             let phased = Phased::new(body);
-            Freedom::Phased(Box::new(match frame {
+            Box::new(match frame {
                 Some(frame) => phased.on(frame),
                 None => phased,
-            }))
+            })
         }
         (Rods::Elastic, zeta) => {
             let elastic = Elastic::new(body, zeta);
-            Freedom::Elastic(Box::new(match frame {
+            Box::new(match frame {
                 Some(frame) => elastic.on(frame),
                 None => elastic,
-            }))
+            })
         }
     })
 }

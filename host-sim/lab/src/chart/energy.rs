@@ -13,7 +13,7 @@ use super::axis::Axis;
 use super::methods::problems;
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
-use host_sim::dynamics::{Driven, Freedom, Rigid};
+use host_sim::dynamics::{Driven, Dynamics, Rigid};
 
 /// Largest relative drift that counts as conserved.
 const KEPT: f64 = 1e-6;
@@ -36,7 +36,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         Size::Full => 10_000,
     };
     let shaft = Rigid::new(problems::body()?);
-    let free = Driven::new(Freedom::Rigid(shaft.clone()), problems::motors()?);
+    let free = Driven::new(Box::new(shaft.clone()), problems::motors()?);
     let schemes = Scheme::ALL.into_iter().filter(|scheme| scheme.suits(&free));
     let of = schemes.clone().count() as u64;
     let mut csv = "method,default,steps_a_turn,turns,drift\n".to_owned();
@@ -113,11 +113,11 @@ fn drift(
         .map_err(|refused| ChartError(refused.to_string()))?;
     let mut state = [0.0, omega];
     let kinetic_j = 0.5 * shaft.inertia_kgm2(0.0) * omega * omega;
-    let start_j = shaft.energy_j(state[0], state[1]);
+    let start_j = shaft.energy_j(&state[..1], &state[1..2]);
     let steps = steps_a_turn * turns;
     let mut ends = Ends::new(steps, steps / WINDOW);
     for step in 0..steps {
-        let energy_j = shaft.energy_j(state[0], state[1]);
+        let energy_j = shaft.energy_j(&state[..1], &state[1..2]);
         let changed = (energy_j - start_j).abs() / kinetic_j;
         if changed > LOST {
             return Ok(changed);

@@ -1,10 +1,12 @@
 //! Machines whose shafts move something other than a platform on cranks: their equations, and their figures.
 
 mod figure;
+mod on_plant;
 mod record;
 mod shafts;
 
 pub use figure::Figure;
+pub use on_plant::OnPlant;
 pub use record::{CloneRecord, Record, Recorder, State, Tick};
 pub use shafts::Shafts;
 

@@ -14,7 +14,7 @@ use cophase_methods::Scheme;
 use cophase_methods::drift::Ends;
 
 use super::body;
-use crate::dynamics::{Driven, Freedom, Motor, Phased, Rigid, Servo};
+use crate::dynamics::{Driven, Dynamics, Motor, Phased, Rigid, Servo};
 use crate::mechanism::Platform;
 
 const TURNS: f64 = 10_000.0;
@@ -53,10 +53,10 @@ fn machine(coasting: Coasting) -> (Driven, Vec<f64>) {
     };
     let mut body = body(axes, Platform::Above);
     body.rod_n_per_m = rod_n_per_m;
-    let freedom = if matches!(coasting, Coasting::Rigid) {
-        Freedom::Rigid(Rigid::new(body))
+    let machine: Box<dyn Dynamics> = if matches!(coasting, Coasting::Rigid) {
+        Box::new(Rigid::new(body))
     } else {
-        Freedom::Phased(Box::new(Phased::new(body)))
+        Box::new(Phased::new(body))
     };
     let off = Motor::Servo(Servo {
         position_gain_per_s: 1.0,
@@ -65,7 +65,7 @@ fn machine(coasting: Coasting) -> (Driven, Vec<f64>) {
         limit_nm: 1.0,
         velocity_feed_forward: 1.0,
     });
-    let machine = Driven::new(freedom, vec![off; axes]);
+    let machine = Driven::new(machine, vec![off; axes]);
     let angles: Vec<f64> = (0..axes).map(|i| 0.3 + 0.02 * (i * i) as f64).collect();
     let mut state = machine.at_rest(&angles);
     let half = state.len() / 2;

@@ -3,7 +3,7 @@
 use cophase_methods::{Scheme, advance};
 
 use super::body;
-use crate::dynamics::{Driven, Field, Freedom, Induction, Motor, Rigid};
+use crate::dynamics::{Driven, Field, Induction, Motor, Rigid};
 use crate::mechanism::Platform;
 
 /// Motor of 15 kW at 970 of 1000 rpm, breakdown at twice the rated torque.
@@ -40,7 +40,7 @@ fn the_torque_curve_passes_through_rated_and_breakdown_points() {
 fn the_phase_error_under_load_is_slip_over_gain() {
     let rigid = Rigid::new(body(2, Platform::Below));
     let motor = Induction::new(2.0, 3.0, 2.0, 5.0);
-    let mut driven = Driven::new(Freedom::Rigid(rigid), vec![Motor::Induction(motor); 2]);
+    let mut driven = Driven::new(Box::new(rigid), vec![Motor::Induction(motor); 2]);
     driven.energised = true;
     for field in &mut driven.fields {
         field.alpha_rad = 1.5;

@@ -9,6 +9,7 @@ mod servo;
 use proptest::prelude::*;
 
 use super::{Body, Elastic, FREEDOMS, Frame, Layer, Phased, Rigid};
+use crate::dynamics::equations::Dynamics;
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::mechanism::{Load, Mechanism, Platform};
 
@@ -272,7 +273,7 @@ fn dampers_take_energy() {
 /// If this fails, the machine drops on its suspension at switch-on, or its rest position is not an equilibrium.
 #[test]
 fn a_machine_at_rest_stays_at_rest() {
-    use super::{Driven, Freedom, Motor, Servo};
+    use super::{Driven, Motor, Servo};
     use cophase_methods::Equations;
     // At a dead centre no motor torque is needed to hold it.
     let servo = Motor::Servo(Servo {
@@ -285,10 +286,10 @@ fn a_machine_at_rest_stays_at_rest() {
     for on_block in [false, true] {
         let own = frame(0.1, on_block);
         let body = body(4, Platform::Above);
-        let phased = Freedom::Phased(Box::new(Phased::new(body.clone()).on(own.clone())));
-        let elastic = Freedom::Elastic(Box::new(Elastic::new(body.clone(), 0.1).on(own.clone())));
-        for freedom in [phased, elastic] {
-            let machine = Driven::new(freedom, vec![servo.clone(); 4]);
+        let phased: Box<dyn Dynamics> = Box::new(Phased::new(body.clone()).on(own.clone()));
+        let elastic: Box<dyn Dynamics> = Box::new(Elastic::new(body.clone(), 0.1).on(own.clone()));
+        for dynamics in [phased, elastic] {
+            let machine = Driven::new(dynamics, vec![servo.clone(); 4]);
             let state = machine.at_rest(&[0.0; 4]);
             let mut rates = vec![1.0; state.len()];
             machine.rates(0.0, &state, &mut rates);

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use proptest::prelude::*;
 
 use super::{body, frame};
-use crate::dynamics::{Driven, Elastic, Freedom, Motor, Phased, Servo};
+use crate::dynamics::{Driven, Dynamics, Elastic, Motor, Phased, Servo};
 use crate::mechanism::Platform;
 
 /// Spring of 1000 N·m/rad, nearly undamped.
@@ -33,13 +33,13 @@ proptest! {
         let body = body(n, Platform::Above);
         let mut frame = frame(0.0, on_block);
         frame.suspended.stiffness = frame.suspended.stiffness.map(|k| k * stiffer);
-        let freedom = match (elastic, framed) {
-            (false, false) => Freedom::Phased(Box::new(Phased::new(body))),
-            (false, true) => Freedom::Phased(Box::new(Phased::new(body).on(frame))),
-            (true, false) => Freedom::Elastic(Box::new(Elastic::new(body, 0.0))),
-            (true, true) => Freedom::Elastic(Box::new(Elastic::new(body, 0.0).on(frame))),
+        let dynamics: Box<dyn Dynamics> = match (elastic, framed) {
+            (false, false) => Box::new(Phased::new(body)),
+            (false, true) => Box::new(Phased::new(body).on(frame)),
+            (true, false) => Box::new(Elastic::new(body, 0.0)),
+            (true, true) => Box::new(Elastic::new(body, 0.0).on(frame)),
         };
-        let mut machine = Driven::new(freedom, vec![Motor::Servo(SPRING); n]);
+        let mut machine = Driven::new(dynamics, vec![Motor::Servo(SPRING); n]);
         machine.energised = true;
         for (field, alpha) in machine.fields.iter_mut().zip(&alpha) {
             field.alpha_rad = *alpha;

@@ -3,7 +3,7 @@
 use cophase_methods::{Equations, Scheme, advance};
 
 use super::body;
-use crate::dynamics::{Driven, Freedom, Motor, Rigid, Servo};
+use crate::dynamics::{Driven, Motor, Rigid, Servo};
 use crate::mechanism::Platform;
 
 /// Total inertia of the body's four rotors, kg·m², and weight of its platform.
@@ -23,7 +23,7 @@ fn servo(integral_s: Option<f64>) -> Servo {
 
 fn shaft(servo: Servo) -> Driven {
     let rigid = Rigid::new(body(4, Platform::Below));
-    let mut driven = Driven::new(Freedom::Rigid(rigid), vec![Motor::Servo(servo); 4]);
+    let mut driven = Driven::new(Box::new(rigid), vec![Motor::Servo(servo); 4]);
     driven.energised = true;
     driven
 }

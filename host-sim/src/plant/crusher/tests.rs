@@ -3,7 +3,8 @@ use cophase_methods::problems::crusher::Shape;
 use cophase_methods::{Equations, Scheme, advance};
 
 use super::*;
-use crate::dynamics::{Driven, Freedom, Induction, Motor, OnPlant};
+use crate::dynamics::plant::OnPlant;
+use crate::dynamics::{Driven, Induction, Motor};
 
 const FLYWHEEL_KGM2: f64 = 40.79;
 
@@ -49,7 +50,7 @@ fn energy_is_conserved() {
         Body::of_shafts(vec![FLYWHEEL_KGM2]),
         std::sync::Arc::new(crusher(0.0)),
     );
-    let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![off]);
+    let driven = Driven::new(Box::new(on), vec![off]);
     let mut state = vec![0.3, 27.0];
     let before = driven.energy_j(&state);
     let mut method = Scheme::Rk4.prepare(&driven, 5e-4).unwrap();
@@ -76,7 +77,7 @@ fn rock_brakes_and_does_not_push() {
         let body = Body::of_shafts(vec![FLYWHEEL_KGM2]);
         let on = OnPlant::new(body, std::sync::Arc::new(crusher.clone()));
         let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
-        let mut driven = Driven::new(Freedom::Plant(Box::new(on)), vec![off]);
+        let mut driven = Driven::new(Box::new(on), vec![off]);
         driven.loads_nm[0] = load_nm;
         let mut rates = [0.0; 2];
         driven.rates(0.0, &[phi, omega], &mut rates);

@@ -2,7 +2,8 @@ use cophase_methods::problems::five_bar::{Load, Surface};
 use cophase_methods::{Equations, Scheme, advance};
 
 use super::*;
-use crate::dynamics::{Driven, Freedom, Motor, OnPlant, Servo};
+use crate::dynamics::plant::OnPlant;
+use crate::dynamics::{Driven, Motor, Servo};
 
 fn arm(gravity_mps2: f64) -> Arm {
     let path = Path::new(&[[0.0, 0.3], [0.2, 0.3]], 0.02, 0.5).unwrap();
@@ -90,7 +91,7 @@ fn energy_is_conserved() {
         velocity_feed_forward: 0.0,
     });
     let on = OnPlant::new(Body::of_shafts(vec![0.05, 0.02]), std::sync::Arc::new(ours));
-    let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![no_torque; 2]);
+    let driven = Driven::new(Box::new(on), vec![no_torque; 2]);
     let mut state = vec![2.4, 0.6, 1.0, -0.5];
     let before = driven.energy_j(&state);
     let mut method = Scheme::Rk4.prepare(&driven, 1e-4).unwrap();

@@ -5,7 +5,8 @@ use cophase_methods::{Equations, Scheme, advance};
 use nalgebra::Complex;
 
 use super::*;
-use crate::dynamics::{Driven, Freedom, Motor, OnPlant, Servo};
+use crate::dynamics::plant::OnPlant;
+use crate::dynamics::{Driven, Motor, Servo};
 
 /// Screen of the source, with several shafts in place of one.
 fn screen(places_m: &[f64]) -> Screen {
@@ -83,7 +84,7 @@ fn energy_is_conserved() {
             velocity_feed_forward: 0.0,
         });
         let on = OnPlant::new(Body::of_shafts(vec![2.0; n]), std::sync::Arc::new(screen));
-        let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![no_torque; n]);
+        let driven = Driven::new(Box::new(on), vec![no_torque; n]);
         let mut state = vec![0.0; driven.dimension()];
         let positions = n + 3;
         for i in 0..n {
@@ -173,7 +174,7 @@ fn the_forbidden_bands_cover_the_speeds_at_which_the_ends_swing_up() {
             limit_nm: f64::INFINITY,
             velocity_feed_forward: 0.0,
         });
-        let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![motor]);
+        let driven = Driven::new(Box::new(on), vec![motor]);
         let mut state = vec![0.0; driven.dimension()];
         state[4] = hz * TAU;
         let mut method = Scheme::Rk4.prepare(&driven, 1e-3).unwrap();

@@ -14,7 +14,8 @@ use super::runs::run;
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use cophase_scene::library;
-use host_sim::dynamics::{Body, Driven, Field, Freedom, Induction, Motor, OnPlant};
+use host_sim::dynamics::plant::OnPlant;
+use host_sim::dynamics::{Body, Driven, Field, Induction, Motor};
 use host_sim::plant::screen::{Screen, Sufficient};
 
 /// Positions of two and of four shafts along the box from its centre, m.
@@ -77,7 +78,7 @@ pub fn free(places_m: &[f64]) -> Result<Resultant, ChartError> {
         Arc::new(screen(places_m)?),
     );
     let motor = Motor::Induction(Induction::new(200.0, 0.3 * TAU, 2.0, 0.0));
-    let mut driven = Driven::new(Freedom::Plant(Box::new(on)), vec![motor; n]);
+    let mut driven = Driven::new(Box::new(on), vec![motor; n]);
     driven.energised = true;
     for field in &mut driven.fields {
         *field = Field {

@@ -11,7 +11,8 @@ use cophase_methods::{Equations, Scheme};
 
 use host_sim::drives::PullOut;
 use host_sim::dynamics::Chosen;
-use host_sim::dynamics::{Body, Driven, Field, Freedom, Motor, Phased, Rigid, Stepper};
+use host_sim::dynamics::Dynamics;
+use host_sim::dynamics::{Body, Driven, Field, Motor, Phased, Rigid, Stepper};
 use host_sim::machine::{DriveCommand, Rotors};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
@@ -108,8 +109,8 @@ pub fn motors() -> Result<Vec<Motor>, ChartError> {
 }
 
 /// Returns motors that turn the cranks through a turn at constant speed.
-fn led(freedom: Freedom) -> Result<Driven, ChartError> {
-    let mut driven = Driven::new(freedom, motors()?);
+fn led(dynamics: Box<dyn Dynamics>) -> Result<Driven, ChartError> {
+    let mut driven = Driven::new(dynamics, motors()?);
     driven.energised = true;
     driven.fields.fill(Field {
         alpha_rad: 0.0,
@@ -131,7 +132,7 @@ pub fn default_of(driven: &Driven) -> Result<Scheme, ChartError> {
 }
 
 fn rigid() -> Result<Problem, ChartError> {
-    let driven = led(Freedom::Rigid(Rigid::new(body()?)))?;
+    let driven = led(Box::new(Rigid::new(body()?)))?;
     Ok(Problem {
         name: "one shaft, four steppers",
         unit: "rad",
@@ -147,7 +148,7 @@ fn rigid() -> Result<Problem, ChartError> {
 }
 
 fn phased() -> Result<Problem, ChartError> {
-    let driven = led(Freedom::Phased(Box::new(Phased::new(body()?))))?;
+    let driven = led(Box::new(Phased::new(body()?)))?;
     let mut start = APART_RAD.to_vec();
     start.resize(8, SPEED_RAD_S);
     Ok(Problem {
