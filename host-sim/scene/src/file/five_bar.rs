@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::lengths;
-use crate::units::STANDARD_GRAVITY_MPS2;
 
 /// Table of a five-bar arm.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -122,5 +121,5 @@ const fn default_force() -> f64 {
     20.0
 }
 const fn default_sensor() -> f64 {
-    2.0 * STANDARD_GRAVITY_MPS2 // of the source: 2 kg of weight
+    2.0 * 9.81 // of the source: 2 kg of weight
 }
