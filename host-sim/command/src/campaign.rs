@@ -14,7 +14,7 @@ use cophase_lab::campaign::example::{Example, example};
 use cophase_lab::campaign::plan::Plan;
 use cophase_lab::campaign::selection::Selection;
 use cophase_lab::campaign::shards::{Header, MACHINES, Shard, join};
-use cophase_lab::campaign::tally::Tally;
+use cophase_lab::campaign::tally::Counter;
 use cophase_lab::campaign::{self, picture, table};
 use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
 
@@ -90,9 +90,14 @@ pub(super) fn campaign(
     err: &mut impl Write,
 ) -> Result<Status, CommandError> {
     if !args.join.is_empty() {
-        let shard = join(shards(&args.join)?, args.from, args.to)
-            .map_err(|error| input("--join", &error))?;
-        return print_result(args, &shard, out);
+        let mut shards = shards(&args.join)?;
+        let header = join(&mut shards, args.from, args.to);
+        let header = header.map_err(|error| input("--join", &error))?;
+        let shards = shards.into_iter().map(|(path, _)| {
+            let place = path.display().to_string();
+            Shard::parse(&read(&path)?).map_err(|error| input(&place, &error))
+        });
+        return print_result(args, &header, shards, out);
     }
     let scene = args.scene.as_deref();
     let checked = scene
@@ -108,7 +113,8 @@ pub(super) fn campaign(
             let (numbers, selection) = (numbers(args)?, selection(args, &plan)?);
             let folder = writable(&args.folder())?;
             let shard = run_shard(args, &plan, numbers, selection)?;
-            let status = print_result(args, &shard, out)?;
+            let header = shard.header.clone();
+            let status = print_result(args, &header, std::iter::once(Ok(shard)), out)?;
             drop(folder);
             Ok(status)
         }
@@ -184,40 +190,49 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Writes a shard with its picture and its table, and prints the table.
+/// Writes a shard with its picture and its table, and prints the table. It is the union of shards that come in their order, of which only
+/// one is in memory at a time: a campaign of millions of cases has gigabytes.
 fn print_result(
     args: &CampaignArgs,
-    shard: &Shard,
+    header: &Header,
+    shards: impl Iterator<Item = Result<Shard, CommandError>>,
     out: &mut impl Write,
 ) -> Result<Status, CommandError> {
-    let tally = Tally::new(shard);
-    let text = table::text(&shard.header, &tally);
-    let rows = shard.to_text().map_err(|error| input("rows", &error))?;
-    let svg = picture::svg(&shard.header, &tally);
-    let Range { start, end } = shard.header.numbers;
-    let is_whole = shard.header.is_whole();
-    let name = if is_whole {
+    let Range { start, end } = header.numbers;
+    let name = if header.is_whole() {
         "campaign.csv".to_owned()
     } else {
         format!("campaign-{start}-{end}.csv")
     };
     let folder = args.folder();
-    write_all(
-        &folder,
-        &[
-            (&name, &rows),
-            ("campaign.svg", &svg),
-            ("campaign-table.md", &text),
-        ],
+    let mut files = RunFiles::create(&folder).map_err(|error| unwritable(&error))?;
+    let mut rows = files.file(&name).map_err(|error| unwritable(&error))?;
+    let mut counter = Counter::new(header);
+    for (place, shard) in shards.enumerate() {
+        let shard = shard?;
+        counter.add(&shard.rows);
+        let text = shard.text_in(header, place == 0);
+        let text = text.map_err(|error| input("rows", &error))?;
+        (rows.write_all(text.as_bytes())).map_err(|error| unwritable(&error))?;
+    }
+    rows.flush().map_err(|error| unwritable(&error))?;
+    drop(rows);
+    let tally = counter.finish();
+    let text = table::text(header, &tally);
+    let svg = picture::svg(header, &tally);
+    write_texts(
+        &mut files,
+        &[("campaign.svg", &svg), ("campaign-table.md", &text)],
     )?;
+    files.commit().map_err(|error| unwritable(&error))?;
     if !args.quiet {
         writeln!(
             out,
             "{text}\nWritten to {}: {name}, campaign.svg, campaign-table.md.",
             folder.display()
         )?;
-        if let Some(example) = example(shard, &tally) {
-            writeln!(out, "\n{}", how_to_replay(args, &shard.header, &example))?;
+        if let Some(example) = example(&tally) {
+            writeln!(out, "\n{}", how_to_replay(args, header, &example))?;
         }
     }
     Ok(if tally.is_kept() {
@@ -275,16 +290,14 @@ fn writable(folder: &Path) -> Result<RunFiles, CommandError> {
     Ok(kept)
 }
 
-/// Writes all of several files, or none.
-fn write_all(folder: &Path, files: &[(&str, &str)]) -> Result<(), CommandError> {
-    let mut written = RunFiles::create(folder).map_err(|error| unwritable(&error))?;
-    for (name, text) in files {
-        let mut file = written.file(name).map_err(|error| unwritable(&error))?;
+/// Writes texts into files.
+fn write_texts(files: &mut RunFiles, texts: &[(&str, &str)]) -> Result<(), CommandError> {
+    for (name, text) in texts {
+        let mut file = files.file(name).map_err(|error| unwritable(&error))?;
         file.write_all(text.as_bytes())
             .and_then(|()| file.flush())
             .map_err(|error| unwritable(&error))?;
     }
-    written.commit().map_err(|error| unwritable(&error))?;
     Ok(())
 }
 
@@ -318,7 +331,9 @@ fn replay(
     let text =
         toml::to_string(&case.scene_of(args.clean)).map_err(|error| input("scene.toml", &error))?;
     let folder = args.folder();
-    write_all(&folder, &[("scene.toml", &text)])?;
+    let mut files = RunFiles::create(&folder).map_err(|error| unwritable(&error))?;
+    write_texts(&mut files, &[("scene.toml", &text)])?;
+    files.commit().map_err(|error| unwritable(&error))?;
     let scene = folder.join("scene.toml");
     let status = run::run(&run::RunArgs::of(&scene, &folder, args.quiet), out, err)?;
     if !args.quiet {
@@ -331,8 +346,8 @@ fn replay(
     Ok(status)
 }
 
-/// Reads shards from files. From a folder, it reads all files with the name of a shard.
-fn shards(paths: &[PathBuf]) -> Result<Vec<(String, Shard)>, CommandError> {
+/// Returns the paths and identities of shards. From a folder, it takes all files with the name of a shard.
+fn shards(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Header)>, CommandError> {
     let mut files = Vec::new();
     for path in paths {
         if !path.is_dir() {
@@ -354,16 +369,20 @@ fn shards(paths: &[PathBuf]) -> Result<Vec<(String, Shard)>, CommandError> {
         inside.sort();
         files.append(&mut inside);
     }
-    let read = |path: PathBuf| {
+    let identity = |path: PathBuf| {
         let place = path.display().to_string();
-        let text = input_file::read_text(&path, MAX_TABLE_BYTES).map_err(|error| {
-            let problem = format!("{error}; give shards, or a folder with them");
-            input(&place, &problem)
-        })?;
-        let shard = Shard::parse(&text).map_err(|error| input(&place, &error))?;
-        Ok((place, shard))
+        let header = Shard::identity(&read(&path)?).map_err(|error| input(&place, &error))?;
+        Ok((path, header))
     };
-    files.into_iter().map(read).collect()
+    files.into_iter().map(identity).collect()
+}
+
+/// Reads the text of a shard.
+fn read(path: &Path) -> Result<String, CommandError> {
+    input_file::read_text(path, MAX_TABLE_BYTES).map_err(|error| {
+        let problem = format!("{error}; give shards, or a folder with them");
+        input(&path.display().to_string(), &problem)
+    })
 }
 
 /// Returns true if a file has the name of a shard. The joined file beside the shards has another name.

@@ -92,6 +92,20 @@ fn judge_scene(name: &'static str, checked: Checked) {
     }
     let taken = check(climbed.checked.clone()).unwrap();
     println!("{name}: {}, {}", taken.fidelity.name(), taken.why());
+    // The top level is compared with a coarse step. That may move a difference by the tenth of the tolerance that such a step is
+    // allowed, and the step here by another.
+    let found = climbed.model_levels.iter();
+    let found =
+        found.filter(|(model_level, found)| *model_level == taken.fidelity && found.is_regular());
+    for (_, found) in found {
+        for judged in &taken.choice.as_ref().unwrap().judged {
+            let fine = climbed.off_top(found, judged.output);
+            if let Some(((coarse, _), fine)) = judged.measured.zip(fine) {
+                let moved = (coarse - fine).abs();
+                assert!(moved <= 0.2 * judged.tolerance, "{name}: {coarse}, {fine}");
+            }
+        }
+    }
     let place = |model_level| {
         climbed
             .model_levels

@@ -156,9 +156,12 @@ impl Checked {
             EntrySettings::Segment(segment) => segment.amax_mps2,
             EntrySettings::Repeat { .. } => 0.0,
         });
-        let omega = self
-            .mechanism
-            .speed_for_amax_rad_s(levels.fold(0.0, f64::max));
+        self.speed_hz(levels.fold(0.0, f64::max))
+    }
+
+    /// Returns the speed at a level of the program, m/s², at most the limit, rev/s.
+    pub fn speed_hz(&self, amax_mps2: f64) -> f64 {
+        let omega = self.mechanism.speed_for_amax_rad_s(amax_mps2);
         let limits = &self.scene.limits;
         (omega / std::f64::consts::TAU)
             .clamp(limits.homing_speed_hz.min(limits.speed_hz), limits.speed_hz)

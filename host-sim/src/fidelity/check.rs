@@ -46,12 +46,11 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
         return Ok(checked);
     };
     let trial = Trial::new(&checked);
-    let run = |model_level| Settled::new(sample::on(&checked, model_level)?);
-    let right = run(top)?.settled(&trial.questions)?;
+    let right = Settled::from_coarse(sample::on(&checked, top)?, &trial.questions)?;
     // The lowest first, as bounds are wide.
     for &model_level in below {
         let mut judged = trial.judge(model_level);
-        let first = run(model_level)?;
+        let first = Settled::new(sample::on(&checked, model_level)?)?;
         compare(&mut judged, &first.answers, &right.answers, top);
         if !judged.iter().all(|judged| trial.is_fair(judged, &right)) {
             continue;
@@ -61,6 +60,7 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
         let why = trial.why(&choice, model_level);
         return Ok(taken(checked, choice, why, model_level, judged, &found));
     }
+    let right = right.fine(&trial.questions)?;
     let mut judged = trial.judge(top);
     right.add_steps(&mut judged);
     let why = trial.why(&choice, top);

@@ -1,4 +1,7 @@
 //! Step length of a method: it is halved until half of it changes no answer.
+//!
+//! Answers for comparison alone are found from coarse to fine, from one step a tick on. A run keeps the step from theory at least: users
+//! read its trace, too, and not only its answers.
 
 use super::Answers;
 use super::check::run;
@@ -18,11 +21,14 @@ const OF_HALF_A_STEP: f64 = 2.0;
 
 /// Answers of a scene on a model level, and their errors by the method's step.
 pub(super) struct Settled {
+    /// The scene with its own step.
     checked: Checked,
     /// Answers of the scene.
     pub answers: Answers,
-    /// True if the runs with this step and with half of it are regular.
+    /// True if the runs with this step and with the one compared with it are regular.
     pub is_regular: bool,
+    /// True if the answers stand with a step that is longer than the scene's.
+    is_coarse: bool,
     /// Answers with half the step; `None` before that run, and if nothing is integrated.
     finer: Option<Answers>,
     /// True if half the step changes no answer by more than its part of the tolerance. Always true for a step that the scene sets,
@@ -37,10 +43,69 @@ impl Settled {
         Ok(Self {
             is_regular: answers.is_regular(),
             answers,
+            is_coarse: false,
             finer: None,
             is_short: true,
             checked,
         })
+    }
+
+    /// Runs a scene with one step a tick, then with twice as many, until the answers stand. If they do not stand before the scene's own step,
+    /// continues with that one as [`Settled::settled`]. A step that the scene sets is not changed.
+    pub fn from_coarse(checked: Checked, questions: &Questions) -> Result<Self, SceneError> {
+        if checked.chosen().is_open()
+            && let Some(coarse) = Self::coarse(&checked, questions)?
+        {
+            return Ok(coarse);
+        }
+        Self::new(checked)?.settled(questions)
+    }
+
+    /// Returns answers that stand with at most the scene's own number of steps. `None` if there are none, or if a motor slips: the step may
+    /// decide which one does.
+    fn coarse(checked: &Checked, questions: &Questions) -> Result<Option<Self>, SceneError> {
+        let Some((scheme, most)) = Machine::new(checked)?.method() else {
+            return Ok(None);
+        };
+        let mut longer: Option<Answers> = None;
+        for steps in (0..)
+            .map(|doubled| 1 << doubled)
+            .take_while(|steps| *steps <= most)
+        {
+            let mut coarse = checked.clone();
+            coarse.scene.method.steps_per_tick = Some(steps);
+            // A long step may be unstable, and the choice of the method depends on the step.
+            let is_possible = Machine::new(&coarse)
+                .is_ok_and(|machine| machine.method() == Some((scheme, steps)));
+            if !is_possible {
+                continue;
+            }
+            let answers = run(&coarse)?;
+            if !answers.is_regular() {
+                return Ok(None);
+            }
+            let pair = longer.replace(answers).map(|longer| Self {
+                checked: checked.clone(),
+                answers: longer,
+                is_regular: true,
+                is_coarse: true,
+                finer: Some(answers),
+                is_short: true,
+            });
+            // The shorter step is nearer to the truth.
+            if let Some(pair) = pair.filter(|pair| pair.is_short_for(questions)) {
+                return Ok(Some(Self { answers, ..pair }));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Returns the answers with the scene's own step or a shorter one, whose errors are known.
+    pub fn fine(self, questions: &Questions) -> Result<Self, SceneError> {
+        if self.is_coarse {
+            return Self::new(self.checked)?.settled(questions);
+        }
+        Ok(self)
     }
 
     /// Returns how often the step from theory was halved.

@@ -174,7 +174,7 @@ impl Running {
         let run = move || {
             let ticks = controller.program().0.duration();
             let schedule = Schedule::new(&checked, ticks).without_commands();
-            let inner = SimulatedIo::new(&checked, schedule, |_, _| {});
+            let inner = SimulatedIo::new(&checked, schedule);
             // The creator of the thread waits for this message.
             match inner {
                 Ok(inner) => {

@@ -38,8 +38,8 @@ pub(super) enum FromLoop {
 }
 
 /// The simulated machine, in step with the wall clock.
-pub(super) struct Paced<P> {
-    inner: SimulatedIo<P>,
+pub(super) struct Paced {
+    inner: SimulatedIo,
     from_host: Receiver<ToLoop>,
     to_host: SyncSender<FromLoop>,
     clock: WallClock,
@@ -54,9 +54,9 @@ pub(super) struct Paced<P> {
     is_over: bool,
 }
 
-impl<P: FnMut(u64, u64)> Paced<P> {
+impl Paced {
     pub(super) fn new(
-        inner: SimulatedIo<P>,
+        inner: SimulatedIo,
         speed: f64,
         from_host: Receiver<ToLoop>,
         to_host: SyncSender<FromLoop>,
@@ -115,7 +115,7 @@ impl<P: FnMut(u64, u64)> Paced<P> {
     }
 }
 
-impl<P: FnMut(u64, u64)> Io for Paced<P> {
+impl Io for Paced {
     fn read(&mut self, feedback: &mut Feedback) {
         self.clock
             .wait(Duration::from_micros(Instant::now().as_micros()));

@@ -13,9 +13,16 @@ impl Machine {
         omega_rad_s: f64,
         acceleration_rad_s2: f64,
     ) -> f64 {
+        // Most machines have all cranks at one angle.
+        let (mut at_rad, mut nm) = (f64::NAN, 0.0);
         let torques = alphas.map(|alpha| {
-            self.platform
-                .torque_nm(alpha, omega_rad_s, acceleration_rad_s2)
+            if alpha.to_bits() != at_rad.to_bits() {
+                nm = self
+                    .platform
+                    .torque_nm(alpha, omega_rad_s, acceleration_rad_s2);
+                at_rad = alpha;
+            }
+            nm
         });
         let count = self.axes.len();
         torques.sum::<f64>() / (count * count) as f64

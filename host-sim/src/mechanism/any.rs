@@ -101,6 +101,10 @@ macro_rules! any {
                 match self { $(Self::$Name(mechanism) => mechanism.h(alpha_rad),)* }
             }
 
+            fn s_and_h(&self, alpha_rad: f64) -> (f64, f64) {
+                match self { $(Self::$Name(mechanism) => mechanism.s_and_h(alpha_rad),)* }
+            }
+
             fn greatest_s(&self) -> f64 {
                 match self { $(Self::$Name(mechanism) => mechanism.greatest_s(),)* }
             }

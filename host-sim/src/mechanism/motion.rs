@@ -26,6 +26,13 @@ pub struct Load {
     pub platform: Platform,
 }
 
+impl Load {
+    /// Force on all cranks, N, for an acceleration a of the platform, m/s², towards the crank axes.
+    fn force_n(&self, a_mps2: f64) -> f64 {
+        self.mass_kg * (a_mps2 + self.platform.gravity_sign() * self.gravity_mps2)
+    }
+}
+
 /// Motion at one crank angle, in the terms of [`Mechanism`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtAngle {
@@ -78,6 +85,12 @@ pub trait Mechanism: Copy {
         self.at(alpha_rad).h
     }
 
+    /// Coefficients s and h together, each to its last digit as alone.
+    fn s_and_h(&self, alpha_rad: f64) -> (f64, f64) {
+        let at = self.at(alpha_rad);
+        (at.s, at.h)
+    }
+
     /// Platform velocity dx/dt, m/s, away from the crank axes: −R s ω.
     fn x_dot_mps(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
         -self.crank_radius_m() * self.s(alpha_rad) * omega_rad_s
@@ -117,13 +130,14 @@ pub trait Mechanism: Copy {
         omega_rad_s: f64,
         alpha_ddot_rad_s2: f64,
     ) -> f64 {
-        let a = self.a_exact_mps2(alpha_rad, omega_rad_s, alpha_ddot_rad_s2);
-        self.torque_for_a_nm(load, alpha_rad, a)
+        let (s, h) = self.s_and_h(alpha_rad);
+        let centripetal = h * omega_rad_s * omega_rad_s;
+        let a = self.crank_radius_m() * (centripetal + s * alpha_ddot_rad_s2);
+        load.force_n(a) * self.crank_radius_m() * s
     }
 
     /// Total torque of all cranks, N·m, for an acceleration a of the platform, m/s², towards the crank axes.
     fn torque_for_a_nm(&self, load: &Load, alpha_rad: f64, a_mps2: f64) -> f64 {
-        let force_n = load.mass_kg * (a_mps2 + load.platform.gravity_sign() * load.gravity_mps2);
-        force_n * self.crank_radius_m() * self.s(alpha_rad)
+        load.force_n(a_mps2) * self.crank_radius_m() * self.s(alpha_rad)
     }
 }

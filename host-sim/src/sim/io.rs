@@ -40,7 +40,7 @@ struct Waiting {
 
 /// Simulated environment of the loop. It is read with an [`Observer`]: see [`Observed`].
 #[derive(Clone)]
-pub struct SimulatedIo<P> {
+pub struct SimulatedIo {
     tick_us: u64,
     tick_hz: u32,
     machine: Machine,
@@ -54,7 +54,6 @@ pub struct SimulatedIo<P> {
     schedule: Schedule,
     faults: Faults,
     statistics: Statistics,
-    progress: P,
     /// Boxed, because an output has kilobytes of room for runs, and is passed on every tick.
     waiting: VecDeque<Box<Waiting>>,
     /// Played outputs, kept to reuse their memory.
@@ -95,12 +94,12 @@ const MOST_TAIL_S: f64 = 5.0;
 /// Ticks between two reports of progress.
 const PROGRESS_TICKS: u64 = 8192;
 
-impl<P: FnMut(u64, u64)> SimulatedIo<P> {
+impl SimulatedIo {
     /// Creates the machine of a scene, at power-up.
     ///
     /// # Errors
     /// Fails if the machine of the scene cannot be created.
-    pub fn new(checked: &Checked, schedule: Schedule, progress: P) -> Result<Self, SceneError> {
+    pub fn new(checked: &Checked, schedule: Schedule) -> Result<Self, SceneError> {
         let machine = Machine::new(checked)?;
         let tick_hz = checked.settings.tick_hz;
         Ok(Self {
@@ -115,7 +114,6 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             sensed_us: 0,
             schedule,
             faults: Faults::new(checked),
-            progress,
             waiting: VecDeque::new(),
             spare: Vec::new(),
             last: None,
@@ -216,7 +214,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         &mut self,
         waiting: &Waiting,
         detected: &mut PerAxis<Option<IndexPulse>>,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) {
         let Waiting {
             start_us,
@@ -307,7 +305,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
     }
 
     /// Plays the outputs that are due, shows them to the observer, and returns the feedback: see [`Io::read`].
-    pub fn read(&mut self, observer: &mut impl Observer) -> Feedback {
+    pub fn read(&mut self, observer: &mut dyn Observer) -> Feedback {
         let now = Instant::now().as_micros();
         let mut index = PerAxis::default();
         while self
@@ -373,9 +371,6 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         self.ticks += 1;
         self.state = output.telemetry.state;
 
-        if self.ticks.is_multiple_of(PROGRESS_TICKS) {
-            (self.progress)(self.ticks, self.schedule.expected_us() / self.tick_us);
-        }
         let settled = matches!(self.state, State::Idle | State::Parked | State::Fault);
         // If the drives are switched off late in a hold, the cranks still have to coast before the run ends, so that it is reported.
         self.quiet = if settled && self.schedule.is_over() && !is_switched {
@@ -393,15 +388,18 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
     }
 }
 
-/// Simulated environment and its observer while the loop runs.
-pub struct Observed<'a, O, P> {
+/// Simulated environment and its observer while the loop runs. It has no type parameter, so that the loop is compiled here once, and not
+/// again in each crate that runs scenes, which may be optimised less.
+pub struct Observed<'a> {
     /// Environment of the loop.
-    pub io: &'a mut SimulatedIo<P>,
+    pub io: &'a mut SimulatedIo,
     /// Observer of each tick.
-    pub observer: &'a mut O,
+    pub observer: &'a mut dyn Observer,
+    /// Called from time to time with the number of ticks done and the approximate total.
+    pub progress: &'a mut dyn FnMut(u64, u64),
 }
 
-impl<O: Observer, P: FnMut(u64, u64)> Io for Observed<'_, O, P> {
+impl Io for Observed<'_> {
     fn read(&mut self, feedback: &mut Feedback) {
         *feedback = self.io.read(self.observer);
     }
@@ -411,7 +409,12 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for Observed<'_, O, P> {
     }
 
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
-        self.io.write(output, start)
+        let result = self.io.write(output, start);
+        if self.io.ticks.is_multiple_of(PROGRESS_TICKS) {
+            let expected = self.io.schedule.expected_us() / self.io.tick_us;
+            (self.progress)(self.io.ticks, expected);
+        }
+        result
     }
 }
 

@@ -65,11 +65,11 @@ pub fn simulate_first(
     ticks: u64,
     checked: &Checked,
     observer: &mut impl Observer,
-    progress: impl FnMut(u64, u64),
+    mut progress: impl FnMut(u64, u64),
 ) -> Result<Outcome, SceneError> {
-    let mut simulation = Simulation::new(ticks, checked, progress)?;
+    let mut simulation = Simulation::new(ticks, checked)?;
     let mut forces = PeakForces::default();
-    simulation.run(&mut (&mut forces, observer));
+    simulation.run_with(&mut (&mut forces, observer), &mut progress);
     let mut outcome = simulation.finish();
     outcome.statistics.take(forces);
     Ok(outcome)

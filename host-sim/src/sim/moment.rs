@@ -21,7 +21,7 @@ impl Observer for () {
 }
 
 /// Observer that is borrowed.
-impl<A: Observer> Observer for &mut A {
+impl<A: Observer + ?Sized> Observer for &mut A {
     fn tick(&mut self, moment: &Moment<'_>) {
         (**self).tick(moment);
     }

@@ -14,49 +14,63 @@ use cophase_scene::SceneError;
 
 /// Controller and simulated machine, between two ticks of the loop.
 #[derive(Clone)]
-pub struct Simulation<P> {
+pub struct Simulation {
     controller: Controller,
-    io: SimulatedIo<P>,
+    io: SimulatedIo,
     lateness: Lateness,
     most_ticks: u64,
 }
 
-impl<P: FnMut(u64, u64)> Simulation<P> {
-    /// Creates the simulation of a scene at power-up, for at most `most_ticks` ticks. `progress` is called as in [`super::simulate`].
+impl Simulation {
+    /// Creates the simulation of a scene at power-up, for at most `most_ticks` ticks.
     ///
     /// # Errors
     /// Fails like [`super::simulate`].
-    pub fn new(most_ticks: u64, checked: &Checked, progress: P) -> Result<Self, SceneError> {
+    pub fn new(most_ticks: u64, checked: &Checked) -> Result<Self, SceneError> {
         let controller = checked.controller()?;
         let schedule = schedule_of(checked, &controller, most_ticks);
         Ok(Self {
             lateness: schedule.lateness(),
-            io: SimulatedIo::new(checked, schedule, progress)?,
+            io: SimulatedIo::new(checked, schedule)?,
             controller,
             most_ticks,
         })
     }
 
     /// Runs the scene to its end.
-    pub fn run(&mut self, observer: &mut impl Observer) {
-        self.run_to(u64::MAX, observer);
+    pub fn run(&mut self, observer: &mut dyn Observer) {
+        self.run_to(u64::MAX, observer, &mut |_, _| {});
+    }
+
+    /// Runs the scene to its end. `progress` is called as in [`super::simulate`].
+    pub fn run_with(&mut self, observer: &mut dyn Observer, progress: &mut dyn FnMut(u64, u64)) {
+        self.run_to(u64::MAX, observer, progress);
     }
 
     /// Runs the scene up to a time, µs: no input is read at or after it. The scene may end before that time.
-    pub fn run_until(&mut self, until_us: u64, observer: &mut impl Observer) {
+    pub fn run_until(&mut self, until_us: u64, observer: &mut dyn Observer) {
         // The loop may read the input of a deadline late by up to this time.
         let late_us = self.lateness.longest_us();
-        self.run_to(until_us.saturating_sub(late_us), observer);
+        self.run_to(until_us.saturating_sub(late_us), observer, &mut |_, _| {});
     }
 
     /// Runs the scene up to the first deadline that is not before a time, µs.
-    fn run_to(&mut self, pause_us: u64, observer: &mut impl Observer) {
+    fn run_to(
+        &mut self,
+        pause_us: u64,
+        observer: &mut dyn Observer,
+        progress: &mut dyn FnMut(u64, u64),
+    ) {
         let Some(next_us) = self.io.pause_at(pause_us) else {
             return;
         };
         let next = Instant::from_micros(next_us);
         let io = &mut self.io;
-        let mut observed = Observed { io, observer };
+        let mut observed = Observed {
+            io,
+            observer,
+            progress,
+        };
         let run = control_loop::run_from(next, &mut self.controller, &mut observed);
         virtual_time::run(run, |at| self.lateness.overshoot(at));
     }
@@ -158,8 +172,7 @@ mod tests {
         let tick_us = 1_000_000.0 / f64::from(scene.control.tick_hz);
         let at_s = 2.0;
         let most_ticks = 5 * u64::from(scene.control.tick_hz);
-        let start =
-            |checked: &Checked| Simulation::new(most_ticks, checked, |_, _| {}).expect("runs");
+        let start = |checked: &Checked| Simulation::new(most_ticks, checked).expect("runs");
         scene.late = vec![LateAt {
             at_s: at_s - 2e-6 * tick_us,
             by_us: (2.5 * tick_us).round(),

@@ -134,6 +134,7 @@ pub(super) fn run(
     if !args.quiet && args.real_time.is_none() {
         expected::before_run(&checked, err).map_err(refused)?;
     }
+    check_window(args, &checked).map_err(CommandError::Input)?;
     let mut live = Live::new(args, &checked).map_err(CommandError::Input)?;
     let range = OperatingRange::of(&checked).map_err(refused)?;
     let range = range.map(|range| draw_operating_range(&range));
@@ -281,6 +282,23 @@ pub(super) fn refuse_folders<'a>(
 /// Returns a time without the digits that are rounding errors, s.
 fn shortest(time_s: f64) -> f64 {
     (time_s * 1e9).round() / 1e9
+}
+
+/// Refuses a window whose file would become too large. Without this check, that is known only when much of the run has been written.
+fn check_window(args: &RunArgs, checked: &Checked) -> Result<(), String> {
+    if !args.files().any(Format::has_edges) {
+        return Ok(());
+    }
+    let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
+    let ticks = expected_ticks(checked).map_err(|error| error.in_file(&args.scene).to_string())?;
+    let run_s = ticks as f64 / f64::from(checked.settings.tick_hz);
+    (window.check_length(checked, run_s)).map_err(|error| match args.window {
+        Some(_) => format!("--window: {error}"),
+        None => {
+            let wrong = SceneError::at("scope.to_s", error.to_string());
+            wrong.in_file(&args.scene).to_string()
+        }
+    })
 }
 
 /// Returns the error that a requested window contains no part of the run.

@@ -17,6 +17,7 @@ mod fst;
 mod json;
 mod layout;
 mod mcap;
+mod mcap_file;
 mod overdue;
 mod recorder;
 mod rounding;

@@ -30,9 +30,14 @@ pub enum RecordError {
     Edges(#[from] EdgeError),
 }
 
+/// File of any kind. With it, the recorder is compiled in this crate, and not again in each crate that runs scenes.
+trait File: Write + Seek {}
+
+impl<W: Write + Seek> File for W {}
+
 /// Writes the files of a trace, and collects the data for `scope.svg`.
-pub struct Recorder<'a, W: Write + Seek> {
-    traces: Traces<'a, W>,
+pub struct Recorder<'a> {
+    traces: Traces<'a, Box<dyn File + 'a>>,
     rows: ControllerRows,
     row: Row,
     amplitude: TurnAmplitude,
@@ -41,12 +46,12 @@ pub struct Recorder<'a, W: Write + Seek> {
     failed: Option<RecordError>,
 }
 
-impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
+impl<'a> Recorder<'a> {
     /// Writes a scene's run to `files`, of which each format has at most one. Sends its rows to `udp`, and fills `scope`.
     ///
     /// # Errors
     /// A header cannot be written.
-    pub fn new(
+    pub fn new<W: Write + Seek + 'a>(
         checked: &Checked,
         files: impl IntoIterator<Item = (Format, W)>,
         udp: Option<&'a mut RowsUdp>,
@@ -57,6 +62,10 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
         let axes = checked.scene.axes.count;
         let reversed = (0..axes)
             .map(|i| checked.overrides(i).is_some_and(|own| own.reversed))
+            .collect();
+        let files = files.into_iter();
+        let files: Vec<_> = files
+            .map(|(format, w)| (format, Box::new(w) as Box<dyn File + 'a>))
             .collect();
         let setup = TraceSetup {
             shape: RowShape::of(checked),
@@ -110,7 +119,7 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
     }
 }
 
-impl<'a, W: Write + Seek + 'a> Observer for Recorder<'a, W> {
+impl Observer for Recorder<'_> {
     fn tick(&mut self, moment: &Moment<'_>) {
         if self.failed.is_some() {
             return;

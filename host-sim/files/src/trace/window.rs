@@ -5,11 +5,14 @@
 
 use std::io::{Seek, Write};
 
+use cophase_core::program::EntrySettings;
 use cophase_core::pulse::Run;
+use cophase_core::settings::DriveKind;
 
 use super::edges::{EdgeFile, EdgeOutputs};
 use super::{EdgeError, Levels, Row, Signal, TickEdges};
 use cophase_scene::Scene;
+use host_sim::checked::Checked;
 use host_sim::faults::Planned;
 
 /// Part of the run that `steps.vcd` shows.
@@ -52,6 +55,56 @@ impl Window {
     /// Window between two times, s.
     pub fn seconds(from_s: f64, to_s: f64) -> Self {
         Self::Between((from_s * 1e9).round() as u64, (to_s * 1e9).round() as u64)
+    }
+
+    /// Refuses a window that would have too many edges, as far as the program shows that before the run. `run_s` is the expected duration
+    /// of the run. Only holds are counted. A scene with events at stated times is not judged, as these may end its program.
+    ///
+    /// # Errors
+    /// The holds of the program have too many edges.
+    pub fn check_length(self, checked: &Checked, run_s: f64) -> Result<(), EdgeError> {
+        let (from_ns, to_ns) = match self {
+            Self::All => (0, (run_s * 1e9) as u64),
+            Self::Between(from_ns, to_ns) => (from_ns, to_ns),
+            Self::FirstMotion => return Ok(()),
+        };
+        let scene = &checked.scene;
+        if !(scene.fault.is_empty() && scene.command.is_empty() && scene.input.is_empty()) {
+            return Ok(());
+        }
+        let (mut turns, mut most_hz) = (0.0, 0.0_f64);
+        let mut until = Vec::new();
+        for entry in &checked.settings.program {
+            match entry {
+                EntrySettings::Segment(segment) => {
+                    let hz = checked.speed_hz(segment.amax_mps2);
+                    most_hz = most_hz.max(hz);
+                    until.push(turns);
+                    turns += hz * segment.hold_s;
+                }
+                EntrySettings::Repeat { first, times } => {
+                    let before = until.get(usize::from(*first)).copied().unwrap_or(turns);
+                    until.push(turns);
+                    turns += (turns - before) * f64::from(times.saturating_sub(1));
+                }
+            }
+        }
+        let axes = checked.settings.axes.iter();
+        let pulsed = axes.filter(|axis| axis.drive != DriveKind::Servo);
+        let edges_a_turn = pulsed.map(|axis| {
+            let ratio = axis.follower.constant_ratio().unwrap_or(1.0).abs();
+            2.0 * ratio * axis.steps_per_crank_turn().to_f64()
+        });
+        // At most so many turns are outside the window.
+        let outside_s = (run_s - (to_ns.saturating_sub(from_ns)) as f64 * 1e-9).max(0.0);
+        let shown = edges_a_turn.sum::<f64>() * (turns - most_hz * outside_s);
+        if shown > MOST_EDGES as f64 {
+            return Err(EdgeError::TooLong {
+                from_ns,
+                at_ns: to_ns.min((run_s * 1e9) as u64),
+            });
+        }
+        Ok(())
     }
 }
 
@@ -253,6 +306,31 @@ impl<W: Write + Seek> StepWindow<W> {
 mod tests {
     use super::*;
     use cophase_scene::load;
+
+    /// If this fails, a run of minutes ends with the message that its file of edges is too large, or a window that fits is refused.
+    #[test]
+    fn a_window_with_too_many_edges_is_refused_before_the_run() {
+        // 4.46 rev/s for 10 s, many times: 6.8 million edges each.
+        let refused = |times: u32, more: &str, window: Window| {
+            let text = format!(
+                "name = \"window\"\n[machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 5\n\
+                 [limits]\nspeed_hz = 10\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
+                 [axes]\ncount = 3\ndrive = \"stepper\"\nsteps_per_turn = 25600\n{more}\
+                 [[program]]\nrepeat = {times}\nsegments = [{{ amax_g = 1, ramp_s = 1, hold_s = 10 }}]"
+            );
+            let checked = Checked::new(load::parse(&text).unwrap()).unwrap();
+            let run_s = 11.0 * f64::from(times) + 3.0;
+            window.check_length(&checked, run_s).is_err()
+        };
+        assert!(!refused(8, "", Window::All));
+        assert!(refused(10, "", Window::All));
+        assert!(refused(100, "", Window::seconds(1.0, 1000.0)));
+        assert!(!refused(100, "", Window::seconds(500.0, 501.0)));
+        assert!(!refused(100, "", Window::FirstMotion));
+        // It may end the run at once.
+        let fault = "[[fault]]\nat_s = 5\nkind = \"stop-input\"\n";
+        assert!(!refused(100, fault, Window::All));
+    }
 
     /// If this fails, the window of a fault shows the machine's first steps, or leaves out the time just before the fault. Or a
     /// window that was requested is moved.

@@ -4,7 +4,6 @@ use std::fmt;
 
 use super::plan::strata::sensor;
 use super::row::Row;
-use super::shards::Shard;
 use super::tally::{Failure, Tally};
 use cophase_scene::file::FaultName;
 
@@ -31,9 +30,9 @@ impl fmt::Display for Example {
     }
 }
 
-/// Returns the run of a shard that is most worth a replay: one that is not as claimed, else a misnamed one, else the one with the latest
+/// Returns the run of a campaign that is most worth a replay: one that is not as claimed, else a misnamed one, else the one with the latest
 /// detection. None without rows.
-pub fn example(shard: &Shard, tally: &Tally) -> Option<Example> {
+pub fn example(tally: &Tally) -> Option<Example> {
     // A clean run in which something was reported has no failure as its rank, so it is before all.
     let tripped = tally.tripped.first().map(|&number| {
         let example = Example {
@@ -57,14 +56,11 @@ pub fn example(shard: &Shard, tally: &Tally) -> Option<Example> {
     (tripped.into_iter().chain(entries))
         .min_by_key(|(rank, _)| *rank)
         .map(|(_, example)| example)
-        .or_else(|| latest(&shard.rows))
+        .or_else(|| latest(tally.latest.as_ref()?))
 }
 
-/// Returns the faulty run whose detection came the most turns after the limit was passed; any faulty run if none was passed.
-fn latest(rows: &[Row]) -> Option<Example> {
-    let turns = |row: &Row| row.turns_from_limit.unwrap_or(f64::NEG_INFINITY);
-    let faulty = rows.iter().filter(|row| !row.clean);
-    let row = faulty.max_by(|a, b| turns(a).total_cmp(&turns(b)))?;
+/// Returns the run with the latest detection.
+fn latest(row: &Row) -> Option<Example> {
     let what = match row.turns_from_limit {
         Some(_) => "detected the latest",
         None => "as claimed",
@@ -81,7 +77,7 @@ mod tests {
     use super::*;
     use crate::campaign::plan::Plan;
     use crate::campaign::run_all;
-    use crate::campaign::shards::Header;
+    use crate::campaign::shards::{Header, Shard};
 
     /// If this fails, the case that a campaign offers for a replay has nothing to see, or another case has what the words say.
     #[test]
@@ -90,7 +86,7 @@ mod tests {
         let rows = run_all(&plan, 0..6, &|| {}).unwrap();
         let header = Header::new(&plan, None, 0..6, 6);
         let shard = Shard { header, rows };
-        let offered = |tally: &Tally| example(&shard, tally).unwrap();
+        let offered = |tally: &Tally| example(tally).unwrap();
 
         let as_claimed = Tally {
             groups: Vec::new(),

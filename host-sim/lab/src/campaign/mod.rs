@@ -74,7 +74,7 @@ pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
     let watch = |checked: &Checked| Watch::new(geometry.as_ref(), checked, cranks_count(checked));
     let mut clean_watch = watch(&clean);
     let mut twin = Twin::default();
-    let mut clean_run = Simulation::new(u64::MAX, &clean, |_, _| {})?;
+    let mut clean_run = Simulation::new(u64::MAX, &clean)?;
     let fault_us = Planned::new(case.fault()).from_us;
     clean_run.run_until(fault_us, &mut (&mut clean_watch, &mut twin));
     let mut faulty_run = clean_run.clone();

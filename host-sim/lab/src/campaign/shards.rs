@@ -5,6 +5,7 @@
 //! run. The last column is the CRC-32 of the rest of its row, so that damage is detected.
 
 use std::ops::Range;
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
@@ -207,10 +208,20 @@ impl Shard {
     /// # Errors
     /// None in practice: rows have only plain values.
     pub fn to_text(&self) -> Result<String, ShardError> {
+        self.text_in(&self.header, true)
+    }
+
+    /// Returns the rows as text, in a joined shard with another header, with the names of the columns before the first row or without them.
+    ///
+    /// # Errors
+    /// As [`Self::to_text`].
+    pub fn text_in(&self, header: &Header, has_names: bool) -> Result<String, ShardError> {
         let text = || {
-            let mut writer = csv::Writer::from_writer(Vec::new());
+            let mut writer = csv::WriterBuilder::new()
+                .has_headers(has_names)
+                .from_writer(Vec::new());
             for row in &self.rows {
-                writer.serialize((row, &self.header, sum(row, &self.header)?))?;
+                writer.serialize((row, header, sum(row, header)?))?;
             }
             writer
                 .into_inner()
@@ -220,11 +231,40 @@ impl Shard {
         Ok(String::from_utf8_lossy(&text).into_owned())
     }
 
+    /// Returns the identity of a shard by the first row of its text, in which only a defect before that is found.
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn identity(text: &str) -> Result<Header, ShardError> {
+        let first = text.match_indices('\n').nth(1);
+        let first = first.map_or(text, |(end, _)| &text[..=end]);
+        Ok(Self::read(first)?.header)
+    }
+
     /// Parses a shard from text.
     ///
     /// # Errors
     /// The text has a defect. The message contains its place.
     pub fn parse(text: &str) -> Result<Self, ShardError> {
+        let shard = Self::read(text)?;
+        let cases = shard.header.numbers.end - shard.header.numbers.start;
+        if shard.rows.len() as u64 != 2 * cases {
+            return Err(ShardError(format!(
+                "is truncated: it has {} rows, and its rows state {cases} cases of two; {AGAIN}",
+                shard.rows.len()
+            )));
+        }
+        // What the sums do not cover: the names of the columns, and other spellings of the same values.
+        if shard.to_text()? != text {
+            return Err(ShardError(format!(
+                "is damaged: it is not, byte for byte, what its rows are written as; {AGAIN}"
+            )));
+        }
+        Ok(shard)
+    }
+
+    /// Reads the rows of a text.
+    fn read(text: &str) -> Result<Self, ShardError> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let names = reader.headers().cloned().unwrap_or_default();
         let is_shard = names.get(0) == Some("number") && names.iter().next_back() == Some("crc32");
@@ -263,21 +303,7 @@ impl Shard {
                 .map_err(|problem| at_line(record.position(), &problem))?;
             shard.rows.push(row);
         }
-        let shard = shard.ok_or_else(|| ShardError(format!("has no rows; {AGAIN}")))?;
-        let cases = shard.header.numbers.end - shard.header.numbers.start;
-        if shard.rows.len() as u64 != 2 * cases {
-            return Err(ShardError(format!(
-                "is truncated: it has {} rows, and its rows state {cases} cases of two; {AGAIN}",
-                shard.rows.len()
-            )));
-        }
-        // What the sums do not cover: the names of the columns, and other spellings of the same values.
-        if shard.to_text()? != text {
-            return Err(ShardError(format!(
-                "is damaged: it is not, byte for byte, what its rows are written as; {AGAIN}"
-            )));
-        }
-        Ok(shard)
+        shard.ok_or_else(|| ShardError(format!("has no rows; {AGAIN}")))
     }
 
     /// Returns the problem if a row is not the next one.
@@ -328,41 +354,41 @@ fn brief(error: &csv::Error, names: &csv::StringRecord) -> String {
     }
 }
 
-/// Joins shards in any order. Each has a name that identifies it in messages. Together they are the cases from `from` to
-/// before `to`, by default to the last.
+/// Returns the identity of the shard that others are joined into, and sorts those. Together they are the cases from `from` to before `to`, by default to the last.
 ///
 /// # Errors
 /// No shards are given, or they are of different campaigns, overlap, or are not exactly the cases that are requested.
 pub fn join(
-    mut shards: Vec<(String, Shard)>,
+    shards: &mut [(PathBuf, Header)],
     from: u64,
     to: Option<u64>,
-) -> Result<Shard, ShardError> {
-    shards.sort_by_key(|(_, shard)| shard.header.numbers.start);
-    let mut shards = shards.into_iter();
-    let Some((mut last, mut joined)) = shards.next() else {
+) -> Result<Header, ShardError> {
+    shards.sort_by_key(|(_, header)| header.numbers.start);
+    let Some(((first, header), others)) = shards.split_first() else {
         return Err(ShardError(
             "no shards; give files that `cophase campaign` wrote, or a folder of them".to_owned(),
         ));
     };
-    let requested = from..to.unwrap_or(joined.header.of);
+    let (mut last, mut joined) = (first.display(), header.clone());
+    let requested = from..to.unwrap_or(joined.of);
     let missing = |what: &str, from: u64, to: u64| {
         ShardError(format!(
             "{what}; give the missing cases, --from {from} --to {to}"
         ))
     };
-    let start = joined.header.numbers.start;
+    let start = joined.numbers.start;
     if start > requested.start {
         let what = format!("{last}: is the first shard, and begins with case {start}");
         return Err(missing(&what, requested.start, start));
     }
-    for (name, shard) in shards {
-        if let Some(what) = joined.header.differs(&shard.header) {
+    for (path, header) in others {
+        let name = path.display();
+        if let Some(what) = joined.differs(header) {
             return Err(ShardError(format!(
                 "{name}: is of another campaign than {last}: {what}"
             )));
         }
-        let (end, start) = (joined.header.numbers.end, shard.header.numbers.start);
+        let (end, start) = (joined.numbers.end, header.numbers.start);
         if start < end {
             return Err(ShardError(format!(
                 "{name}: begins with case {start}, and {last} goes up to {}; leave one out",
@@ -376,13 +402,12 @@ pub fn join(
             );
             return Err(missing(&what, end, start));
         }
-        joined.header.numbers.end = shard.header.numbers.end;
-        joined.rows.extend(shard.rows);
+        joined.numbers.end = header.numbers.end;
         last = name;
     }
-    let Range { start, end } = joined.header.numbers;
+    let Range { start, end } = joined.numbers;
     if end < requested.end {
-        let of = joined.header.of;
+        let of = joined.of;
         let what = format!("{last}: is the last shard, and the campaign has {of} cases");
         return Err(missing(&what, end, requested.end));
     }

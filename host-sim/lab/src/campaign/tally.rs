@@ -6,7 +6,7 @@ use super::interval::Rate;
 use super::judge::Verdict;
 use super::plan::faults::KINDS;
 use super::row::Row;
-use super::shards::Shard;
+use super::shards::{Header, Shard};
 use cophase_scene::file::FaultName;
 
 /// Faulty runs of one kind.
@@ -147,6 +147,8 @@ pub struct Tally {
     pub simulated_s: f64,
     /// True if the rows are from chosen strata. Then [`Self::all`] gives no rate over all cases.
     pub is_selected: bool,
+    /// The faulty run whose detection came the most turns after the limit was passed; any faulty run if none was passed.
+    pub latest: Option<Row>,
 }
 
 /// Smallest fraction of faults that must be named rightly.
@@ -155,12 +157,49 @@ const LEAST_NAMED: f64 = 0.99;
 impl Tally {
     /// Tally of a shard's rows.
     pub fn new(shard: &Shard) -> Self {
-        let mut tally = Self {
-            is_selected: shard.header.selection.is_some(),
-            ..Self::default()
+        let mut counter = Counter::new(&shard.header);
+        counter.add(&shard.rows);
+        counter.finish()
+    }
+
+    /// Returns true if all claims hold.
+    pub fn is_kept(&self) -> bool {
+        let breaks = |&what: &Failure| self.breaks_claim(what);
+        self.false_trips.hits == 0 && !self.all.failed.keys().any(breaks)
+    }
+
+    /// Returns true if an entry of [`Group::failed`] breaks a claim. Wrong names do so only if there are more of them than claimed. That
+    /// claim is on all cases, so chosen strata cannot break it.
+    pub fn breaks_claim(&self, what: Failure) -> bool {
+        let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);
+        what != Failure::Misnamed || !(named || self.is_selected)
+    }
+}
+
+/// Tally of rows that come one part after the other, in their order.
+#[derive(Debug, Default)]
+pub struct Counter {
+    tally: Tally,
+    groups: BTreeMap<(usize, bool), Group>,
+}
+
+impl Counter {
+    /// Tally without rows.
+    pub fn new(header: &Header) -> Self {
+        let tally = Tally {
+            is_selected: header.selection.is_some(),
+            ..Tally::default()
         };
-        let mut groups: BTreeMap<(usize, bool), Group> = BTreeMap::new();
-        for row in &shard.rows {
+        Self {
+            tally,
+            ..Self::default()
+        }
+    }
+
+    /// Counts the next rows.
+    pub fn add(&mut self, rows: &[Row]) {
+        let tally = &mut self.tally;
+        for row in rows {
             tally.simulated_s += row.simulated_s;
             let Some(kind) = row.kind else {
                 if row.verdict == Verdict::Moot {
@@ -175,9 +214,19 @@ impl Tally {
             };
             let place = KINDS.iter().position(|&other| other == kind);
             let key = (place.unwrap_or(KINDS.len()), row.encoder);
-            groups.entry(key).or_default().take(row);
+            self.groups.entry(key).or_default().take(row);
             tally.all.take(row);
+            let turns = |row: &Row| row.turns_from_limit.unwrap_or(f64::NEG_INFINITY);
+            let is_later = |last: &Row| turns(last).total_cmp(&turns(row)).is_le();
+            if tally.latest.as_ref().is_none_or(is_later) {
+                tally.latest = Some(row.clone());
+            }
         }
+    }
+
+    /// Returns the tally of all rows.
+    pub fn finish(self) -> Tally {
+        let Self { mut tally, groups } = self;
         tally.all.finish();
         tally.groups = groups
             .into_iter()
@@ -187,19 +236,6 @@ impl Tally {
             })
             .collect();
         tally
-    }
-
-    /// Returns true if all claims hold.
-    pub fn is_kept(&self) -> bool {
-        let breaks = |&what: &Failure| self.breaks_claim(what);
-        self.false_trips.hits == 0 && !self.all.failed.keys().any(breaks)
-    }
-
-    /// Returns true if an entry of [`Group::failed`] breaks a claim. Wrong names do so only if there are more of them than claimed. That
-    /// claim is on all cases, so chosen strata cannot break it.
-    pub fn breaks_claim(&self, what: Failure) -> bool {
-        let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);
-        what != Failure::Misnamed || !(named || self.is_selected)
     }
 }
 

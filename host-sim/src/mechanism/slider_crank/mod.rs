@@ -168,19 +168,26 @@ impl Mechanism for SliderCrank {
     /// Speed coefficient s(α) = sin α + λ sin α cos α / √(1 − λ² sin² α), dimensionless: dx/dα = −R s. It equals sin(α + β)
     /// / cos β in the source's torque formula.
     fn s(&self, alpha_rad: f64) -> f64 {
-        let (sin, cos) = alpha_rad.sin_cos();
-        let lambda = self.lambda();
-        sin + lambda * sin * cos / (1.0 - (lambda * sin).powi(2)).sqrt()
+        self.s_and_h(alpha_rad).0
     }
 
     /// Acceleration coefficient h(α) = cos α + λ (cos 2α + λ² sin⁴ α) / (1 − λ² sin² α)^1.5,
     /// dimensionless: d²x/dα² = −R h. It is ds/dα.
     fn h(&self, alpha_rad: f64) -> f64 {
+        self.s_and_h(alpha_rad).1
+    }
+
+    #[inline(always)] // so that `s` and `h` alone compute no more than they need
+    fn s_and_h(&self, alpha_rad: f64) -> (f64, f64) {
         let (sin, cos) = alpha_rad.sin_cos();
         let lambda = self.lambda();
         let under_root = 1.0 - (lambda * sin).powi(2);
+        let root = under_root.sqrt();
         let above = (2.0 * alpha_rad).cos() + lambda * lambda * sin.powi(4);
-        cos + lambda * above / (under_root * under_root.sqrt())
+        (
+            sin + lambda * sin * cos / root,
+            cos + lambda * above / (under_root * root),
+        )
     }
 
     /// Returns x, s and h together, with one sine and one root. Equations of motion need all three at every evaluation.
