@@ -21,6 +21,7 @@ use cophase_core::units::{MAX_AXES, PerAxis, Phase};
 use cophase_scene::{Scene, load};
 use host_sim::checked::Checked;
 use host_sim::sim::simulate;
+
 use measure::{Figure, Work};
 
 /// Figures with their least ticks per load: a third of those of 66e71d7 on a shared x86-64 host. They detect a slowdown by several

@@ -5,10 +5,6 @@ use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use indicatif::{ProgressBar, ProgressStyle};
-
-use super::numbers::whole;
-use super::{CommandError, Status, run, scenes};
 use cophase_files::trace::RunFiles;
 use cophase_lab::campaign::example::{Example, example};
 use cophase_lab::campaign::plan::Plan;
@@ -17,6 +13,10 @@ use cophase_lab::campaign::shards::{Header, MACHINES, Shard, join};
 use cophase_lab::campaign::tally::Counter;
 use cophase_lab::campaign::{self, picture, table};
 use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::numbers::whole;
+use super::{CommandError, Status, run, scenes};
 
 /// Inject one random fault into each of thousands of machines, and compare every reaction with the claims
 ///

@@ -3,13 +3,13 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use cophase_files::trace::RunFiles;
+use cophase_lab::chart::{self, CHARTS, Size};
+use cophase_scene::load;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::refusal::visible;
 use super::{CommandError, Status};
-use cophase_files::trace::RunFiles;
-use cophase_lab::chart::{self, CHARTS, Size};
-use cophase_scene::load;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ChartArgs {

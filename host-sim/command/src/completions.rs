@@ -2,9 +2,8 @@
 
 use std::io::Write;
 
-use clap_complete::{Shell, generate};
-
 use super::{CommandError, Status};
+use clap_complete::{Shell, generate};
 
 /// Long help with the place of the script for each shell. It is not a doc comment, because indented lines in a
 /// doc comment are an example in Rust.

@@ -36,8 +36,8 @@ pub use status::{CommandError, Status};
 use std::io::{self, Write};
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-
 use cophase_files::version;
+
 use design::{DesignArgs, DesignCommandError};
 use visible::Visible;
 

@@ -3,10 +3,10 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use clap_mangen::Man;
 use cophase_files::trace::RunFiles;
 
 use super::{CommandError, Status};
+use clap_mangen::Man;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ManArgs {

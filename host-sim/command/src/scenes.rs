@@ -3,13 +3,14 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::output::write_file;
-use super::refusal::visible;
-use super::{CommandError, Status};
 use cophase_scene::library::{self, BuiltIn, SCENES};
 use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::setup;
+
+use super::output::write_file;
+use super::refusal::visible;
+use super::{CommandError, Status};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ScenesArgs {

@@ -5,19 +5,19 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use cophase_files::report;
 use cophase_link::file_format::HEADER_BYTES;
 use cophase_link::header::{FIRST_SEQUENCE, MAGIC, OUTSIDE};
 use cophase_link::layout::{FLASH_ADDRESS, SLOT_A_OFFSET, SLOT_B_OFFSET};
 use cophase_link::uf2::{self, PAGE_BYTES};
 use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
-
-use super::output::write_file;
-use super::{CommandError, Status, scenes};
-use cophase_files::report;
 use cophase_scene::file::{AxisOverrides, CamShaft, Fidelity, Rods, Wiring};
 use cophase_scene::input_file::{self, Unreadable};
 use cophase_scene::{Scene, entry};
 use host_sim::checked::Checked;
+
+use super::output::write_file;
+use super::{CommandError, Status, scenes};
 
 /// Largest size of a settings file in any of its formats, bytes.
 const MAX_BYTES: u64 = 1 << 20;

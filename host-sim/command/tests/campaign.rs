@@ -4,9 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use assert_cmd::Command;
 use cophase_lab::campaign::shards::Shard;
 use tempfile::TempDir;
+
+use assert_cmd::Command;
 
 fn cophase(arguments: &[&str]) -> Output {
     Command::cargo_bin("cophase")

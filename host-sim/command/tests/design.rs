@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use clap::Parser;
-use cophase::design::{DesignArgs, DesignCommandError, run};
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+
+use cophase::design::{DesignArgs, DesignCommandError, run};
 
 /// The source's embodiments: load kg, amax g, frequency Hz, λ, motors.
 const EXAMPLES: [(f64, f64, f64, f64, u32); 4] = [

@@ -13,9 +13,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use controller::Stored;
 use cophase_link::message::{Event, EventRecord, Message as LinkMessage, ReplyBody, Request};
 use serde_json::{Value, json};
+
+use controller::Stored;
 use served::{Browser, SCENE, Served};
 use tungstenite::Message;
 use tungstenite::protocol::frame::coding::{Data, OpCode};

@@ -8,11 +8,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use assert_cmd::Command;
 use cophase_link::server::Hub;
 use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::live::SimulatedDevice;
+
+use assert_cmd::Command;
 
 /// Simulated seconds per second.
 const SPEED: f64 = 4.0;

@@ -8,13 +8,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use assert_cmd::Command;
 use cophase_link::client::Client;
 use cophase_link::message::Message;
 use cophase_link::server::Hub;
 use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::live::SimulatedDevice;
+
+use assert_cmd::Command;
 
 /// A scene with everything that edges depend on: phase offsets that move, a reversed axis, a gear and a
 /// motor of its own.

@@ -7,7 +7,6 @@ pub use drawing::draw;
 pub use table::{Points, law_at, off_law, off_law_of};
 
 use cophase_methods::problems::{Cam, Law, Links, Shaft};
-
 use cophase_scene::file::{CamShaft, Damper, LawName};
 
 /// Checked cam shaft and its follower.

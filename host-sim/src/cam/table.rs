@@ -1,9 +1,9 @@
 //! Motion laws of cam tables, and how close a table's curve is to its law.
 
 use cophase_core::axes::{MAX_CAM_POINTS, Spline};
+use cophase_scene::file::CamTable;
 
 use super::law;
-use cophase_scene::file::CamTable;
 
 /// Number of places at which a curve is compared with its law, per point of the table.
 const SAMPLES_A_POINT: usize = 16;

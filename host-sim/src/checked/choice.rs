@@ -1,7 +1,8 @@
 //! Chosen model level, and the reason.
 
-use super::Output;
 use cophase_scene::file::Fidelity;
+
+use super::Output;
 
 /// Chosen model level, and the reason.
 #[derive(Clone, Debug)]

@@ -12,14 +12,14 @@ use cophase_core::controller::Controller;
 use cophase_core::problem::SettingsError;
 use cophase_core::program::EntrySettings;
 use cophase_core::settings::{AxisSettings, MachineSettings, PlatformSettings, Settings};
+use cophase_scene::SceneError;
+use cophase_scene::file::{AxisOverrides, CamTable, Fidelity, Scene};
+use cophase_scene::program;
 
 use crate::cam::{self, Follower, off_law};
 use crate::dynamics::plant::Plant;
 use crate::dynamics::{Chosen, scheme};
 use crate::mechanism::{AnyMechanism, Mechanism, Mount, Platform};
-use cophase_scene::SceneError;
-use cophase_scene::file::{AxisOverrides, CamTable, Fidelity, Scene};
-use cophase_scene::program;
 
 /// Scene whose values have been checked, alone and in combination.
 #[derive(Clone, Debug)]

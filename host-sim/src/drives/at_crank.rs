@@ -4,8 +4,9 @@
 //! crank, a torque i times, and a stiffness, a damping or an inertia i² times. All models are in terms of the crank, so this is the only
 //! place that converts; the results of a motor are converted back by [`torque_at_motor_nm`](super::SimulatedAxis::torque_at_motor_nm).
 
-use super::PullOut;
 use cophase_scene::file::{InductionDrive, Scene, ServoDrive};
+
+use super::PullOut;
 
 /// Full steps per electrical cycle of a stepper.
 const FULL_STEPS: f64 = 4.0;

@@ -16,6 +16,7 @@ use cophase_core::pulse::{Runs, StepsPerTurn};
 use cophase_core::servo::Setpoint;
 use cophase_core::settings::AxisSettings;
 use cophase_core::units::Phase;
+use cophase_scene::units::{nearest, nm, turns};
 
 use super::at_crank::AtCrank;
 use super::drive::AxisDrive;
@@ -23,7 +24,6 @@ use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
 use super::played::Plan;
 use super::pulse_counter::PulseCounter;
-use cophase_scene::units::{nearest, nm, turns};
 
 /// One motor with its crank.
 #[derive(Clone, Debug)]

@@ -15,9 +15,8 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Complex;
-
 use cophase_scene::file::ServoDrive;
+use nalgebra::Complex;
 
 /// Least distance of the open loop from −1, at any frequency.
 pub const APART: f64 = 0.6;

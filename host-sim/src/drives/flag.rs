@@ -8,9 +8,9 @@
 //! which that changes, so in exactly one, wherever ticks begin and end.
 
 use cophase_core::settings::AxisSettings;
+use cophase_scene::file::{Fidelity, Noise};
 
 use super::{Sensor, Stream};
-use cophase_scene::file::{Fidelity, Noise};
 
 /// Pulses of a sensor without a flag.
 #[derive(Clone, Copy, Debug, PartialEq)]

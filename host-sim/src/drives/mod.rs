@@ -1,4 +1,6 @@
-//! TODO
+//! Motors, drives and sensors of one axis, with the noise of the sensors and the disturbance of a drive.
+//!
+//! Nothing here knows the machine that the axes move.
 
 mod at_crank;
 mod axis;
@@ -11,6 +13,7 @@ mod noise;
 mod played;
 mod pull_out;
 mod pulse_counter;
+
 pub use at_crank::AtCrank;
 pub use axis::{SimulatedAxis, Travel};
 pub use disturbance::Disturbance;

@@ -1,7 +1,6 @@
 //! Pull-out torque: the largest torque that a stepper can give at a speed before it loses step.
 
 use cophase_core::problem::Problem;
-
 use cophase_scene::{SceneError, range};
 
 /// Greatest speed of a point, rev/s. No motor turns faster: it was meant in another unit.

@@ -1,9 +1,9 @@
 //! The integration method of a machine, and its steps per tick.
 
 use cophase_methods::{Scheme, Unstable};
+use cophase_scene::file::MethodName;
 
 use crate::dynamics::Mode;
-use cophase_scene::file::MethodName;
 
 /// Largest relative error of an oscillation if the scene sets none. At a damping ratio of 0.05, RK4 then makes four steps per
 /// radian.

@@ -1,14 +1,14 @@
 //! The fault layer: the active faults, tick by tick and reading by reading.
 
 use cophase_core::signals::Feedback;
+use cophase_scene::file::{FaultAt, FaultName, Lines};
+use cophase_scene::units::nearest;
 
 use super::Planned;
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
 use crate::drives::Extra;
 use crate::drives::{Disturbance, Sensor, Stream};
-use cophase_scene::file::{FaultAt, FaultName, Lines};
-use cophase_scene::units::nearest;
 
 /// Faults and noise of a scene.
 #[derive(Clone, Debug)]

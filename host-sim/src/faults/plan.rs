@@ -1,7 +1,8 @@
 //! Beginning and end of each fault.
 
-use crate::virtual_time::TICKS_PER_S;
 use cophase_scene::file::{FaultAt, FaultName};
+
+use crate::virtual_time::TICKS_PER_S;
 
 /// Fault with its times, µs since power-up.
 #[derive(Clone, Copy, Debug, PartialEq)]

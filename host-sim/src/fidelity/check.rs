@@ -1,5 +1,8 @@
 //! Check of the chosen model level: runs a sample of the scene on it and on other levels.
 
+use cophase_scene::SceneError;
+use cophase_scene::file::{Fidelity, Questions};
+
 use super::settled::Settled;
 use super::{Answers, sample};
 use crate::checked::Checked;
@@ -8,8 +11,6 @@ use crate::checked::{Choice, Judged};
 use crate::model_level::Bounds;
 use crate::model_level::{STEP_PART, available, is_undisturbed, judge, questions};
 use crate::sim::simulate;
-use cophase_scene::SceneError;
-use cophase_scene::file::{Fidelity, Questions};
 
 /// Part of each tolerance that the difference in a sample may use, if it is to confirm a model level. The other part is for the rest
 /// of the scene.

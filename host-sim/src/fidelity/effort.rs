@@ -1,10 +1,11 @@
 //! Runs that the choice of a model level makes.
 
+use cophase_scene::SceneError;
+
 use super::check::needs_sample;
 use super::sample;
 use crate::checked::Checked;
 use crate::model_level::available;
-use cophase_scene::SceneError;
 
 /// Returns the longest of the sample runs that [`super::check`] will make: that on the top model level. `None` if it makes none.
 ///

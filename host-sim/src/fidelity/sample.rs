@@ -4,9 +4,10 @@
 //! played once, and ramps are unchanged. A scene with events at stated times stays whole, as these would come at another moment of
 //! its program. A short scene stays whole, too.
 
-use crate::checked::Checked;
 use cophase_scene::file::{Fidelity, Segment};
 use cophase_scene::{Scene, SceneError};
+
+use crate::checked::Checked;
 
 /// Duration of a shortened hold, s: enough for the oscillation after a ramp to decay, and for some turns.
 pub const HOLD_S: f64 = 0.3;

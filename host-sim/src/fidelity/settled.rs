@@ -3,6 +3,9 @@
 //! Answers for comparison alone are found from coarse to fine, from one step a tick on. A run keeps the step from theory at least: users
 //! read its trace, too, and not only its answers.
 
+use cophase_scene::SceneError;
+use cophase_scene::file::Questions;
+
 use super::Answers;
 use super::check::run;
 use crate::checked::Checked;
@@ -10,8 +13,6 @@ use crate::checked::Judged;
 use crate::checked::Output;
 use crate::machine::Machine;
 use crate::model_level::STEP_PART;
-use cophase_scene::SceneError;
-use cophase_scene::file::Questions;
 
 /// Limit of halvings. A change that remains after that does not come from the step.
 const MOST_HALVINGS: u32 = 6;

@@ -14,13 +14,13 @@ use cophase_link::program::{self, MAX_PROGRAM_BYTES};
 use cophase_link::sample::Sample;
 use cophase_link::server::{Device, SettingsRefusal};
 use cophase_link::{Header, MAX_FILE_BYTES, decode_into, encode};
+use cophase_scene::SceneError;
+use cophase_scene::file::{FaultAt, FaultName};
 
 use super::paced::{FromLoop, Paced, ToLoop};
 use crate::checked::Checked;
 use crate::sim::{SimulatedIo, schedule::Schedule};
 use crate::virtual_time;
-use cophase_scene::SceneError;
-use cophase_scene::file::{FaultAt, FaultName};
 
 /// Greatest number of samples and events that wait for the host.
 const WAITING: usize = 4096;

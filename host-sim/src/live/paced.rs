@@ -11,12 +11,12 @@ use cophase_core::supervisor::{Command, SafetyInputs};
 use cophase_link::message::Event;
 use cophase_link::sample::{Sample, flags};
 use cophase_link::watch::Watch;
+use cophase_scene::file::FaultAt;
 use embassy_time::Instant;
 
 use super::WallClock;
 use crate::sim::SimulatedIo;
 use crate::virtual_time::{self, TICKS_PER_S};
-use cophase_scene::file::FaultAt;
 
 /// Message to the loop.
 pub(super) enum ToLoop {

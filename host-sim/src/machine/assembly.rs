@@ -3,9 +3,10 @@
 
 use std::f64::consts::TAU;
 
+use cophase_scene::SceneError;
+
 use crate::checked::Checked;
 use crate::dynamics::{Corners, Driven, MOST};
-use cophase_scene::SceneError;
 
 /// Largest deflection of the rods, m. A scene that bends them further is refused, whatever torque the motors
 /// have.

@@ -1,10 +1,11 @@
 //! Checked scene on another model level.
 
+use cophase_scene::SceneError;
+use cophase_scene::file::{FaultAt, FaultName, Fidelity};
+
 use crate::cam::Follower;
 use crate::checked::Checked;
 use crate::machine::Machine;
-use cophase_scene::SceneError;
-use cophase_scene::file::{FaultAt, FaultName, Fidelity};
 
 impl Checked {
     /// Returns the same scene on a model level.

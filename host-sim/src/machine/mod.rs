@@ -28,6 +28,8 @@ pub use rotors::{DriveCommand, Rotors};
 pub use torque::motor_of;
 
 use cophase_methods::Scheme;
+use cophase_scene::SceneError;
+use cophase_scene::file::{Drive, Fidelity};
 
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
@@ -37,8 +39,6 @@ use crate::drives::{
 use crate::dynamics::plant::{Record, Recorder, Tick};
 use crate::dynamics::{FrameMotion, PlaneMotion};
 use crate::pose::Pose;
-use cophase_scene::SceneError;
-use cophase_scene::file::{Drive, Fidelity};
 use faulted_drive::{disturb, disturb_rotors};
 
 /// Time for which an index line stays high, s: a typical flag width. A machine whose index filter needs longer levels gets wider

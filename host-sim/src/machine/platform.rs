@@ -5,13 +5,13 @@
 //! warp. It is given in degrees of crank angle, because this difference bends rods and platform.
 
 use cophase_core::settings::MachineSettings;
+use cophase_scene::units::spread;
 
 use crate::axes::per_axis;
 use crate::checked::Checked;
 use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
 use crate::pose::Pose;
-use cophase_scene::units::spread;
 
 /// Platform with its mechanism and its load.
 #[derive(Clone, Debug)]

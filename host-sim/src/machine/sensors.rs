@@ -1,13 +1,13 @@
 //! Sensors of a machine: its index sensors, and the counts of its encoders.
 
 use cophase_core::units::PerAxis;
+use cophase_scene::units::floor;
 
 use super::Machine;
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
 use crate::drives::IndexSensor;
 use crate::drives::{Sensor, Stream};
-use cophase_scene::units::floor;
 
 impl Machine {
     /// Creates the index sensors of the cranks, at their present positions.

@@ -1,19 +1,19 @@
 //! Conversion of a scene to cranks that torque moves.
 
+use std::sync::Arc;
+
 use cophase_methods::{Needs, Scheme};
+use cophase_scene::SceneError;
+use cophase_scene::file::{self, Drive, Fidelity, Rods};
 
 use super::assembly;
 use super::{DriveCommand, Platform, Rotors};
-use crate::drives::{AtCrank, SimulatedAxis};
-use std::sync::Arc;
-
 use crate::checked::Checked;
+use crate::drives::{AtCrank, SimulatedAxis};
 use crate::dynamics::plant::OnPlant;
 use crate::dynamics::{
     Body, Driven, Dynamics, Elastic, Frame, Induction, Layer, Motor, Phased, Rigid, Servo, Stepper,
 };
-use cophase_scene::SceneError;
-use cophase_scene::file::{self, Drive, Fidelity, Rods};
 
 /// Speed limit of a crank: this multiple of the largest speed of its machine, plus `COASTING_HZ`, rev/s, which a load may
 /// drive it to. A faster crank has run away (`Broken`).

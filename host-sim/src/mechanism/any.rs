@@ -1,12 +1,12 @@
 //! Enum over all mechanisms, for the one that a scene names.
 
 use cophase_core::mechanism::MechanismSettings;
-
-use super::{AtAngle, Configured, Mechanism, Mount};
 use cophase_scene::SceneError;
 use cophase_scene::file::Machine;
 use cophase_scene::file::MechanismName;
 use cophase_scene::for_all_mechanisms;
+
+use super::{AtAngle, Configured, Mechanism, Mount};
 
 macro_rules! any {
     ($($Name:ident, $module:ident, $name:literal;)*) => {

@@ -1,8 +1,9 @@
 //! Construction of a mechanism: from a scene's keys to the controller's settings, and from these to the mechanism itself.
 
-use super::Mechanism;
 use cophase_scene::SceneError;
 use cophase_scene::file::Machine;
+
+use super::Mechanism;
 
 /// A mechanism that a scene can name.
 pub trait Configured: Mechanism {

@@ -9,11 +9,11 @@
 //! Not modelled: clearance and friction of the pin in its slot, and the mass of the pin.
 
 use cophase_core::mechanism::ScotchYokeSettings;
+use cophase_scene::SceneError;
+use cophase_scene::file::Machine;
 
 use super::drawing::{self, Link, Mount};
 use super::{AtAngle, Configured, Mechanism};
-use cophase_scene::SceneError;
-use cophase_scene::file::Machine;
 
 /// A Scotch yoke of known size.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,13 @@
 //! Choice of a model level without a run.
 
+use cophase_scene::SceneError;
+use cophase_scene::file::{Fidelity, Questions};
+
 use super::Bounds;
 use crate::checked::Checked;
 use crate::checked::Output;
 use crate::checked::{Choice, Judged};
 use crate::dynamics::RESOLUTION;
-use cophase_scene::SceneError;
-use cophase_scene::file::{Fidelity, Questions};
 
 /// Part of each tolerance that the method's step may use.
 pub const STEP_PART: f64 = 0.1;

@@ -8,17 +8,17 @@
 
 use std::f64::consts::TAU;
 
+use cophase_core::program::EntrySettings;
 use cophase_core::pulse::PulseTiming;
 use cophase_core::settings::{DriveKind, Settings};
 use cophase_link::board::{self, Board, Rp2040, Unfit};
+use cophase_scene::SceneError;
+use cophase_scene::file::Fidelity;
 
 use crate::checked::Checked;
 use crate::dynamics::Motor;
 use crate::machine::{Machine, motor_of};
 use crate::mechanism::{AnyMechanism, Mechanism};
-use cophase_core::program::EntrySettings;
-use cophase_scene::SceneError;
-use cophase_scene::file::Fidelity;
 
 /// Speed up to which the board's limit is searched, rev/s. A board that has no limit below it counts as one without a limit.
 const FASTEST_HZ: f64 = 1e4;

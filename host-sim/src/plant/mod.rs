@@ -3,7 +3,7 @@
 //! The controller, its drives, sensors and faults are the same for all machines. A plant adds the parts that its shafts move:
 //! - [`Table`]: its table in a scene file, and the settings of the controller for it;
 //! - [`Plant`]: its geometry on the *kinematic* model level, and its equations of motion on the levels above;
-//! - [`Record`]: its figures in the report.
+//! - [`Record`](crate::dynamics::plant::Record): its figures in the report.
 //!
 //! To add a plant, write a folder here, add the table to [`Scene`] and to the list of [`table`], and add a built-in scene
 //! (`docs/recipes/add-a-machine.md`).
@@ -16,9 +16,10 @@ use std::fmt::Debug;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use crate::dynamics::plant::Plant;
 use cophase_scene::file::Drift;
 use cophase_scene::{Scene, SceneError};
+
+use crate::dynamics::plant::Plant;
 
 /// Table of a scene that describes a plant.
 pub trait Table: Debug {

@@ -6,13 +6,13 @@
 
 use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_methods::problems::{Cam, Links};
+use cophase_scene::SceneError;
+use cophase_scene::file::{self, CamShaft, Scene};
+use cophase_scene::in_range;
 
 use crate::cam::{Follower, cam_of, damped};
 use crate::mechanism::{AnyMechanism, Configured};
 use crate::plant;
-use cophase_scene::SceneError;
-use cophase_scene::file::{self, CamShaft, Scene};
-use cophase_scene::in_range;
 
 /// λ of the equivalent crank: the least that the core accepts.
 const LAMBDA: f64 = 0.1;

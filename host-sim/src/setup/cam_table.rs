@@ -3,13 +3,13 @@
 use cophase_core::axes::{
     CamSettings, CamTableSettings, FollowerSettings, MAX_CAM_POINTS, MAX_CAMS,
 };
-
-use crate::cam::{Points, law_at, off_law_of};
 use cophase_scene::SceneError;
 use cophase_scene::entry::ordinal;
 use cophase_scene::file::{CamSegment, CamTable, Scene};
 use cophase_scene::in_range;
 use cophase_scene::load::{meant_net_turns, nearest};
+
+use crate::cam::{Points, law_at, off_law_of};
 
 /// Largest difference of a table's acceleration from that of its law, relative to the law's peak.
 const MOST_OFF_LAW: f64 = 0.15;

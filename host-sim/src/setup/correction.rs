@@ -1,11 +1,11 @@
 //! Corrections of phase errors for the core. Gains of the cross-coupling that a scene does not give are derived.
 
 use cophase_core::settings::{CorrectionSettings, MachineSettings, PlatformSettings};
+use cophase_scene::SceneError;
+use cophase_scene::file::Scene;
 
 use crate::drives::coupling::{APART, Plant};
 use crate::mechanism::{AnyMechanism, Configured, Mechanism};
-use cophase_scene::SceneError;
-use cophase_scene::file::Scene;
 
 pub(super) fn correction(
     scene: &Scene,

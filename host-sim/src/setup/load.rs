@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use crate::checked::Checked;
-use crate::design::NotRunnable;
 use cophase_scene::load::{read_file, read_text};
 use cophase_scene::{Scene, SceneError};
+
+use crate::checked::Checked;
+use crate::design::NotRunnable;
 
 /// Reads a scene from a file and checks its values.
 ///

@@ -1,10 +1,10 @@
 //! Settings of a platform on cranks for the core.
 
 use cophase_core::settings::{MachineSettings, PlatformSettings};
-
-use crate::mechanism::{AnyMechanism, Configured};
 use cophase_scene::SceneError;
 use cophase_scene::file::{Drift, Machine};
+
+use crate::mechanism::{AnyMechanism, Configured};
 
 /// Returns the core's platform from `[machine]`, with its limit from `[drift]`, and checks it.
 ///

@@ -19,6 +19,8 @@ use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 use cophase_core::problem::Problem;
 use cophase_core::settings::{DriftSettings, MachineSettings, ShaftSettings};
 use cophase_link::board;
+use cophase_scene::file::{Drift, Fidelity, Scene};
+use cophase_scene::{SceneError, program, range};
 
 use crate::cam::Follower;
 use crate::checked::Checked;
@@ -28,8 +30,6 @@ use crate::dynamics::plant::Plant;
 use crate::mechanism::{AnyMechanism, Configured};
 use crate::model_level::choose;
 use crate::plant;
-use cophase_scene::file::{Drift, Fidelity, Scene};
-use cophase_scene::{SceneError, program, range};
 
 pub use correction::servos;
 pub use load::{checked_from_file, checked_from_text, runnable};

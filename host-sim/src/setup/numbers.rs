@@ -1,11 +1,11 @@
 //! Checks of a scene's values that the core does not have, or has in another form.
 
 use cophase_core::settings::{MAX_BANDS, Transmission};
+use cophase_scene::file::{self, AxisOverrides, Drive, Scene};
+use cophase_scene::{SceneError, in_range};
 
 use crate::checked::Output;
 use crate::dynamics::MOST_STEPS;
-use cophase_scene::file::{self, AxisOverrides, Drive, Scene};
-use cophase_scene::{SceneError, in_range};
 
 /// Largest torque, N·m: more than a motor for a platform of 50 kg needs.
 const MOST_FRICTION_NM: f64 = 1000.0;

@@ -8,9 +8,9 @@ use cophase_core::settings::{
     LimitSettings, MAX_BANDS, MachineSettings, PulseSettings, Settings, short_name,
 };
 use cophase_link::board::{Board, Rp2040};
+use cophase_scene::file::{AxisOverrides, Drive, Scene};
 
 use super::cam_table;
-use cophase_scene::file::{AxisOverrides, Drive, Scene};
 
 /// Returns the core's settings of a scene, with its converted mechanism and drift limits. Axes, bands and program entries beyond the
 /// capacity are left out; an earlier check refuses them.

@@ -3,9 +3,9 @@
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::State;
 use cophase_core::units::{PerAxis, Turns};
+use cophase_scene::units::degrees;
 
 use super::events::{Event, EventKind};
-use cophase_scene::units::degrees;
 
 /// Turns of the master without a move, after which a correction is over. The controller corrects once a turn at most. A difference of a
 /// few steps takes it up to about four turns from one move to the next.

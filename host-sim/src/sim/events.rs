@@ -2,7 +2,6 @@
 
 use cophase_core::supervisor::{Command, Fault, RefusedCommand, State};
 use cophase_core::units::PerAxis;
-
 use cophase_scene::file::{FaultAt, InputLine};
 
 /// Event at a time.

@@ -11,6 +11,9 @@ use cophase_core::drift::IndexPulse;
 use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::PerAxis;
+use cophase_scene::SceneError;
+use cophase_scene::file::FaultAt;
+use cophase_scene::units::turns;
 use embassy_time::Instant;
 
 use super::coast::STANDS_S;
@@ -25,9 +28,6 @@ use crate::drives::{IndexSensor, Passages, Played, SimulatedAxis};
 use crate::faults::Faults;
 use crate::machine::Machine;
 use crate::virtual_time::{self, TICKS_PER_S};
-use cophase_scene::SceneError;
-use cophase_scene::file::FaultAt;
-use cophase_scene::units::turns;
 
 /// Output that waits for its time, or is played.
 #[derive(Clone, Debug)]

@@ -3,11 +3,11 @@
 use std::cell::OnceCell;
 
 use cophase_core::signals::Telemetry;
+use cophase_scene::units::turns;
 
 use crate::drives::Played;
 use crate::machine::Machine;
 use crate::pose::Pose;
-use cophase_scene::units::turns;
 
 /// Receives each tick of a run.
 pub trait Observer {

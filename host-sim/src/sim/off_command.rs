@@ -7,11 +7,11 @@
 //! it began ends at such a shaft.
 
 use cophase_core::supervisor::State;
+use cophase_scene::file::Drive;
 
 use super::Moment;
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
-use cophase_scene::file::Drive;
 
 /// Monitor of the shafts' errors.
 #[derive(Clone, Debug)]

@@ -1,13 +1,13 @@
 //! External events of a scene, and their times.
 
 use cophase_core::supervisor::{Command, SafetyInputs};
-
-use crate::checked::Checked;
-use crate::virtual_time::TICKS_PER_S;
 use cophase_scene::SceneError;
 use cophase_scene::file::{
     CommandName, FaultAt, FaultName, InputAt, InputLine, MIN_ENABLE_LOSS_US, Scene,
 };
+
+use crate::checked::Checked;
+use crate::virtual_time::TICKS_PER_S;
 
 /// Inputs that were active between two readings.
 #[derive(Clone, Copy, Debug, Default)]

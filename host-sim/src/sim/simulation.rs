@@ -2,6 +2,7 @@
 
 use cophase_core::control_loop;
 use cophase_core::controller::Controller;
+use cophase_scene::SceneError;
 use embassy_time::Instant;
 
 use super::io::{Observed, SimulatedIo};
@@ -10,7 +11,6 @@ use super::{Observer, Outcome, tick_us};
 use crate::checked::Checked;
 use crate::faults::Faults;
 use crate::virtual_time;
-use cophase_scene::SceneError;
 
 /// Controller and simulated machine, between two ticks of the loop.
 #[derive(Clone)]

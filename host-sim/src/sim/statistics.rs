@@ -3,6 +3,8 @@
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{Amax, PerAxis, Turns};
+use cophase_scene::file::{FaultAt, FaultName, InputLine};
+use cophase_scene::units::{degrees, mps2, speed_hz};
 
 use super::Moment;
 use super::coast::Coast;
@@ -17,8 +19,6 @@ use crate::drives::SimulatedAxis;
 use crate::dynamics::plant::Figure;
 use crate::machine::{Machine, Peaks};
 use crate::mechanism::{AnyMechanism, Mechanism};
-use cophase_scene::file::{FaultAt, FaultName, InputLine};
-use cophase_scene::units::{degrees, mps2, speed_hz};
 
 /// Accuracy of amax while the program holds it and the shaft has reached its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

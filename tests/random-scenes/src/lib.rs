@@ -1,7 +1,7 @@
 //! Random valid scenes over all documented keys and ranges, including the ends of the ranges.
 //!
 //! [`scene`] draws one from a seed alone: the same seed gives the same text on every host. Each file here draws a table or two of
-//! the scene (`docs/scenes.md`). A scene is made as a [`Scene`](host_sim::scene::file::Scene) and then written out. A key that is added to the file format
+//! the scene (`docs/scenes.md`). A scene is made as a [`Scene`](cophase_scene::file::Scene) and then written out. A key that is added to the file format
 //! therefore does not compile here until it is drawn.
 //!
 //! Most numbers are drawn evenly over the logarithm of their range, and some exactly at one of its ends. Keys that depend on each

@@ -6,13 +6,12 @@ use clap::{Args, Subcommand};
 use cophase_core::units::MAX_AXES;
 use cophase_files::trace::Window;
 use cophase_link::line::UART_BAUD;
-
-use super::record::ChannelName;
-use crate::numbers::{in_range, whole};
-use crate::run::window;
 use cophase_link::message::Output;
 
 use super::bring_up;
+use super::record::ChannelName;
+use crate::numbers::{in_range, whole};
+use crate::run::window;
 
 #[derive(Debug, Args)]
 #[command(

@@ -10,12 +10,12 @@ use cophase_link::server::Hub;
 use cophase_scene::file::FaultAt;
 use cophase_scene::load;
 use host_sim::live::SimulatedDevice;
-use serialport::SerialPort;
 
 use super::ports;
 use super::tcp::Tcp;
 use crate::address::Parts;
 use crate::scenes;
+use serialport::SerialPort;
 
 /// Longest wait of a read for bytes.
 pub(super) const READ_WAIT: Duration = Duration::from_millis(5);

@@ -2,10 +2,11 @@
 
 use std::net::{SocketAddr, ToSocketAddrs};
 
-use crate::address::Parts;
-use crate::numbers::{in_range, meant};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use cophase_files::trace::{Format, Window};
+
+use crate::address::Parts;
+use crate::numbers::{in_range, meant};
 
 pub(crate) fn window(text: &str) -> Result<Window, String> {
     if text == "all" {

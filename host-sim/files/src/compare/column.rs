@@ -3,11 +3,12 @@
 //! The name of a column ends with its unit. The columns of an axis also end with the number of the axis. The default tolerance is
 //! ten units of the last place that `trace.csv` has for the unit. Integers and words must be equal.
 
+use cophase_scene::load;
+
 use super::error::CompareError;
 use super::run::Run;
 use super::trace::Trace;
 use crate::trace::decimals;
-use cophase_scene::load;
 
 /// Name under which the tolerance of edges is given, ns.
 pub const EDGES: &str = "edges_ns";

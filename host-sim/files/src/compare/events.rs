@@ -5,13 +5,13 @@
 use std::path::Path;
 
 use cophase_core::supervisor::State;
+use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
+use host_sim::sim::events::EventKind;
 use serde::{Deserialize, Serialize};
 
 use super::error::CompareError;
 use super::run::Run;
 use crate::report::describe;
-use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
-use host_sim::sim::events::EventKind;
 
 /// Events of a `report.json`.
 #[derive(Clone, Debug, PartialEq)]

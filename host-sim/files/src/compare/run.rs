@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use cophase_core::supervisor::State;
+use cophase_scene::file_kind::FileKind;
+use cophase_scene::library;
 use serde::Serialize;
 
 use super::RunSummary;
 use super::error::CompareError;
 use super::events::Events;
 use super::trace::{STATE, Trace, Values};
-use cophase_scene::file_kind::FileKind;
-use cophase_scene::library;
 
 /// Files of a run.
 #[derive(Clone, Debug)]

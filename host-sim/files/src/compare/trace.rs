@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
+
 use super::column::is_held;
 use super::error::CompareError;
 use super::points::Place;
 use super::run::Origin;
 use crate::trace::WRITTEN_BY;
-use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
 
 /// Values of a column, one per row.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, HashMap};
 use std::io::BufReader;
 use std::path::Path;
 
+use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
 use vcd::{Command, IdCode, ScopeItem, TimescaleUnit, Value};
 
 use super::error::CompareError;
-use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
 
 /// Levels of a wire over a window.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

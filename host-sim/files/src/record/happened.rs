@@ -2,10 +2,10 @@
 
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_link::message::{Event as Reported, EventRecord};
+use host_sim::sim::events::{Event, EventKind};
 
 use super::played_ns;
 use crate::trace::ScopeData;
-use host_sim::sim::events::{Event, EventKind};
 
 /// Converts events. For each start of the program, `runs` has the tick and the number of program ticks that had elapsed.
 pub(super) fn events(records: &[EventRecord], runs: &[(u32, u32)], tick_ns: u64) -> Vec<Event> {

@@ -25,6 +25,8 @@ use cophase_core::settings::Settings;
 use cophase_core::units::{Phase, Turns};
 use cophase_link::message::EventRecord;
 use cophase_link::sample::{Channel, Sample};
+use host_sim::sim::Unwrapped;
+use host_sim::sim::events::Event;
 
 use crate::trace::Written;
 use crate::trace::{
@@ -32,8 +34,6 @@ use crate::trace::{
     Window,
 };
 use derived_edges::Derivation;
-use host_sim::sim::Unwrapped;
-use host_sim::sim::events::Event;
 use totals::Totalling;
 
 /// Recording in progress.

@@ -5,9 +5,9 @@ use cophase_core::settings::Settings;
 use cophase_core::supervisor::State;
 use cophase_core::units::{Amax, Turns};
 use cophase_link::sample::{Sample, flags};
+use cophase_scene::units::{degrees, speed_hz};
 
 use crate::trace::Row;
-use cophase_scene::units::{degrees, speed_hz};
 
 /// Sums and extremes of all samples that were recorded.
 #[derive(Clone, Debug)]

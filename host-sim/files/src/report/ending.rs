@@ -4,13 +4,13 @@ use std::fmt::Write;
 use std::ops::Range;
 
 use cophase_core::supervisor::{Fault, FaultKind, Reaction, State, reaction};
-
-use super::causes::{causes, causes_in_words};
-use super::words::{fault_words, plural};
 use cophase_scene::file::{FaultAt, FaultName, InputLine};
 use host_sim::checked::Checked;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::{Event, EventKind, StoppedBy};
+
+use super::causes::{causes, causes_in_words};
+use super::words::{fault_words, plural};
 
 /// Distance of a crank from its command beyond which it did not follow, turns. A crank moves less after a stop.
 const FOLLOWS_TURNS: f64 = 0.75;

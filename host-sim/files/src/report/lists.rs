@@ -2,13 +2,13 @@
 
 use cophase_core::settings::AxisSettings;
 use cophase_core::supervisor::Fault;
+use cophase_scene::file::FaultName;
+use cophase_scene::units::degrees;
+use host_sim::sim::events::{Event, EventKind};
 use serde::Serialize;
 
 use super::causes::{Cause, causes};
 use super::{describe, round};
-use cophase_scene::file::FaultName;
-use cophase_scene::units::degrees;
-use host_sim::sim::events::{Event, EventKind};
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct FaultReport {

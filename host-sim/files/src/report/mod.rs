@@ -25,8 +25,14 @@ use std::collections::BTreeMap;
 
 use cophase_core::settings::{AxisSettings, Settings};
 use cophase_core::supervisor::State;
+use cophase_scene::Scene;
+use host_sim::checked::Checked;
+use host_sim::dynamics::plant::Figure;
+use host_sim::sim::Outcome;
+use host_sim::sim::events::{EventKind, StoppedBy};
 use serde::Serialize;
 
+use crate::trace::Written;
 use crate::trace::written::WrittenBy;
 use lists::{
     CorrectionReport, EventReport, FaultReport, InjectedReport, correction_report, event_report,
@@ -34,13 +40,6 @@ use lists::{
 };
 use model::{FidelityReport, MethodReport};
 use motors::MotorFigures;
-
-use crate::trace::Written;
-use cophase_scene::Scene;
-use host_sim::checked::Checked;
-use host_sim::dynamics::plant::Figure;
-use host_sim::sim::Outcome;
-use host_sim::sim::events::{EventKind, StoppedBy};
 
 /// Content of `report.json`.
 ///

@@ -1,13 +1,12 @@
 //! Part of the report about the machine's equations: model level and method.
 
-use serde::Serialize;
-
 use cophase_scene::file::{Fidelity, MethodName, Rods};
 use host_sim::checked::Checked;
 use host_sim::checked::Judged;
 use host_sim::mechanism::Mechanism;
 use host_sim::model_level::Bounds;
 use host_sim::sim::Outcome;
+use serde::Serialize;
 
 #[derive(Clone, Debug, Serialize)]
 pub struct FidelityReport<'a> {

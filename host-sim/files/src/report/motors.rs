@@ -1,13 +1,12 @@
 //! Figures by which a motor and its gear are chosen: electrical cycle at the crank, step rate, torque at the motor, inertia ratio.
 
 use cophase_core::settings::{DriveKind, Transmission};
-use serde::Serialize;
-
 use host_sim::checked::Checked;
 use host_sim::drives::AtCrank;
 use host_sim::mechanism::Mechanism;
 use host_sim::mechanism::turn_search::largest_over_turn;
 use host_sim::operating_range::OperatingRange;
+use serde::Serialize;
 
 /// Figures of the motor of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

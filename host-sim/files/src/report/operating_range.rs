@@ -1,5 +1,8 @@
 //! Picture of an operating range: three panels over the speed of the cranks.
 
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+use host_sim::ink::{INK, MUTED, VERMILION, svg, text};
+use host_sim::operating_range::OperatingRange;
 use kuva::plot::LinePlot;
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion, TextAnnotation};
@@ -8,9 +11,6 @@ use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use crate::trace::{BAND, FONT, GAP, Panel, TIME_AXIS, embed, plain, short};
-use cophase_scene::units::STANDARD_GRAVITY_MPS2;
-use host_sim::ink::{INK, MUTED, VERMILION, svg, text};
-use host_sim::operating_range::OperatingRange;
 
 const WIDTH: f64 = 1200.0;
 const LEFT: f64 = 78.0;

@@ -2,13 +2,14 @@
 
 use std::fmt::Write;
 
-use super::model::judged;
 use cophase_scene::file::{Drive, Fidelity};
 use host_sim::checked::Checked;
 use host_sim::checked::{Judged, Output};
 use host_sim::model_level::is_undisturbed;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::{Event, EventKind};
+
+use super::model::judged;
 
 /// Writes the lines about the model level.
 pub(super) fn model(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {

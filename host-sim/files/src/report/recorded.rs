@@ -5,6 +5,7 @@ use std::fmt::Write;
 use cophase_core::settings::AxisSettings;
 use cophase_core::supervisor::State;
 use cophase_link::message::{Counters, Identity};
+use host_sim::sim::events::EventKind;
 use serde::Serialize;
 
 use super::lists::{EventReport, FaultReport, event_report, faults_in};
@@ -12,7 +13,6 @@ use super::{TimeInState, round};
 use crate::record::{Gaps, Recorded};
 use crate::trace::Written;
 use crate::trace::written::WrittenBy;
-use host_sim::sim::events::EventKind;
 
 /// Content of `report.json` of a recording. Keys that a simulated run also has mean the same.
 #[derive(Clone, Debug, Serialize)]

@@ -3,7 +3,6 @@
 
 use cophase_core::drift::alternatives;
 use cophase_core::supervisor::{Fault, FaultKind, State};
-
 use cophase_scene::entry;
 use cophase_scene::file::{FaultAt, FaultName};
 use host_sim::checked::Checked;

@@ -2,17 +2,18 @@
 
 use std::fmt::Write;
 
-use super::ending::{coasting, ending, held};
-use super::questions::model;
-use super::words::plural;
-use super::{describe, motors, notable, warnings};
-use crate::trace::written::Written;
 use cophase_scene::file::{Drive, Fidelity};
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::checked::Checked;
 use host_sim::machine::Peaks;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::{Event, EventKind};
+
+use super::ending::{coasting, ending, held};
+use super::questions::model;
+use super::words::plural;
+use super::{describe, motors, notable, warnings};
+use crate::trace::written::Written;
 
 /// Number of events that are listed at most, and number of those from the end.
 const LISTED: usize = 24;

@@ -3,13 +3,13 @@
 
 use cophase_core::drift::{Knowledge, Mount};
 use cophase_core::supervisor::State;
-
-use super::standing::faults_at_standstill;
 use cophase_scene::file::{CommandAt, CommandName, Drive, FaultAt, FaultName};
 use host_sim::checked::Checked;
 use host_sim::operating_range::{Load, OperatingRange};
 use host_sim::sim::Outcome;
 use host_sim::sim::events::StoppedBy;
+
+use super::standing::faults_at_standstill;
 
 /// Returns the warnings, a sentence each.
 pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {

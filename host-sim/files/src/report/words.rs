@@ -2,11 +2,11 @@
 
 use cophase_core::supervisor::{Fault, FaultKind, RefusalReason, RefusedCommand, State};
 use cophase_core::units::Turns;
-
-use super::remedy::remedy;
 use cophase_scene::file::{FaultAt, InputLine, Lines};
 use cophase_scene::units::degrees;
 use host_sim::sim::events::{Event, EventKind};
+
+use super::remedy::remedy;
 
 /// Description of the fault state. Only a simulated run adds the state of the drives.
 const FAULT_STATE: &str = "waiting for a reset";

@@ -7,9 +7,9 @@ use cophase_core::settings::Settings;
 use cophase_core::supervisor::State;
 use cophase_core::units::Turns;
 use cophase_link::sample::Sample;
+use cophase_scene::units::{degrees, speed_hz};
 
 use super::Row;
-use cophase_scene::units::{degrees, speed_hz};
 
 /// Conversion of samples of one controller.
 #[derive(Clone, Debug)]

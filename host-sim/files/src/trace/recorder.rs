@@ -3,6 +3,8 @@
 use std::io::{Seek, Write};
 
 use cophase_link::sample::Sample;
+use host_sim::checked::Checked;
+use host_sim::sim::{Moment, Observer};
 
 use super::mcap::McapTraceError;
 use super::overdue::PhaseSensor;
@@ -13,8 +15,6 @@ use super::window::Window;
 use super::{
     ControllerRows, EdgeError, Format, Row, RowShape, RowsUdp, ScopeData, TickEdges, TraceError,
 };
-use host_sim::checked::Checked;
-use host_sim::sim::{Moment, Observer};
 
 /// Error while a trace was written.
 #[derive(Debug, thiserror::Error)]

@@ -1,7 +1,6 @@
 //! Edges of one tick, as `steps.vcd` takes them.
 
 use cophase_core::pulse::Runs;
-
 use host_sim::sim::Moment;
 
 /// Pulses of all axes in one tick, and the levels of the other wires.

@@ -9,9 +9,8 @@
 
 use std::io::{self, Write};
 
-use ::vcd::{IdCode, SimulationCommand, TimescaleUnit, Value};
-
 use super::wires::{EdgeError, Levels, Signal, Wires};
+use ::vcd::{IdCode, SimulationCommand, TimescaleUnit, Value};
 
 /// Writes changes of the wires `step_i`, `dir_i`, `index_i`, `enable` and `sync` of module `cophase`.
 ///

@@ -8,12 +8,12 @@ use std::io::{Seek, Write};
 use cophase_core::program::EntrySettings;
 use cophase_core::pulse::Run;
 use cophase_core::settings::DriveKind;
-
-use super::edges::{EdgeFile, EdgeOutputs};
-use super::{EdgeError, Levels, Row, Signal, TickEdges};
 use cophase_scene::Scene;
 use host_sim::checked::Checked;
 use host_sim::faults::Planned;
+
+use super::edges::{EdgeFile, EdgeOutputs};
+use super::{EdgeError, Levels, Row, Signal, TickEdges};
 
 /// Part of the run that `steps.vcd` shows.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
+use cophase_scene::file::FaultName;
+
 use super::plan::strata::sensor;
 use super::row::Row;
 use super::tally::{Failure, Tally};
-use cophase_scene::file::FaultName;
 
 /// Run to examine alone.
 #[derive(Clone, Debug, PartialEq)]

@@ -31,13 +31,13 @@ pub mod tally;
 pub mod truth;
 pub mod watch;
 
-use rayon::prelude::*;
-
 use cophase_scene::SceneError;
-use geometry::Geometry;
 use host_sim::checked::Checked;
 use host_sim::faults::Planned;
 use host_sim::sim::{Outcome, Simulation};
+use rayon::prelude::*;
+
+use geometry::Geometry;
 use plan::{Case, Plan};
 use response::Twin;
 use row::Row;

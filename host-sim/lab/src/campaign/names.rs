@@ -9,7 +9,6 @@
 //! 3. *Before homing has found a crank* its position is not known: a crank that moves looks like one that stood there at power-up.
 
 use cophase_core::supervisor::FaultKind;
-
 use cophase_scene::file::{FaultAt, FaultName};
 
 /// Circumstances of a run that decide which names are right.

@@ -1,11 +1,12 @@
 //! Picture of a campaign, by kind of fault: the time from the limit to the detection, and the tilt of the platforms.
 
+use cophase_scene::file::FaultName;
+
 use super::shards::Header;
 use super::tally::{Group, Tally};
 use crate::chart::axis::Axis;
 use crate::chart::ink::{Ink, Stroke};
 use crate::chart::picture::{self, At, Level, Line, Panel, Picture};
-use cophase_scene::file::FaultName;
 
 /// Largest number of points of a line. More would not be visible.
 const MOST_POINTS: usize = 200;

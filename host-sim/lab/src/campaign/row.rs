@@ -1,12 +1,12 @@
 //! Row of data for one run.
 
+use cophase_scene::file::{Drive, FaultAt, FaultName, Fidelity, Scene};
+use host_sim::sim::Outcome;
 use serde::{Deserialize, Serialize};
 
 use super::judge::{Judgement, Verdict};
 use super::plan::Case;
 use super::watch::{Observation, ReportedFault};
-use cophase_scene::file::{Drive, FaultAt, FaultName, Fidelity, Scene};
-use host_sim::sim::Outcome;
 
 /// Row of one run. Values that do not apply are empty.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -7,14 +7,14 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
+use cophase_files::version;
+use cophase_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::plan::strata::Stratum;
 use super::plan::{Plan, VERSION};
 use super::row::Row;
 use super::selection::Selection;
-use cophase_files::version;
-use cophase_scene::Scene;
 
 /// Scene of a campaign whose machines are drawn.
 pub const MACHINES: &str = "machines";

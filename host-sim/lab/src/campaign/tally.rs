@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use cophase_scene::file::FaultName;
+
 use super::interval::Rate;
 use super::judge::Verdict;
 use super::plan::faults::KINDS;
 use super::row::Row;
 use super::shards::{Header, Shard};
-use cophase_scene::file::FaultName;
 
 /// Faulty runs of one kind.
 #[derive(Clone, Debug, Default)]

@@ -11,6 +11,12 @@ use std::collections::VecDeque;
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, FaultKind, State};
+use cophase_scene::file::{FaultAt, FaultName};
+use cophase_scene::units::{nearest, speed_hz};
+use host_sim::axes::{Axes, per_axis};
+use host_sim::checked::Checked;
+use host_sim::sim::event_watch::{EventWatch, NewEvents};
+use host_sim::sim::{Moment, Observer};
 
 use super::detection_ticks;
 use super::flag::{Extra, Flag};
@@ -18,12 +24,6 @@ use super::geometry::Geometry;
 use super::hold::{self, Hold};
 use super::response::{Now, Responded, Responses, Twin};
 use super::truth::Truth;
-use cophase_scene::file::{FaultAt, FaultName};
-use cophase_scene::units::{nearest, speed_hz};
-use host_sim::axes::{Axes, per_axis};
-use host_sim::checked::Checked;
-use host_sim::sim::event_watch::{EventWatch, NewEvents};
-use host_sim::sim::{Moment, Observer};
 
 /// Place in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]

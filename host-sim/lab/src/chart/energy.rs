@@ -8,12 +8,12 @@ use std::fmt::Write;
 
 use cophase_methods::Scheme;
 use cophase_methods::drift::Ends;
+use host_sim::dynamics::{Driven, Dynamics, Rigid};
 
 use super::axis::Axis;
 use super::methods::problems;
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
-use host_sim::dynamics::{Driven, Dynamics, Rigid};
 
 /// Largest relative drift that counts as conserved.
 const KEPT: f64 = 1e-6;

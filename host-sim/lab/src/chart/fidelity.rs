@@ -3,11 +3,6 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use super::axis::Axis;
-use super::ink::{Ink, Stroke};
-use super::picture::{At, Level, Line, Panel, Picture, render};
-use super::yardstick::Yardstick;
-use super::{ChartError, Drawn, Progress, Size};
 use cophase_scene::SceneError;
 use cophase_scene::file::Fidelity;
 use cophase_scene::library::{BuiltIn, SCENES};
@@ -16,6 +11,12 @@ use host_sim::checked::Judged;
 use host_sim::fidelity::{Answers, answers, check, compare};
 use host_sim::machine::Machine;
 use host_sim::model_level::{Bounds, available, judge, questions};
+
+use super::axis::Axis;
+use super::ink::{Ink, Stroke};
+use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::yardstick::Yardstick;
+use super::{ChartError, Drawn, Progress, Size};
 
 /// Range of error over tolerance that is shown; smaller values are drawn at the bottom.
 const SHOWN: (f64, f64) = (1e-4, 1e2);

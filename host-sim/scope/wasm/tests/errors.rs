@@ -5,9 +5,10 @@ mod support;
 use std::fs;
 
 use clap::Parser;
-use cophase::{Command, Status};
 use cophase_random_scenes::{Kinds, draw};
 use cophase_scene::library;
+
+use cophase::{Command, Status};
 
 /// Changes of the built-in scene `default`, each of which makes a wrong text: the replaced text, and the new one.
 const WRONG: [(&str, &str); 12] = [

@@ -2,9 +2,10 @@
 
 use std::io::{self, Write};
 
+use cophase_scene::digits::four;
+
 use super::Design;
 use crate::design::page::row;
-use cophase_scene::digits::four;
 
 /// Writes the page.
 ///

@@ -2,12 +2,13 @@
 
 use core::f64::consts::TAU;
 
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+
 use super::Design;
 use crate::design::scene::{NotRunnable, aligned, number};
 use crate::mechanism::crank_rocker::CrankRocker;
 use crate::mechanism::turn_search::largest_over_turn;
 use crate::mechanism::{Load, Mechanism, Platform};
-use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 /// Assumed values: number of units under the platform, load, kg, working speed, rev/s, and the ratio of the motors'
 /// torque to the required torque.

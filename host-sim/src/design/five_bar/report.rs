@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
-use super::Design;
 use cophase_scene::digits::four;
+
+use super::Design;
 
 /// Writes the page.
 ///

@@ -3,10 +3,10 @@
 use std::io::{self, Write};
 
 use cophase_methods::problems::crusher::Speeds;
+use cophase_scene::digits::four;
 
 use super::{Design, Dynamic};
 use crate::design::page::row;
-use cophase_scene::digits::four;
 
 /// Writes the design as text, with the speeds under rock if they were computed.
 ///

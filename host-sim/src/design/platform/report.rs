@@ -2,11 +2,12 @@
 
 use std::io::{self, Write};
 
+use cophase_scene::digits::{degrees, four, percent, plain};
+
 use super::motor::MotorChoice;
 use super::steps::Design;
 use crate::mechanism::Mechanism;
 use crate::mechanism::slider_crank::Extrema;
-use cophase_scene::digits::{degrees, four, percent, plain};
 
 /// Width of the text, columns.
 const WIDTH: usize = 90;

@@ -5,9 +5,10 @@
 
 use core::f64::consts::TAU;
 
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+
 use crate::design::range::{OutOfRange, Range};
 use crate::mechanism::{Load, Platform};
-use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 /// Numbers of steps A, B, C, E and H of the method, and the two that step I needs in addition.
 #[derive(Clone, Copy, Debug, PartialEq)]

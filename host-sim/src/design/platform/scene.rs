@@ -5,12 +5,13 @@
 
 use core::f64::consts::TAU;
 
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+
 use super::motor::MotorChoice;
 use super::steps::Design;
 use super::warning::Warning;
 use crate::design::scene::{aligned, comment, number};
 use crate::mechanism::Mechanism;
-use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 /// Ratio of the speed limit to the design's frequency, and the greatest limit that scenes accept, rev/s.
 const MARGIN: f64 = 1.05;

@@ -2,9 +2,10 @@
 
 use std::io::{self, Write};
 
+use cophase_scene::digits::four;
+
 use super::Design;
 use crate::design::page::row;
-use cophase_scene::digits::four;
 
 /// Designs that the source mixes: name, amplitude in mm, and the figures of the source that belong
 /// to the design.

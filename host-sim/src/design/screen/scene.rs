@@ -2,9 +2,10 @@
 
 use core::f64::consts::TAU;
 
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+
 use super::Design;
 use crate::design::scene::{aligned, number};
-use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 /// Assumed ratio of the shaft's inertia to that of its block about the shaft's axis.
 const SHAFT: f64 = 4.0;

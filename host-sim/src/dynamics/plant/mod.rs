@@ -12,9 +12,10 @@ pub use shafts::Shafts;
 
 use std::fmt::Debug;
 
+use cophase_scene::file::Fidelity;
+
 use super::{Body, Field, MOST, Mode, PlaneMotion};
 use crate::pose::Pose;
-use cophase_scene::file::Fidelity;
 
 /// Values that a drive law keeps from tick to tick.
 pub type Memory = [f64; 4];

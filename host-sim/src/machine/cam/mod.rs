@@ -15,10 +15,10 @@ pub use pusher::{Peaks, Pusher, Turned};
 use cophase_core::units::MAX_AXES;
 use cophase_methods::problems::{Cam, Chain};
 use cophase_methods::{Scheme, StepError};
-
-use crate::checked::Checked;
 use cophase_scene::SceneError;
 use cophase_scene::file::Fidelity;
+
+use crate::checked::Checked;
 use elastic::Elastic;
 use screw::Screws;
 

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 
 use cophase_core::mechanism::CrankRockerSettings;
+use cophase_scene::SceneError;
+use cophase_scene::file::Machine;
 
 use super::{CrankRocker, Linkage};
 use crate::mechanism::Configured;
-use cophase_scene::SceneError;
-use cophase_scene::file::Machine;
 
 impl Configured for CrankRocker {
     type Settings = CrankRockerSettings;

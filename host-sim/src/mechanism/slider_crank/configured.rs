@@ -2,11 +2,11 @@
 
 use cophase_core::mechanism::SliderCrankSettings;
 use cophase_core::problem::Problem;
+use cophase_scene::SceneError;
+use cophase_scene::file::Machine;
 
 use super::SliderCrank;
 use crate::mechanism::Configured;
-use cophase_scene::SceneError;
-use cophase_scene::file::Machine;
 
 impl Configured for SliderCrank {
     type Settings = SliderCrankSettings;

@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use cophase_scene::file::Fidelity;
+
 use super::linear::{Drive, Worst};
 use super::{frame, rods};
 use crate::checked::Output;
 use crate::dynamics::Driven;
 use crate::mechanism::Mechanism;
-use cophase_scene::file::Fidelity;
 
 /// Factor for effects that the computation neglects: coefficients that change within a turn, and transients.
 ///

@@ -3,13 +3,13 @@
 //! The chain of masses is linear. So harmonic n of the law reaches the pusher multiplied by the transfer function H(i nω). The error
 //! of the acceleration is then at most the sum of (nω)² |sₙ| |H(i nω) − 1|.
 
+use cophase_methods::problems::{Cam, Links, Shaft};
+use cophase_scene::SceneError;
+use cophase_scene::file::Fidelity;
 use nalgebra::{Complex, Matrix3, Vector3};
 
 use crate::checked::Checked;
 use crate::checked::Output;
-use cophase_methods::problems::{Cam, Links, Shaft};
-use cophase_scene::SceneError;
-use cophase_scene::file::Fidelity;
 
 /// Number of harmonics of the law. The jerk of a modified sine jumps, so harmonic n of its acceleration falls as 1/n². The harmonics
 /// beyond these are some percent of the peak, which [`TAIL`] allows for.

@@ -11,6 +11,8 @@ use cophase_core::settings::DriveKind;
 use cophase_methods::Scheme;
 use cophase_methods::accuracy::LONGEST_H_OMEGA;
 use cophase_methods::problems::Chain;
+use cophase_scene::SceneError;
+use cophase_scene::file::{self, Fidelity, Rods};
 
 use super::bounds::cranks::Cranks;
 use super::bounds::followers::Followers;
@@ -20,8 +22,6 @@ use crate::checked::Output;
 use crate::dynamics::{Driven, Mode};
 use crate::machine::{Machine, Rotors};
 use crate::operating_range::OperatingRange;
-use cophase_scene::SceneError;
-use cophase_scene::file::{self, Fidelity, Rods};
 
 /// Bounds of all model levels of a scene's machine.
 #[derive(Clone, Debug)]

@@ -26,12 +26,11 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use cophase_methods::problems::crusher::{Jaw, Linkage, Load};
+use cophase_scene::file::Fidelity;
 
 use crate::dynamics::plant::{Plant, Record, Shafts};
 use crate::dynamics::{Body, PlaneMotion};
 use crate::pose::Pose;
-use cophase_scene::file::Fidelity;
-
 use record::CrusherRecord;
 
 /// Name with its article.

@@ -5,12 +5,12 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use cophase_methods::problems::crusher::{Jaw, Linkage, Load, Shape};
+use cophase_scene::file::{CrusherTable, Rock};
+use cophase_scene::{Scene, SceneError, in_range};
 
 use super::Crusher;
 use crate::drives::AtCrank;
 use crate::plant::{Made, Table};
-use cophase_scene::file::{CrusherTable, Rock};
-use cophase_scene::{Scene, SceneError, in_range};
 
 const fn shape(rock: Rock) -> Shape {
     match rock {

@@ -26,12 +26,12 @@ mod table;
 use std::f64::consts::TAU;
 
 use cophase_methods::problems::five_bar::{FiveBarArm, HybridLaw, Target};
+use cophase_scene::file::Fidelity;
 use nalgebra::{Matrix2, Vector2};
 
 use crate::dynamics::plant::{Memory, Plant, Record, Shafts};
 use crate::dynamics::{Body, Field, MOST, Mode, PlaneMotion};
 use crate::pose::Pose;
-use cophase_scene::file::Fidelity;
 
 pub use path::{Motion, NoTable, Path};
 use record::ArmRecord;

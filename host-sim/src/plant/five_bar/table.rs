@@ -5,15 +5,15 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use cophase_methods::problems::five_bar::{FiveBarArm, ForceSensor, HybridLaw, Load, Rod, Surface};
+use cophase_scene::file::{Assembly, AxisOverrides, CamTable, ContactTable, FiveBarTable, Plane};
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
+use cophase_scene::{Scene, SceneError, in_range};
 
 use super::Arm;
 use super::path::{NoTable, Path};
 use crate::drives::AtCrank;
 use crate::mechanism::five_bar::{FiveBar, Unreachable};
 use crate::plant::{Made, Table};
-use cophase_scene::file::{Assembly, AxisOverrides, CamTable, ContactTable, FiveBarTable, Plane};
-use cophase_scene::units::STANDARD_GRAVITY_MPS2;
-use cophase_scene::{Scene, SceneError, in_range};
 
 /// Index among the solutions of the inverse kinematics.
 const fn number(mode: Assembly) -> usize {

@@ -23,13 +23,12 @@ mod record;
 mod resonance;
 mod table;
 
+use cophase_scene::file::Fidelity;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::dynamics::plant::{Plant, Record, Shafts};
 use crate::dynamics::{Body, Mode, PlaneMotion};
 use crate::pose::Pose;
-use cophase_scene::file::Fidelity;
-
 use record::ScreenRecord;
 
 /// Name with its article.

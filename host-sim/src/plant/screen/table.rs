@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+use cophase_scene::file::{Band, ScreenTable};
+use cophase_scene::{Scene, SceneError, in_range};
+
 use super::{Screen, Sufficient};
 use crate::drives::{AtCrank, PullOut};
 use crate::plant::{Made, Table};
-use cophase_scene::file::{Band, ScreenTable};
-use cophase_scene::{Scene, SceneError, in_range};
 
 fn screen(table: &ScreenTable, scene: &Scene) -> Result<Screen, SceneError> {
     in_range("screen.box_kg", table.box_kg, 1.0, 1e5)?;

@@ -1,9 +1,10 @@
 //! Data of a run that its drawing needs.
 
+use host_sim::checked::Checked;
+
 use super::envelope::{Envelope, PAGE_BUCKETS};
 use super::timeline::Timeline;
 use crate::trace::Row;
-use host_sim::checked::Checked;
 
 /// Texts and limits around the curves.
 #[derive(Clone, Debug, Default)]

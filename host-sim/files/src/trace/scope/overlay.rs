@@ -3,6 +3,7 @@
 //! The first run is drawn wide and pale, the second one thin and dark on top of it. So equal curves appear as a dark line
 //! within a pale one.
 
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use kuva::plot::legend::LegendShape;
 use kuva::render::render::Scene;
 
@@ -12,7 +13,6 @@ use super::ink::{BLUE, DARK_BLUE, GREEN, INK, LEFT, MUTED, PALE_BLUE, WIDTH, svg
 use super::page::{FONT, GAP, TIME_AXIS, embed};
 use super::panel::{AXES, peak};
 use super::scale::{TimeAxis, padded};
-use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 /// Values of a run at one time; NaN for a value that is not known.
 #[derive(Clone, Debug, Default)]

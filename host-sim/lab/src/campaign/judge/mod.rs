@@ -4,7 +4,6 @@
 //! the definitions. Of the controller's reports, only the names are judged.
 
 use cophase_core::supervisor::{FaultKind, State};
-
 use cophase_scene::file::{AxisOverrides, Drive, FaultAt, FaultName, Scene, ServoDrive};
 use host_sim::axes::{Axes, per_axis};
 

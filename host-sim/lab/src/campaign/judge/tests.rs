@@ -1,9 +1,10 @@
 //! Tests of the detection of a crank beyond its limit.
 
+use cophase_scene::library;
+
 use super::*;
 use crate::campaign::response::Response;
 use crate::campaign::watch::{FaultEvent, Place};
-use cophase_scene::library;
 
 const BEYOND_TURNS: f64 = 10.0;
 

@@ -1,10 +1,11 @@
 //! Faults of cases. The kind is drawn first, each with equal probability, then the machine, then the size and the time of the fault.
 
+use cophase_scene::Scene;
+use cophase_scene::file::{Drive, FaultAt, FaultName, Lines};
+
 use super::machines::Driven;
 use super::stream::{Stream, rounded};
 use crate::campaign::geometry::Geometry;
-use cophase_scene::Scene;
-use cophase_scene::file::{Drive, FaultAt, FaultName, Lines};
 
 /// Kinds of faults that are drawn.
 pub const KINDS: [FaultName; 15] = [

@@ -5,8 +5,6 @@
 
 use std::f64::consts::TAU;
 
-use super::stream::{Stream, rounded};
-use crate::campaign::geometry::Geometry;
 use cophase_scene::Scene;
 use cophase_scene::file::{
     AxisOverrides, Correction, Drive, Fidelity, Index, Noise, Questions, Segment, ServoDrive,
@@ -14,6 +12,9 @@ use cophase_scene::file::{
 use cophase_scene::load;
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::mechanism::Mechanism;
+
+use super::stream::{Stream, rounded};
+use crate::campaign::geometry::Geometry;
 
 /// Scenes of the mechanisms. They are no built-in ones, so that a case of a seed stays the same when those change.
 const MECHANISMS: [&str; 3] = [

@@ -10,14 +10,14 @@ pub mod stream;
 
 use cophase_scene::file::{FaultAt, FaultName, Noise};
 use cophase_scene::{Scene, SceneError};
-use faults::Window;
 use host_sim::checked::Checked;
 use host_sim::mechanism::Mechanism;
+
+use super::geometry::Geometry;
+use faults::Window;
 use machines::Driven;
 use strata::{Share, Stratum};
 use stream::Stream;
-
-use super::geometry::Geometry;
 
 /// Version of the plan. A seed draws the same cases as long as this is the same.
 pub const VERSION: u32 = 3;

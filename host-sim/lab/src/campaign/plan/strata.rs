@@ -4,8 +4,9 @@
 
 use std::fmt;
 
-use super::faults::KINDS;
 use cophase_scene::file::FaultName;
+
+use super::faults::KINDS;
 
 /// Cases of one kind of fault, on axes with an index sensor alone or with an encoder too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,13 +4,14 @@
 //! law. Guard: a motor on a screw for each pusher, which follows the same law as a cam table. The remaining error is that of the table's
 //! spline.
 
+use cophase_methods::problems::{Cam, Law};
+use cophase_scene::library;
+use host_sim::sim::{Moment, Observer, simulate};
+
 use super::panel::{Curve, Shown, failing, guarded, requested};
 use super::runs::check;
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
-use cophase_methods::problems::{Cam, Law};
-use cophase_scene::library;
-use host_sim::sim::{Moment, Observer, simulate};
 
 /// Angle of the cam, degrees, and acceleration of the first pusher there, m/s², over the last turn at full speed.
 pub type Turn = Vec<(f64, f64)>;

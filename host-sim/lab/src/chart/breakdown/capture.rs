@@ -7,14 +7,15 @@
 
 use std::f64::consts::TAU;
 
+use cophase_methods::Scheme;
+use cophase_methods::problems::Screen;
+use cophase_scene::library;
+
 use super::panel::{Curve, Shown, failing, guarded, requested};
 use super::runs::{fault_s, run};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
-use cophase_methods::Scheme;
-use cophase_methods::problems::Screen;
-use cophase_scene::library;
 
 /// Torque at which the motor is captured, over the rated torque.
 pub const CAPTURED: f64 = 1.05;

@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use cophase_core::supervisor::State;
 use cophase_core::units::MAX_AXES;
-
-use crate::chart::ChartError;
 use cophase_scene::units::turns;
 use cophase_scene::{SceneError, load};
 use host_sim::checked::Checked;
 use host_sim::sim::events::EventKind;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
+
+use crate::chart::ChartError;
 
 /// Scene of three steppers of 1000 N·m/rad under 8 kg, up to 15 g.
 const THREE_STEPPERS: &str = r#"

@@ -8,15 +8,15 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use cophase_methods::Scheme;
+use cophase_scene::library;
+use host_sim::dynamics::plant::OnPlant;
+use host_sim::dynamics::{Body, Driven, Field, Induction, Motor};
+use host_sim::plant::screen::{Screen, Sufficient};
 
 use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::run;
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
-use cophase_scene::library;
-use host_sim::dynamics::plant::OnPlant;
-use host_sim::dynamics::{Body, Driven, Field, Induction, Motor};
-use host_sim::plant::screen::{Screen, Sufficient};
 
 /// Positions of two and of four shafts along the box from its centre, m.
 pub const TWO_M: &[f64] = &[-0.6, 0.6];

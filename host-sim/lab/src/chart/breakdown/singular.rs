@@ -4,12 +4,13 @@
 //! tables do not follow the path, and the drives do not follow the tables. Guard: a scene whose path comes within its margin is
 //! refused, with the point of the path.
 
+use cophase_scene::library;
+
 use super::panel::{Curve, Shown, failing, requested};
 use super::runs::{check, refusal, run};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
-use cophase_scene::library;
 
 /// Reach of the arm: links 1 and 4 in line, mm.
 pub const REACH_MM: f64 = 500.0;

@@ -5,12 +5,13 @@
 
 use std::f64::consts::TAU;
 
+use cophase_scene::library;
+
 use super::panel::{Curve, Shown, failing, guarded, requested};
 use super::runs::{check, fault_s, run};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
-use cophase_scene::library;
 
 /// Peak force of the rock that the crusher of the scene breaks, and of rock that it does not, kN.
 pub const BROKEN_KN: f64 = 1310.0;

@@ -5,16 +5,16 @@
 //! electrical cycle or more. The torque of the platform has a period of half a turn, and excites the rotors on the springs of their
 //! fields. They pull out at the resonance, far below the speed at which they lack torque.
 
-use cophase_methods::{Equations, Scheme};
+use std::f64::consts::{PI, TAU};
 
-use super::decision::{Decision, NoOutcome};
-use crate::chart::methods::Counted;
+use cophase_methods::{Equations, Scheme};
 use host_sim::drives::PullOut;
 use host_sim::dynamics::{Body, Field, Motor, Rigid, Stepper};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
 
-use std::f64::consts::{PI, TAU};
+use super::decision::{Decision, NoOutcome};
+use crate::chart::methods::Counted;
 
 /// Torque of a motor at rest and at 60 rev/s, N·m.
 const TORQUE_NM: (f64, f64) = (6.0, 3.0);

@@ -8,7 +8,6 @@ use cophase_methods::problems::{
     crusher, five_bar,
 };
 use cophase_methods::{Equations, Scheme};
-
 use host_sim::drives::PullOut;
 use host_sim::dynamics::Chosen;
 use host_sim::dynamics::Dynamics;

@@ -11,14 +11,14 @@ mod ramp;
 use std::fmt::Write;
 
 use cophase_link::board::{Board, Rp2040};
+use cophase_scene::library;
+use host_sim::checked::Checked;
+use host_sim::sim::simulate;
 
 use super::axis::Axis;
 use super::ink::{Ink, Stroke};
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
-use cophase_scene::library;
-use host_sim::checked::Checked;
-use host_sim::sim::simulate;
 use ramp::{ProgramLevels, Ramp};
 
 /// Rates of the loop, whose ticks are whole microseconds.

@@ -3,7 +3,6 @@
 use cophase_core::program::Cursor;
 use cophase_core::supervisor::State;
 use cophase_core::units::Amax;
-
 use cophase_scene::SceneError;
 use cophase_scene::units::speed_hz;
 use host_sim::checked::Checked;
