@@ -92,11 +92,18 @@ pub(super) fn campaign(
     if !args.join.is_empty() {
         let mut shards = shards(&args.join)?;
         let header = join(&mut shards, args.from, args.to);
-        let header = header.map_err(|error| input("--join", &error))?;
-        let shards = shards.into_iter().map(|(path, _)| {
+        let mut shards = shards.into_iter().map(|(path, _)| {
             let place = path.display().to_string();
             Shard::parse(&read(&path)?).map_err(|error| input(&place, &error))
         });
+        let header = match header {
+            Ok(header) => header,
+            Err(error) => {
+                // The cause may be a damaged shard, which is named instead.
+                shards.try_for_each(|shard| shard.map(drop))?;
+                return Err(input("--join", &error));
+            }
+        };
         return print_result(args, &header, shards, out);
     }
     let scene = args.scene.as_deref();

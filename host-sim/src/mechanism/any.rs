@@ -84,7 +84,7 @@ macro_rules! any {
                 match self { $(Self::$Name(mechanism) => mechanism.crank_radius_m(),)* }
             }
 
-            #[inline]
+            #[inline(always)] // the equations of motion call it in each evaluation, for each crank
             fn at(&self, alpha_rad: f64) -> AtAngle {
                 match self { $(Self::$Name(mechanism) => mechanism.at(alpha_rad),)* }
             }
