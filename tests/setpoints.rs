@@ -29,6 +29,8 @@ impl Observer for Compare {
         let share_nm = moment
             .machine
             .platform
+            .as_ref()
+            .expect("a platform")
             .torque_nm(alpha, omega, acceleration)
             / AXES as f64;
         let expected_nm = share_nm + self.rotor_inertia_kgm2 * acceleration;

@@ -19,7 +19,7 @@ use cophase_scene::program;
 use crate::cam::{self, Follower, off_law};
 use crate::dynamics::plant::Plant;
 use crate::dynamics::{Chosen, scheme};
-use crate::mechanism::{AnyMechanism, Mechanism, Mount, Platform};
+use crate::mechanism::{AnyMechanism, Configured, Mechanism, Mount, Platform, SquareLaw};
 
 /// Scene whose values have been checked, alone and in combination.
 #[derive(Clone, Debug)]
@@ -28,8 +28,6 @@ pub struct Checked {
     pub scene: Scene,
     /// Settings of the core, the same as in a settings file for a board.
     pub settings: Settings,
-    /// Mechanism of the machine; for cams, the equivalent crank in the settings.
-    pub mechanism: AnyMechanism,
     /// Cam shaft with its follower, for machines without cranks.
     pub cam: Option<Follower>,
     /// Machine of another kind, without platform and cam.
@@ -48,6 +46,19 @@ impl Checked {
     /// Returns true if the cranks carry a platform, which tilts when they are out of phase.
     pub fn has_platform(&self) -> bool {
         matches!(self.settings.machine, MachineSettings::Platform(_))
+    }
+
+    /// Returns the mechanism under the platform; `None` for a machine without one.
+    pub fn mechanism(&self) -> Option<AnyMechanism> {
+        self.settings.machine.platform().map(mechanism_of)
+    }
+
+    /// Returns the law between the speed of the master and the amplitude.
+    pub fn law(&self) -> SquareLaw {
+        match &self.settings.machine {
+            MachineSettings::Platform(platform) => mechanism_of(platform).law(),
+            MachineSettings::Shafts(shafts) => SquareLaw::of_length(shafts.length_m),
+        }
     }
 
     /// Returns the part that an axis of this machine turns, in a word, for sentences: "crank".
@@ -106,7 +117,9 @@ impl Checked {
     /// Returns a drawing of its machine with its symbols, as SVG text.
     pub fn draw(&self) -> String {
         match (&self.settings.machine, &self.plant, &self.cam) {
-            (MachineSettings::Platform(platform), ..) => self.mechanism.draw(&self.mount(platform)),
+            (MachineSettings::Platform(platform), ..) => {
+                mechanism_of(platform).draw(&self.mount(platform))
+            }
             (_, Some(plant), _) => plant.draw(),
             (_, None, Some(follower)) => cam::draw(follower),
             (_, None, None) => String::new(),
@@ -161,7 +174,7 @@ impl Checked {
 
     /// Returns the speed at a level of the program, m/s², at most the limit, rev/s.
     pub fn speed_hz(&self, amax_mps2: f64) -> f64 {
-        let omega = self.mechanism.speed_for_amax_rad_s(amax_mps2);
+        let omega = self.law().speed_for_amax_rad_s(amax_mps2);
         let limits = &self.scene.limits;
         (omega / std::f64::consts::TAU)
             .clamp(limits.homing_speed_hz.min(limits.speed_hz), limits.speed_hz)
@@ -229,4 +242,8 @@ impl Checked {
     pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
         self.scene.overrides(number)
     }
+}
+
+fn mechanism_of(platform: &PlatformSettings) -> AnyMechanism {
+    AnyMechanism::of(&platform.mechanism, platform.crank_radius_m)
 }

@@ -1,10 +1,7 @@
 //! The parts that all model levels share: the mechanism, the load it carries, and the rotors.
 
 use super::corners::FREEDOMS;
-use cophase_core::mechanism::ScotchYokeSettings;
-
-use crate::mechanism::scotch_yoke::ScotchYoke;
-use crate::mechanism::{AnyMechanism, Configured, Load, Mechanism, Platform};
+use crate::mechanism::{AnyMechanism, Load, Mechanism};
 
 /// Position and motion of a plane: heave in m, tilts in rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,7 +25,7 @@ pub struct Crank {
     pub lever_rate_m: f64,
 }
 
-/// The parts that all model levels share: the mechanism, the load it carries, and the rotors.
+/// The parts of a platform on cranks that all its model levels share: the mechanism, the load it carries, and the rotors.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Mechanism between crank and platform. All axes have the same one.
@@ -48,23 +45,6 @@ pub struct Body {
 }
 
 impl Body {
-    /// Creates shafts that carry no platform, with these rotor inertias, kg·m², and no friction.
-    pub fn of_shafts(rotors_kgm2: Vec<f64>) -> Self {
-        Self {
-            mechanism: ScotchYoke::of(&ScotchYokeSettings {}, 0.01).into(),
-            load: Load {
-                mass_kg: 0.0,
-                gravity_mps2: 0.0,
-                platform: Platform::Above,
-            },
-            tilt_inertia_kgm2: 0.0,
-            friction_nm: vec![0.0; rotors_kgm2.len()],
-            rotors_kgm2,
-            mount_radius_m: 1.0,
-            rod_n_per_m: 0.0,
-        }
-    }
-
     /// Number of axes.
     pub fn axes(&self) -> usize {
         self.rotors_kgm2.len()

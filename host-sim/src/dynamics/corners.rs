@@ -51,6 +51,16 @@ impl Corners {
         self.count
     }
 
+    /// Largest deviation of a value at a corner from the plane that is closest to all values. It is 0 for up to three corners.
+    pub fn warp(&self, values: &[f64]) -> f64 {
+        if values.len() <= 3 {
+            return 0.0;
+        }
+        let plane = self.plane(values);
+        let off = |(i, value): (usize, &f64)| (value - self.height(&plane, i)).abs();
+        values.iter().enumerate().map(off).fold(0.0, f64::max)
+    }
+
     /// Returns the heave (m, or m/s …) and slopes (rad …) of the plane closest to corners of these heights.
     pub fn plane(&self, heights: &[f64]) -> [f64; FREEDOMS] {
         let mut plane = [0.0; FREEDOMS];

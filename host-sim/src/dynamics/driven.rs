@@ -53,13 +53,17 @@ impl Driven {
             loads_nm: [0.0; MOST],
             energised: false,
         };
-        assert_eq!(driven.body().axes(), driven.motors.len(), "a motor an axis");
+        assert_eq!(
+            driven.machine.rotors_kgm2().len(),
+            driven.motors.len(),
+            "a motor an axis"
+        );
         driven.list_sliding();
         driven
     }
 
-    /// The machine.
-    pub fn body(&self) -> &Body {
+    /// Platform that the cranks carry; `None` if they move something else.
+    pub fn body(&self) -> Option<&Body> {
         self.machine.body()
     }
 
@@ -140,14 +144,14 @@ impl Driven {
 
     /// Upper bound of the fastest mode.
     pub fn fastest_mode(&self) -> Mode {
-        let rotors = Bound::of_rotors(&self.motors, &self.body().rotors_kgm2);
+        let rotors = Bound::of_rotors(&self.motors, self.machine.rotors_kgm2());
         self.machine.fastest_mode(rotors).mode()
     }
 
     /// Modes of individual parts. They are slower than [`Driven::fastest_mode`], and may be damped less. A method that is
     /// stable only because of damping must be checked against these as well.
     pub fn own_modes(&self) -> Vec<Mode> {
-        let mut modes = Bound::rotors(&self.motors, &self.body().rotors_kgm2);
+        let mut modes = Bound::rotors(&self.motors, self.machine.rotors_kgm2());
         modes.extend(self.frame().into_iter().flat_map(Bound::layers));
         modes.retain(|mode| mode.omega_rad_s > 0.0);
         // Equal motors on equal rotors have equal modes.

@@ -11,8 +11,16 @@ use super::{Body, Field, Frame, PlaneMotion};
 /// Positions are in rad and m. The angles of the shafts come first. State vectors in arguments have the positions `q`, their speeds `v`
 /// and their accelerations `a`.
 pub trait Dynamics: CloneDynamics + Debug {
-    /// Inertia and dry friction of the rotors, and the platform that they carry.
-    fn body(&self) -> &Body;
+    /// Inertia of each rotor, kg·m². The length of the list is the number of axes.
+    fn rotors_kgm2(&self) -> &[f64];
+
+    /// Dry friction at an angle, N·m.
+    fn friction_nm(&self, angle: usize) -> f64;
+
+    /// Platform that the cranks carry. `None` if they move something else.
+    fn body(&self) -> Option<&Body> {
+        None
+    }
 
     /// Number of positions, including the angles.
     fn positions(&self) -> usize;
@@ -24,7 +32,7 @@ pub trait Dynamics: CloneDynamics + Debug {
 
     /// Number of different angles.
     fn angles(&self) -> usize {
-        self.body().axes()
+        self.rotors_kgm2().len()
     }
 
     /// Sets the positions after the angles to those at rest, with the shafts at `alpha_rad`. By default they are 0.
@@ -39,11 +47,6 @@ pub trait Dynamics: CloneDynamics + Debug {
         held: &[bool; MOST],
         a: &mut [f64],
     );
-
-    /// Dry friction at an angle, N·m.
-    fn friction_nm(&self, angle: usize) -> f64 {
-        self.body().friction_nm[angle]
-    }
 
     /// Resistance to forward rotation of shaft `i` at these positions, N·m, in addition to dry friction. Like that it only opposes motion.
     /// `None` if there never is any; this is the default.

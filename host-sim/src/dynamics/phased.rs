@@ -143,8 +143,16 @@ impl Phased {
 }
 
 impl Dynamics for Phased {
-    fn body(&self) -> &Body {
-        &self.body
+    fn rotors_kgm2(&self) -> &[f64] {
+        &self.body.rotors_kgm2
+    }
+
+    fn friction_nm(&self, angle: usize) -> f64 {
+        self.body.friction_nm[angle]
+    }
+
+    fn body(&self) -> Option<&Body> {
+        Some(&self.body)
     }
 
     fn positions(&self) -> usize {

@@ -40,8 +40,17 @@ impl Rigid {
 }
 
 impl Dynamics for Rigid {
-    fn body(&self) -> &Body {
-        &self.body
+    fn rotors_kgm2(&self) -> &[f64] {
+        &self.body.rotors_kgm2
+    }
+
+    /// All friction acts on the one shaft.
+    fn friction_nm(&self, _: usize) -> f64 {
+        self.body.friction_nm.iter().sum()
+    }
+
+    fn body(&self) -> Option<&Body> {
+        Some(&self.body)
     }
 
     fn positions(&self) -> usize {
@@ -69,11 +78,6 @@ impl Dynamics for Rigid {
         } else {
             self.acceleration_rad_s2(q[0], v[0], torques_nm.iter().sum())
         };
-    }
-
-    /// All friction acts on the one shaft.
-    fn friction_nm(&self, _: usize) -> f64 {
-        self.body.friction_nm.iter().sum()
     }
 
     fn fastest_mode(&self, rotors: Bound) -> Bound {

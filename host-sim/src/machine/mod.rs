@@ -37,7 +37,7 @@ use crate::drives::{
     AtCrank, AxisDrive, Disturbance, Flag, FollowingError, Passages, Played, SimulatedAxis,
 };
 use crate::dynamics::plant::{Record, Recorder, Tick};
-use crate::dynamics::{FrameMotion, PlaneMotion};
+use crate::dynamics::{Corners, FrameMotion, PlaneMotion};
 use crate::pose::Pose;
 use faulted_drive::{disturb, disturb_rotors};
 
@@ -50,8 +50,10 @@ const FLAG_S: f64 = 20e-6;
 pub struct Machine {
     /// Motors and their cranks.
     pub axes: Axes<SimulatedAxis>,
-    /// Platform that the cranks carry. For cams, the platform on the equivalent crank, which the core is given.
-    pub platform: Platform,
+    /// Platform that the cranks carry; `None` for a machine without one.
+    pub platform: Option<Platform>,
+    /// Places of the axes around the platform; without one, around a circle of 1 m.
+    corners: Corners,
     /// Time for which an index line stays high, cycles.
     pub index_cycles: u32,
     tick_s: f64,
@@ -118,6 +120,7 @@ impl Machine {
             .with_drive_steps(overrides.and_then(|own| own.drive_steps_per_turn))
         };
         let axes = per_axis(settings.axes.len(), make);
+        let platform = Platform::new(checked);
         let rotors = torque::rotors(checked, &axes)?;
         let turns: Axes<f64> = axes.iter().map(SimulatedAxis::turns).collect();
         let tick_s = 1.0 / f64::from(settings.tick_hz);
@@ -130,7 +133,11 @@ impl Machine {
             recorder: checked.plant.as_ref().map(Recorder::new),
             rotors,
             axes,
-            platform: Platform::new(checked),
+            corners: Corners::new(
+                settings.axes.len(),
+                platform.as_ref().map_or(1.0, Platform::mount_radius_m),
+            ),
+            platform,
             index_cycles: flag_cycles.max(2 * settings.index_width_cycles()),
             tick_s,
             tick_cycles,
@@ -184,7 +191,8 @@ impl Machine {
     /// Largest displacement of a point on the mount circle from rest in this motion, µm.
     pub fn frame_um(&self, frame: &FrameMotion) -> f64 {
         let [heave, x, y] = frame.place;
-        (heave.abs() + self.platform.mount_radius_m() * x.hypot(y)) * 1e6
+        let radius_m = self.platform.as_ref().map_or(0.0, Platform::mount_radius_m);
+        (heave.abs() + radius_m * x.hypot(y)) * 1e6
     }
 
     /// Pose of the platform: from its equations of motion if it has any, else by geometry from the cranks. If torque does not move the
@@ -195,7 +203,7 @@ impl Machine {
             return Pose {
                 z_m: mean.place_m,
                 accel_mps2: mean.accel_mps2,
-                warp_deg: self.platform.warp_deg(turns, command_turns),
+                warp_deg: self.warp_deg(turns, command_turns),
                 ..Pose::default()
             };
         }
@@ -232,31 +240,49 @@ impl Machine {
                 tilt_x_mrad: tilt[0] * 1e3,
                 tilt_y_mrad: tilt[1] * 1e3,
                 pitch_mrad: pitch * 1e3,
-                warp_deg: self.platform.warp_deg(turns, command_turns),
+                warp_deg: self.warp_deg(turns, command_turns),
             };
         }
-        self.platform
-            .pose(turns, command_turns, omega_rad_s, acceleration_rad_s2)
+        let warp_deg = self.warp_deg(turns, command_turns);
+        match &self.platform {
+            Some(platform) => platform.pose(turns, warp_deg, omega_rad_s, acceleration_rad_s2),
+            None => Pose {
+                warp_deg,
+                ..Pose::default()
+            },
+        }
+    }
+
+    /// Largest deviation of an axis's phase error from the plane of all errors, degrees.
+    pub fn warp_deg(&self, turns: &[f64], command_turns: &[f64]) -> f64 {
+        if turns.len() <= 3 {
+            return 0.0;
+        }
+        let errors = per_axis(turns.len(), |i| turns[i] - command_turns[i]);
+        self.corners.warp(&errors) * 360.0
     }
 
     /// Tilt of the platform, mrad: the magnitude over both directions. It is 0 on a machine without a platform.
     pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
-        if self.followers.is_some() || self.recorder.is_some() {
+        let Some(platform) = &self.platform else {
             return 0.0;
-        }
+        };
         match self.rotors.as_ref().and_then(Rotors::place) {
             Some([_, x, y]) => x.hypot(y) * 1e3,
-            None => self.platform.tilt_mrad(turns),
+            None => platform.tilt_mrad(turns),
         }
     }
 
     /// Returns false if [`Self::tilt_mrad`] is certainly not above `mrad`. This check is faster than the tilt itself.
     pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
-        match &self.rotors {
-            None => self.platform.may_tilt_beyond(mrad, turns),
-            Some(rotors) if rotors.is_geometric() => self.platform.most_tilt_mrad(turns) > mrad,
+        match (&self.platform, &self.rotors) {
+            (None, _) => false,
+            (Some(platform), None) => platform.may_tilt_beyond(mrad, turns),
+            (Some(platform), Some(rotors)) if rotors.is_geometric() => {
+                platform.most_tilt_mrad(turns) > mrad
+            }
             // The platform has equations of its own.
-            Some(_) => true,
+            (Some(_), Some(_)) => true,
         }
     }
 

@@ -4,7 +4,6 @@
 //! ([`Corners`]); with two or three it passes through them. A small difference of phases causes tilt. The part that no plane can follow is
 //! warp. It is given in degrees of crank angle, because this difference bends rods and platform.
 
-use cophase_core::settings::MachineSettings;
 use cophase_scene::units::spread;
 
 use crate::axes::per_axis;
@@ -28,34 +27,21 @@ pub struct Platform {
 const ROUNDING_MRAD: f64 = 1e-6;
 
 impl Platform {
-    /// Creates the platform of a scene. Without a platform it is a light one on cranks of the same relation of amplitude and speed.
-    pub fn new(checked: &Checked) -> Self {
-        let mechanism = checked.mechanism;
-        let (load, mount_radius_m) = match &checked.settings.machine {
-            MachineSettings::Platform(platform) => (
-                Load {
-                    mass_kg: platform.load_kg,
-                    gravity_mps2: platform.gravity_mps2,
-                    platform: platform.platform,
-                },
-                platform.mount_radius_m,
-            ),
-            MachineSettings::Shafts(_) => (
-                Load {
-                    mass_kg: 1e-3,
-                    gravity_mps2: 0.0,
-                    platform: cophase_core::settings::Platform::Above,
-                },
-                (20.0 * mechanism.crank_radius_m()).clamp(0.01, 5.0),
-            ),
-        };
-        Self {
+    /// Creates the platform of a scene; `None` for a machine without one.
+    pub fn new(checked: &Checked) -> Option<Self> {
+        let mechanism = checked.mechanism()?;
+        let platform = checked.settings.machine.platform()?;
+        Some(Self {
             most_lever_m: mechanism.crank_radius_m() * mechanism.greatest_s(),
             mechanism,
-            load,
-            corners: Corners::new(checked.settings.axes.len(), mount_radius_m),
-            mount_radius_m,
-        }
+            load: Load {
+                mass_kg: platform.load_kg,
+                gravity_mps2: platform.gravity_mps2,
+                platform: platform.platform,
+            },
+            corners: Corners::new(checked.settings.axes.len(), platform.mount_radius_m),
+            mount_radius_m: platform.mount_radius_m,
+        })
     }
 
     /// Mechanism that lifts the platform.
@@ -84,11 +70,11 @@ impl Platform {
         -self.load.platform.gravity_sign()
     }
 
-    /// Returns the pose of the platform with the cranks at `turns`, at the speed and acceleration of the master.
+    /// Returns the pose of the platform with the cranks at `turns`, and their warp, at the speed and acceleration of the master.
     pub fn pose(
         &self,
         turns: &[f64],
-        command_turns: &[f64],
+        warp_deg: f64,
         omega_rad_s: f64,
         acceleration_rad_s2: f64,
     ) -> Pose {
@@ -113,7 +99,7 @@ impl Platform {
             tilt_x_mrad: tilt_x * 1e3,
             tilt_y_mrad: tilt_y * 1e3,
             pitch_mrad: 0.0,
-            warp_deg: self.warp_deg(turns, command_turns),
+            warp_deg,
         }
     }
 
@@ -159,17 +145,6 @@ impl Platform {
         let apart_m = spread(turns) * std::f64::consts::TAU * self.most_lever_m;
         apart_m / self.mount_radius_m * 1e3 + ROUNDING_MRAD
     }
-
-    /// Largest deviation of a crank's error from the plane of all errors, degrees.
-    pub fn warp_deg(&self, turns: &[f64], command_turns: &[f64]) -> f64 {
-        if turns.len() <= 3 {
-            return 0.0;
-        }
-        let errors = per_axis(turns.len(), |i| turns[i] - command_turns[i]);
-        let plane = self.corners.plane(&errors);
-        let off = |(i, error): (usize, &f64)| (error - self.corners.height(&plane, i)).abs();
-        errors.iter().enumerate().map(off).fold(0.0, f64::max) * 360.0
-    }
 }
 
 #[cfg(test)]
@@ -183,7 +158,8 @@ mod tests {
     fn no_platform_tilts_beyond_its_bounds() {
         for name in ["default", "lost-steps", "patent-4"] {
             let scene = library::find(name).expect("built in").scene();
-            let platform = Platform::new(&Checked::new(scene).expect("a scene that is built in"));
+            let platform = Platform::new(&Checked::new(scene).expect("a scene that is built in"))
+                .expect("cranks");
             let count = platform.corners.count();
             for (apart, angle) in (0..12_000).map(|i| (i / 1000, f64::from(i % 1000) * 1e-3)) {
                 // Evenly on a logarithmic scale, from a millionth of a turn to half a turn.

@@ -12,7 +12,7 @@ use super::broken::{Broken, Cause};
 use super::instant::Instant;
 use crate::dynamics::plant::State;
 use crate::dynamics::step::{Chosen, in_steps_per_tick};
-use crate::dynamics::{Driven, FREEDOMS, Field, FrameMotion, PlaneMotion};
+use crate::dynamics::{Driven, FREEDOMS, Field, Frame, FrameMotion, PlaneMotion};
 
 /// Command of a drive at the end of a tick: the position at which it would hold its rotor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -301,9 +301,11 @@ impl Rotors {
 
     /// Static sag of the frame under its own weight and the load, m; 0 if it does not move.
     pub fn sag_m(&self) -> f64 {
-        let load = self.driven.body().load;
-        let frame = self.driven.frame();
-        frame.map_or(0.0, |frame| frame.sag_m(load.mass_kg, load.gravity_mps2))
+        let sag = |frame: &Frame| {
+            let load = &self.driven.body()?.load;
+            Some(frame.sag_m(load.mass_kg, load.gravity_mps2))
+        };
+        self.driven.frame().and_then(sag).unwrap_or(0.0)
     }
 
     /// True if the platform has no equations of its own: its position follows from the cranks.

@@ -66,10 +66,21 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
 
 /// Returns the equations of motion that the model level gives the machine.
 fn dynamics(checked: &Checked) -> Result<Box<dyn Dynamics>, SceneError> {
-    let body = body(checked)?;
+    let rotors_kgm2 = rotors_kgm2(checked)?;
+    let friction_nm = friction_nm(checked);
     if let Some(plant) = &checked.plant {
-        return Ok(Box::new(OnPlant::new(body, Arc::clone(plant))));
+        let on_plant = OnPlant::new(rotors_kgm2, friction_nm, Arc::clone(plant));
+        return Ok(Box::new(on_plant));
     }
+    let Some(body) = body(checked, rotors_kgm2, friction_nm) else {
+        return Err(SceneError::at(
+            "fidelity",
+            format!(
+                "\"{}\" moves cranks under a platform by torque, and there is none",
+                checked.fidelity.name()
+            ),
+        ));
+    };
     if checked.fidelity == Fidelity::Rigid {
         if let Some(apart) = checked.cranks_apart() {
             return Err(SceneError::at(
@@ -146,13 +157,9 @@ fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
     mass_kg * radius_m * radius_m / 4.0
 }
 
-fn body(checked: &Checked) -> Result<Body, SceneError> {
-    let settings = &checked.settings;
-    let platform = Platform::new(checked);
-    let (load, mount_radius_m) = (*platform.load(), platform.mount_radius_m());
-    let given = checked.scene.machine.as_ref();
-    let disc_kgm2 = even_disc_kgm2(load.mass_kg, mount_radius_m);
-    let rotors_kgm2: Vec<f64> = (0..settings.axes.len())
+/// Returns the inertia of each rotor, kg·m².
+fn rotors_kgm2(checked: &Checked) -> Result<Vec<f64>, SceneError> {
+    let rotors_kgm2: Vec<f64> = (0..checked.settings.axes.len())
         .map(|i| AtCrank::new(&checked.scene, i).rotor_inertia_kgm2)
         .collect();
     if rotors_kgm2.contains(&0.0) {
@@ -164,20 +171,32 @@ fn body(checked: &Checked) -> Result<Body, SceneError> {
             ),
         ));
     }
+    Ok(rotors_kgm2)
+}
+
+/// Returns the dry friction of each rotor, N·m.
+fn friction_nm(checked: &Checked) -> Vec<f64> {
     let friction = |i| {
         let apart = checked.overrides(i).and_then(|own| own.friction_nm);
         apart.unwrap_or(checked.scene.axes.friction_nm)
     };
-    Ok(Body {
-        mechanism: checked.mechanism,
+    (0..checked.settings.axes.len()).map(friction).collect()
+}
+
+/// Returns the platform that the cranks carry.
+fn body(checked: &Checked, rotors_kgm2: Vec<f64>, friction_nm: Vec<f64>) -> Option<Body> {
+    let platform = Platform::new(checked)?;
+    let (load, mount_radius_m) = (*platform.load(), platform.mount_radius_m());
+    let given = checked.scene.machine.as_ref()?;
+    let disc_kgm2 = even_disc_kgm2(load.mass_kg, mount_radius_m);
+    Some(Body {
+        mechanism: *platform.mechanism(),
         load,
-        tilt_inertia_kgm2: given
-            .and_then(|given| given.tilt_inertia_kgm2)
-            .unwrap_or(disc_kgm2),
+        tilt_inertia_kgm2: given.tilt_inertia_kgm2.unwrap_or(disc_kgm2),
         rotors_kgm2,
         mount_radius_m,
-        rod_n_per_m: given.map_or(0.0, |given| given.rod_n_per_um * 1e6),
-        friction_nm: (0..settings.axes.len()).map(friction).collect(),
+        rod_n_per_m: given.rod_n_per_um * 1e6,
+        friction_nm,
     })
 }
 

@@ -44,6 +44,33 @@ pub struct AtAngle {
     pub h: f64,
 }
 
+/// Law of the amplitude: the largest acceleration of the moved part grows with the squared speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SquareLaw {
+    radius_m: f64,
+    sharpest: f64,
+}
+
+impl SquareLaw {
+    /// Law of shafts whose amplitude is `length_m` times their squared speed.
+    pub const fn of_length(length_m: f64) -> Self {
+        Self {
+            radius_m: length_m,
+            sharpest: 1.0,
+        }
+    }
+
+    /// Largest acceleration at a constant speed, m/s².
+    pub fn amax_mps2(&self, omega_rad_s: f64) -> f64 {
+        self.radius_m * omega_rad_s * omega_rad_s * self.sharpest
+    }
+
+    /// Speed at which the largest acceleration is `amax_mps2`, rad/s. NaN for a negative amax, because amax is a magnitude.
+    pub fn speed_for_amax_rad_s(&self, amax_mps2: f64) -> f64 {
+        (amax_mps2 / (self.radius_m * self.sharpest)).sqrt()
+    }
+}
+
 /// A mechanism of known size between a crank and the platform.
 ///
 /// The platform is farthest from the crank axes at α = 0, and returns after a turn.
@@ -108,14 +135,22 @@ pub trait Mechanism: Copy {
         self.crank_radius_m() * (centripetal + self.s(alpha_rad) * alpha_ddot_rad_s2)
     }
 
-    /// Largest acceleration at constant speed, m/s²: amax = R ω² times the largest |h|.
+    /// Law of the largest acceleration at constant speed: amax = R ω² times the largest |h|.
+    fn law(&self) -> SquareLaw {
+        SquareLaw {
+            radius_m: self.crank_radius_m(),
+            sharpest: self.greatest_h(),
+        }
+    }
+
+    /// Largest acceleration at constant speed, m/s².
     fn amax_mps2(&self, omega_rad_s: f64) -> f64 {
-        self.crank_radius_m() * omega_rad_s * omega_rad_s * self.greatest_h()
+        self.law().amax_mps2(omega_rad_s)
     }
 
     /// Crank speed at which the largest acceleration is `amax_mps2`, rad/s. NaN for a negative amax, because amax is a magnitude.
     fn speed_for_amax_rad_s(&self, amax_mps2: f64) -> f64 {
-        (amax_mps2 / (self.crank_radius_m() * self.greatest_h())).sqrt()
+        self.law().speed_for_amax_rad_s(amax_mps2)
     }
 
     /// Total torque of all cranks, N·m. It is positive if they drive and negative if the load drives them: τ = m R s (R (h

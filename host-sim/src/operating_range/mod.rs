@@ -18,7 +18,7 @@ use cophase_scene::file::Fidelity;
 use crate::checked::Checked;
 use crate::dynamics::Motor;
 use crate::machine::{Machine, motor_of};
-use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::mechanism::SquareLaw;
 
 /// Speed up to which the board's limit is searched, rev/s. A board that has no limit below it counts as one without a limit.
 const FASTEST_HZ: f64 = 1e4;
@@ -38,7 +38,7 @@ pub struct OperatingRange {
     /// Name of the scene.
     pub name: String,
     machine: Machine,
-    mechanism: AnyMechanism,
+    law: SquareLaw,
     offsets_turns: Vec<f64>,
     /// Motors at their cranks; `None` for an axis whose torque is not known.
     motors: Vec<Option<Motor>>,
@@ -90,7 +90,7 @@ impl OperatingRange {
         Ok(Some(Self {
             name: checked.scene.name.clone(),
             machine: Machine::new(&undisturbed.on(Fidelity::Kinematic)?)?,
-            mechanism: checked.mechanism,
+            law: checked.law(),
             offsets_turns: axes.map(|axis| axis.offset_turns).collect(),
             motors,
             levels: levels(checked),
@@ -140,7 +140,7 @@ impl OperatingRange {
 
     /// Amplitude at a steady speed, m/s².
     pub fn amax_mps2(&self, speed_hz: f64) -> f64 {
-        self.mechanism.amax_mps2(speed_hz * TAU)
+        self.law.amax_mps2(speed_hz * TAU)
     }
 
     /// Returns true if STEP and DIR command an axis.
@@ -254,7 +254,7 @@ fn levels(checked: &Checked) -> Vec<Level> {
         .into_iter()
         .map(|amax_mps2| Level {
             amax_mps2,
-            speed_hz: checked.mechanism.speed_for_amax_rad_s(amax_mps2) / TAU,
+            speed_hz: checked.law().speed_for_amax_rad_s(amax_mps2) / TAU,
         })
         .collect()
 }

@@ -1,20 +1,18 @@
-//! Checks of a cam shaft, and the equivalent crank of the simulation.
+//! Checks of a cam shaft.
 //!
 //! A follower shares one property with a slider-crank: its greatest acceleration is κ ω², with κ = R (1 + λ) for the crank, and
-//! κ = Ca H/β² for the cam (stroke H over the shorter of rise and return, β rad). The core gets shafts of the length κ. Where the
-//! simulation converts amplitudes to speeds, it has a **crank of equal κ**.
+//! κ = Ca H/β² for the cam (stroke H over the shorter of rise and return, β rad). So the core gets shafts of the length κ. Strokes are
+//! limited to those whose crank of equal κ the core would accept.
 
-use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_methods::problems::{Cam, Links};
 use cophase_scene::SceneError;
 use cophase_scene::file::{self, CamShaft, Scene};
 use cophase_scene::in_range;
 
 use crate::cam::{Follower, cam_of, damped};
-use crate::mechanism::{AnyMechanism, Configured};
 use crate::plant;
 
-/// λ of the equivalent crank: the least that the core accepts.
+/// λ of the crank of equal κ: the least that the core accepts.
 const LAMBDA: f64 = 0.1;
 /// Crank radii that the core accepts, m.
 const RADII_M: (f64, f64) = (1e-4, 0.5);
@@ -173,12 +171,6 @@ fn missing(key: &str, beside: &str) -> SceneError {
 /// Returns the radius of the crank of equal κ, m.
 fn crank_radius_m(cam: &Cam) -> f64 {
     cam.peak_m() / (1.0 + LAMBDA)
-}
-
-/// Returns the crank of equal κ.
-pub(super) fn equivalent_crank(follower: &Follower) -> AnyMechanism {
-    let mechanism = MechanismSettings::SliderCrank(SliderCrankSettings { lambda: LAMBDA });
-    AnyMechanism::of(&mechanism, crank_radius_m(&follower.cam))
 }
 
 /// Checks for keys that have no effect in a scene with cams.

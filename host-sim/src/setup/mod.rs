@@ -1,7 +1,7 @@
 //! Checks of a scene's values, alone and in combination.
 //!
 //! `numbers` checks values that the core does not have, and `settings` converts the scene's units into the core's. `machine` creates
-//! its mechanism, `cam` an equivalent crank for a cam, and `program` its list of segments. An error of the core is reported at the key
+//! its platform, `cam` the followers of a cam shaft. An error of the core is reported at the key
 //! in the file.
 
 mod cam;
@@ -15,7 +15,6 @@ mod settings;
 
 use std::sync::Arc;
 
-use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 use cophase_core::problem::Problem;
 use cophase_core::settings::{DriftSettings, MachineSettings, ShaftSettings};
 use cophase_link::board;
@@ -27,7 +26,6 @@ use crate::checked::Checked;
 use crate::drives::PullOut;
 use crate::dynamics::RESOLUTION;
 use crate::dynamics::plant::Plant;
-use crate::mechanism::{AnyMechanism, Configured};
 use crate::model_level::choose;
 use crate::plant;
 
@@ -50,7 +48,6 @@ impl Checked {
         }
         let Kind {
             machine,
-            mechanism,
             cam,
             plant,
         } = kind(&scene)?;
@@ -79,7 +76,6 @@ impl Checked {
             choice: None,
             resolution: RESOLUTION,
             halvings: 0,
-            mechanism,
             cam,
             plant,
             scene,
@@ -121,8 +117,6 @@ impl Checked {
 struct Kind {
     /// Machine settings of the core.
     machine: MachineSettings,
-    /// Mechanism, or one of the same relation of amplitude and speed.
-    mechanism: AnyMechanism,
     cam: Option<Follower>,
     plant: Option<Arc<dyn Plant>>,
 }
@@ -178,10 +172,6 @@ fn kind(scene: &Scene) -> Result<Kind, SceneError> {
         }
         let made = table.make(scene)?;
         return Ok(Kind {
-            mechanism: AnyMechanism::of(
-                &MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
-                made.length_m,
-            ),
             machine: MachineSettings::Shafts(ShaftSettings {
                 length_m: made.length_m,
             }),
@@ -193,7 +183,6 @@ fn kind(scene: &Scene) -> Result<Kind, SceneError> {
         (Some(machine), None) => {
             let platform = machine::platform(machine, &scene.drift)?;
             Ok(Kind {
-                mechanism: AnyMechanism::of(&platform.mechanism, platform.crank_radius_m),
                 machine: MachineSettings::Platform(platform),
                 cam: None,
                 plant: None,
@@ -203,7 +192,6 @@ fn kind(scene: &Scene) -> Result<Kind, SceneError> {
             cam::check_useless(scene)?;
             let follower = cam::follower(shaft)?;
             Ok(Kind {
-                mechanism: cam::equivalent_crank(&follower),
                 machine: MachineSettings::Shafts(ShaftSettings {
                     length_m: follower.cam.peak_m(),
                 }),

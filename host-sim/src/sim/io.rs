@@ -107,7 +107,7 @@ impl SimulatedIo {
             tick_hz,
             now: Now::new(machine.axes.len()),
             sensors: machine.sensors(checked),
-            statistics: Statistics::new(checked, machine.platform.mechanism()),
+            statistics: Statistics::new(checked),
             machine,
             awake: u8::MAX,
             read_us: 0,

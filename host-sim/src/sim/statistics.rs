@@ -18,7 +18,7 @@ use crate::checked::Checked;
 use crate::drives::SimulatedAxis;
 use crate::dynamics::plant::Figure;
 use crate::machine::{Machine, Peaks};
-use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::mechanism::SquareLaw;
 
 /// Accuracy of amax while the program holds it and the shaft has reached its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -108,7 +108,7 @@ pub struct Statistics {
     pub missed_deadlines: u32,
 
     /// Mechanism that converts a speed to an amplitude. For cams, the crank of equal κ.
-    mechanism: AnyMechanism,
+    law: SquareLaw,
     /// Speed in the last tick, and the values computed from it: most ticks have the speed of the one before.
     speed: Turns,
     speed_hz: f64,
@@ -137,7 +137,8 @@ pub const MOST_EVENTS: usize = 10_000;
 
 impl Statistics {
     /// Creates the statistics of a run that has not begun.
-    pub fn new(checked: &Checked, mechanism: &AnyMechanism) -> Self {
+    pub fn new(checked: &Checked) -> Self {
+        let law = checked.law();
         let axes = checked.scene.axes.count;
         Self {
             events: Vec::new(),
@@ -171,10 +172,10 @@ impl Statistics {
             stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
-            mechanism: *mechanism,
+            law,
             speed: Turns::ZERO,
             speed_hz: 0.0,
-            speed_mps2: mechanism.amax_mps2(0.0),
+            speed_mps2: law.amax_mps2(0.0),
             is_rising: false,
             tick_hz: checked.scene.control.tick_hz,
             tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
@@ -222,7 +223,7 @@ impl Statistics {
             self.speed = telemetry.motion.speed;
             self.speed_hz = speed_hz(self.speed, self.tick_hz);
             let omega_rad_s = std::f64::consts::TAU * self.speed_hz;
-            self.speed_mps2 = self.mechanism.amax_mps2(omega_rad_s);
+            self.speed_mps2 = self.law.amax_mps2(omega_rad_s);
             raise(&mut self.top_speed_hz, self.speed_hz);
             raise(&mut self.top_amax_mps2, self.speed_mps2);
         }
@@ -339,8 +340,8 @@ impl Statistics {
         moment.raise_tilt(&mut self.worst_tilt_mrad);
         // The plane is the closest to all errors: with up to six axes, none deviates from it by more than √6/2 of the spread.
         if 1.25 * spread_deg > self.worst_warp_deg {
-            let platform = &moment.machine.platform;
-            let warp_deg = platform.warp_deg(moment.actual_turns, moment.aim_turns);
+            let machine = moment.machine;
+            let warp_deg = machine.warp_deg(moment.actual_turns, moment.aim_turns);
             raise(&mut self.worst_warp_deg, warp_deg);
         }
         if moment.telemetry.state == State::Run {

@@ -131,8 +131,17 @@ fn left_out(checked: &Checked) -> String {
     if let Some(plant) = &checked.plant {
         return plant.left_out(checked.fidelity);
     }
+    let Some(mechanism) = checked.mechanism() else {
+        return match checked.fidelity {
+            Fidelity::Elastic => {
+                "what the followers push back with: the cams turn as commanded, and no roller lifts off"
+            }
+            _ => "torque, inertia and elasticity: no cam ever lags, and no pusher leaves its law",
+        }
+        .to_owned();
+    };
     let over_constrained = checked.scene.axes.count > 3;
-    let links = checked.mechanism.links();
+    let links = mechanism.links();
     let rods = checked
         .scene
         .machine
@@ -157,15 +166,9 @@ fn left_out(checked: &Checked) -> String {
         Fidelity::Rigid => {
             "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft".to_owned()
         }
-        Fidelity::Elastic if checked.cam.is_some() => {
-            "what the followers push back with: the cams turn as commanded, and no roller lifts off".to_owned()
-        }
         Fidelity::Phased => format!("{link_motion}microsteps, suspension and foundation{plane}"),
         Fidelity::Elastic => {
             format!("{link_motion}microsteps, and forces on the frame across the line of travel{plane}")
-        }
-        _ if checked.cam.is_some() => {
-            "torque, inertia and elasticity: no cam ever lags, and no pusher leaves its law".to_owned()
         }
         _ => "torque, inertia and elasticity: no crank ever lags".to_owned(),
     }

@@ -46,8 +46,8 @@ impl MotorFigures {
             crank_turns,
         } = axis.gear;
         let own_kgm2 = AtCrank::new(&checked.scene, number).rotor_inertia_kgm2;
-        let load_kgm2 = settings.machine.platform().map(|platform| {
-            let mechanism = checked.mechanism;
+        let platform = settings.machine.platform().zip(checked.mechanism());
+        let load_kgm2 = platform.map(|(platform, mechanism)| {
             let s = largest_over_turn(|alpha| mechanism.s(alpha).abs()).value;
             let lever_m = mechanism.crank_radius_m() * s;
             platform.load_kg / settings.axes.len() as f64 * lever_m * lever_m

@@ -14,7 +14,7 @@ use std::fmt::Debug;
 
 use cophase_scene::file::Fidelity;
 
-use super::{Body, Field, MOST, Mode, PlaneMotion};
+use super::{Field, MOST, Mode, PlaneMotion};
 use crate::pose::Pose;
 
 /// Values that a drive law keeps from tick to tick.
@@ -90,8 +90,8 @@ pub trait Plant: Debug + Send + Sync {
     /// Motion of the part that the shafts move, in a state with these accelerations.
     fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion;
 
-    /// Kinetic and potential energy, J. It is constant without friction, damping and motors.
-    fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64;
+    /// Kinetic and potential energy, J, with rotors of these inertias, kg·m². It is constant without friction, damping and motors.
+    fn energy_j(&self, rotors_kgm2: &[f64], q: &[f64], v: &[f64]) -> f64;
 
     /// Upper bound of the fastest mode without the motors. By default there is none, and the rotors on their motors are the fastest.
     fn fastest_mode(&self) -> Mode {

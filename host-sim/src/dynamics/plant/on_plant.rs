@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use super::{Memory, Plant, Shafts};
 use crate::dynamics::modes::Bound;
-use crate::dynamics::{Body, Dynamics, Field, MOST, PlaneMotion};
+use crate::dynamics::{Dynamics, Field, MOST, PlaneMotion};
 
 /// Rotors on the shafts of a plant.
 #[derive(Clone, Debug)]
 pub struct OnPlant {
-    body: Body,
+    rotors_kgm2: Vec<f64>,
+    friction_nm: Vec<f64>,
     plant: Arc<dyn Plant>,
     memory: Memory,
     /// Torques that the plant's drive law gives in this tick, N·m. `None` if the plant has no such law.
@@ -17,10 +18,11 @@ pub struct OnPlant {
 }
 
 impl OnPlant {
-    /// Creates rotors of a body, free to turn.
-    pub fn new(body: Body, plant: Arc<dyn Plant>) -> Self {
+    /// Creates rotors of these inertias, kg·m², with this dry friction, N·m, one an axis.
+    pub fn new(rotors_kgm2: Vec<f64>, friction_nm: Vec<f64>, plant: Arc<dyn Plant>) -> Self {
         Self {
-            body,
+            rotors_kgm2,
+            friction_nm,
             plant,
             memory: Memory::default(),
             law_nm: None,
@@ -29,8 +31,12 @@ impl OnPlant {
 }
 
 impl Dynamics for OnPlant {
-    fn body(&self) -> &Body {
-        &self.body
+    fn rotors_kgm2(&self) -> &[f64] {
+        &self.rotors_kgm2
+    }
+
+    fn friction_nm(&self, angle: usize) -> f64 {
+        self.friction_nm[angle]
     }
 
     fn positions(&self) -> usize {
@@ -49,9 +55,9 @@ impl Dynamics for OnPlant {
         held: &[bool; MOST],
         a: &mut [f64],
     ) {
-        let axes = self.body.axes();
+        let axes = self.rotors_kgm2.len();
         let shafts = Shafts {
-            body: &self.body,
+            rotors_kgm2: &self.rotors_kgm2,
             torques_nm: &torques_nm[..axes],
             held: &held[..axes],
         };
@@ -71,7 +77,7 @@ impl Dynamics for OnPlant {
     }
 
     fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
-        self.plant.energy_j(&self.body, q, v)
+        self.plant.energy_j(&self.rotors_kgm2, q, v)
     }
 
     fn begin_tick(&mut self, fields: Option<&[Field]>, q: &[f64], v: &[f64], tick_s: f64) {

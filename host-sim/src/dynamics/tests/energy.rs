@@ -82,7 +82,7 @@ fn drift(scheme: Scheme, steps_a_turn: f64, coasting: Coasting) -> f64 {
     let steps = (TURNS * steps_a_turn) as u32;
     let window = (WINDOW_TURNS * steps_a_turn) as u32;
     // The zero of potential energy is arbitrary. The change is relative to the energy above the lowest position.
-    let zero_j = -machine.body().weight_n() * 0.052;
+    let zero_j = -machine.body().unwrap().weight_n() * 0.052;
     let mut ends = Ends::new(steps, window);
     for i in 0..steps {
         ends.add(i, machine.energy_j(&state) - zero_j);

@@ -48,7 +48,7 @@ fn the_phase_error_under_load_is_slip_over_gain() {
     let mut state = driven.at_rest(&[1.5; 2]);
     let mut method = Scheme::Rk4.prepare(&driven, 1e-3).unwrap();
     advance(method.as_mut(), &driven, 0.0, 20_000, &mut state).unwrap();
-    let load_nm = 8.0 * 9.80665 * driven.body().crank(state[0]).lever_m;
+    let load_nm = 8.0 * 9.80665 * driven.body().unwrap().crank(state[0]).lever_m;
     // The two motors hold the load with a slip of 5/s times the error.
     let slip = 5.0 * (1.5 - state[0]);
     let holds_nm = 2.0 * torque_nm(motor, slip);

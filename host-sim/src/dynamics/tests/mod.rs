@@ -76,9 +76,9 @@ proptest! {
         acceleration in -1e4..1e4,
     ) {
         let machine = Rigid::new(body(4, platform));
-        let rotors: f64 = machine.body().rotors_kgm2.iter().sum();
-        let load = machine.body().load;
-        let torque = machine.body().mechanism.torque_nm(&load, alpha, omega, acceleration)
+        let rotors: f64 = machine.body().unwrap().rotors_kgm2.iter().sum();
+        let load = machine.body().unwrap().load;
+        let torque = machine.body().unwrap().mechanism.torque_nm(&load, alpha, omega, acceleration)
             + rotors * acceleration;
         let found = machine.acceleration_rad_s2(alpha, omega, torque);
         prop_assert!((found - acceleration).abs() < 1e-9 * 1e4, "{found}, not {acceleration}");
@@ -200,7 +200,7 @@ proptest! {
         let mut right = vec![0.0; n];
         quasi_static.accelerations(&alpha, &omega, &torque, &FREE, &mut right);
         let plane = quasi_static.plane(&alpha, &omega, &right);
-        let body = quasi_static.body();
+        let body = quasi_static.body().unwrap();
         // Corner forces that push the platform with y, in a plane. The compression is the corner's share of y, over k.
         let y: [f64; 3] = std::array::from_fn(|f| {
             body.masses()[f] * plane.acceleration[f] + if f == 0 { body.weight_n() } else { 0.0 }
@@ -259,7 +259,7 @@ fn dampers_take_energy() {
     let rates = [0.7, 0.1, -0.2, 0.3, -0.2, 0.1, -0.4, 0.2, 0.3];
     for (in_rods, in_frame) in [(0.1, 0.0), (0.0, 0.1)] {
         let machine = Elastic::new(body(4, Platform::Above), in_rods).on(frame(in_frame, true));
-        let height = machine.body().crank(alpha[0]).height_m;
+        let height = machine.body().unwrap().crank(alpha[0]).height_m;
         let q = [&alpha[..], &[height], &[0.0; 8]].concat();
         let v = [&[0.0; 4][..], &rates].concat();
         let mut a = vec![0.0; q.len()];

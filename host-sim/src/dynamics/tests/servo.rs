@@ -39,7 +39,7 @@ fn settle(driven: &mut Driven, alpha_rad: f64, state: &mut [f64], time_s: f64) {
 
 /// Torque of gravity on the shaft, N·m.
 fn load_nm(driven: &Driven, alpha_rad: f64) -> f64 {
-    WEIGHT_N * driven.body().crank(alpha_rad).lever_m
+    WEIGHT_N * driven.body().unwrap().crank(alpha_rad).lever_m
 }
 
 /// If this fails, a servo with an integral keeps a position error under load, or one without it has another error than its gains

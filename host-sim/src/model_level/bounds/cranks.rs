@@ -7,8 +7,8 @@ use cophase_scene::file::Fidelity;
 use super::linear::{Drive, Worst};
 use super::{frame, rods};
 use crate::checked::Output;
-use crate::dynamics::Driven;
 use crate::mechanism::Mechanism;
+use crate::model_level::bounds::OnCranks;
 
 /// Factor for effects that the computation neglects: coefficients that change within a turn, and transients.
 ///
@@ -47,7 +47,7 @@ pub struct Cranks {
 impl Cranks {
     /// Creates the bounds of a machine from its worst values.
     pub fn new(
-        driven: &Driven,
+        platform: &OnCranks<'_>,
         drive: &Drive,
         worst: Worst,
         steady_load: f64,
@@ -55,7 +55,7 @@ impl Cranks {
         leads_apart: bool,
         (elastic, rod_zeta): (bool, f64),
     ) -> Self {
-        let body = driven.body();
+        let body = platform.body;
         let mechanism = &body.mechanism;
         let most_s = mechanism.greatest_s();
         let step_rad = drive.top_rad_s * drive.tick_s;
@@ -64,14 +64,14 @@ impl Cranks {
             tilt_mrad: 0.75e3 * mechanism.crank_radius_m() * most_s / body.mount_radius_m,
             // The nearest sample is at most half a tick from the peak.
             sampling: mechanism.peak_sharpness() * step_rad * step_rad / 8.0,
-            limited: driven
-                .motors()
+            limited: platform
+                .motors
                 .iter()
                 .map(|motor| motor.most_nm(0.0).is_finite())
                 .collect(),
             in_phase: !leads_apart
                 && (body.axes() <= 3 || standing_apart_rad == 0.0 && worst.spread_rad == 0.0),
-            frame: SET_SWINGING * frame::share(driven, drive),
+            frame: SET_SWINGING * frame::share(platform, drive),
             rods: if elastic {
                 SET_SWINGING * rods::share(body, rod_zeta, drive)
             } else {

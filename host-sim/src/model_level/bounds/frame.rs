@@ -13,18 +13,19 @@ use nalgebra::{Complex, Matrix2, Vector2};
 
 use super::linear::Drive;
 use super::required_torque::{HARMONICS, harmonics_of_h};
-use crate::dynamics::{Driven, Layer};
+use crate::dynamics::Layer;
 use crate::mechanism::Mechanism;
+use crate::model_level::bounds::OnCranks;
 
 const SPEEDS: u32 = 400;
 
 /// Returns the largest acceleration of the frame at any steady speed up to the top speed, relative to amax at the top speed. It is an
 /// upper bound, the sum over harmonics; 0 without a frame.
-pub fn share(driven: &Driven, drive: &Drive) -> f64 {
-    let Some(frame) = driven.frame() else {
+pub fn share(platform: &OnCranks<'_>, drive: &Drive) -> f64 {
+    let Some(frame) = platform.frame else {
         return 0.0;
     };
-    let body = driven.body();
+    let body = platform.body;
     let mechanism = &body.mechanism;
     let harmonics = harmonics_of_h(body);
     let at_speed = |omega: f64| -> f64 {

@@ -21,8 +21,9 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 
 use super::required_torque::{HARMONICS, RequiredTorque, SAMPLES};
-use crate::dynamics::{Body, Driven, Motor};
+use crate::dynamics::{Body, Motor};
 use crate::mechanism::Mechanism;
+use crate::model_level::bounds::OnCranks;
 
 /// Number of speeds that are compared, beside those of resonances.
 const SPEEDS: u32 = 160;
@@ -139,8 +140,8 @@ const PLACES: [(f64, f64); 6] = [
 ];
 
 /// Computes the worst values of a machine with a drive.
-pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
-    let body = driven.body();
+pub fn worst(platform: &OnCranks<'_>, drive: &Drive) -> Worst {
+    let body = platform.body;
     let required = RequiredTorque::by(body);
     let axes = body.axes();
     let mut worst = Worst {
@@ -148,11 +149,11 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
         torque_ratio_required: vec![0.0; axes],
         ..Worst::default()
     };
-    for omega in speeds(driven, drive, &required) {
+    for omega in speeds(platform, drive, &required) {
         let cranks: Vec<Crank> = (0..axes)
-            .map(|i| crank(driven, drive, &required, i, omega))
+            .map(|i| crank(platform, drive, &required, i, omega))
             .collect();
-        at_speed(&cranks, driven, drive, &mut worst);
+        at_speed(&cranks, platform, drive, &mut worst);
     }
     let greatest_nm = greatest_nm(body, drive.top_rad_s);
     worst.torque /= greatest_nm;
@@ -162,18 +163,18 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     worst.torque_of_amax =
         (share_kg * lever_m * mechanism.amax_mps2(drive.top_rad_s) / greatest_nm).max(1.0);
     worst.spring_per_rad /= greatest_nm;
-    let swing = swing(driven, drive, &required);
+    let swing = swing(platform, drive, &required);
     let lever = mechanism.crank_radius_m() * mechanism.greatest_s();
     worst.amax += 2.0 * swing.rad_s / drive.top_rad_s
         + lever * swing.rad_s2 / mechanism.amax_mps2(drive.top_rad_s);
     let heaviest = body.rotors_kgm2.iter().copied().fold(0.0, f64::max);
     worst.torque += (heaviest + load_inertia_kgm2(body, &required)) * swing.rad_s2 / greatest_nm;
-    worst.frequency_ratio = frequency_ratio(driven, drive, &required);
+    worst.frequency_ratio = frequency_ratio(platform, drive, &required);
     worst
 }
 
 /// Adds the values at one speed.
-fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst) {
+fn at_speed(cranks: &[Crank], platform: &OnCranks<'_>, drive: &Drive, worst: &mut Worst) {
     for (i, crank) in cranks.iter().enumerate() {
         let mut lag = crank.standing_rad().abs();
         let following = crank.following_rad.abs();
@@ -206,9 +207,10 @@ fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst)
     }
     for (i, one) in cranks.iter().enumerate() {
         for (j, other) in cranks.iter().enumerate().skip(i + 1) {
-            worst.spread_rad = worst
-                .spread_rad
-                .max(apart_rad((i, one), (j, other), driven, drive));
+            worst.spread_rad =
+                worst
+                    .spread_rad
+                    .max(apart_rad((i, one), (j, other), platform, drive));
         }
     }
 }
@@ -217,7 +219,7 @@ fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst)
 fn apart_rad(
     (i, one): (usize, &Crank),
     (j, other): (usize, &Crank),
-    driven: &Driven,
+    platform: &OnCranks<'_>,
     drive: &Drive,
 ) -> f64 {
     let standing_rad = |crank: &Crank| crank.standing_rad() + crank.following_rad;
@@ -226,8 +228,8 @@ fn apart_rad(
         let all = |crank: &Crank| (1..=HARMONICS).map(|n| crank.moved_rad(n)).sum::<f64>();
         return standing + all(one) + all(other);
     }
-    let body = driven.body();
-    let alike = driven.motors()[i] == driven.motors()[j]
+    let body = platform.body;
+    let alike = platform.motors[i] == platform.motors[j]
         && drive.has_feed_forward[i] == drive.has_feed_forward[j]
         && body.rotors_kgm2[i] == body.rotors_kgm2[j];
     if alike {
@@ -247,14 +249,14 @@ fn bounded(value: f64) -> f64 {
 }
 
 fn crank(
-    driven: &Driven,
+    platform: &OnCranks<'_>,
     drive: &Drive,
     required: &RequiredTorque,
     i: usize,
     master_rad_s: f64,
 ) -> Crank {
-    let body = driven.body();
-    let motor = &driven.motors()[i];
+    let body = platform.body;
+    let motor = &platform.motors[i];
     let omega = master_rad_s * drive.ratios[i];
     let share = 1.0 / body.axes() as f64;
     let (softest, stiffest) = motor.stiffness_nm(omega);
@@ -328,10 +330,10 @@ struct Swing {
 /// Returns the greatest oscillation of any crank. Feed-forward holds the torque of a tick, so it is up to a tick early. Without it,
 /// motor and crank oscillate at their own frequency. Without full velocity feed-forward, the following error grows with speed, so
 /// the speed on a ramp differs from its command. The oscillation at the end of the ramp is at most twice that difference.
-fn swing(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> Swing {
-    let body = driven.body();
+fn swing(platform: &OnCranks<'_>, drive: &Drive, required: &RequiredTorque) -> Swing {
+    let body = platform.body;
     let load = load_inertia_kgm2(body, required);
-    let motors = driven.motors().iter().enumerate();
+    let motors = platform.motors.iter().enumerate();
     motors.fold(Swing::default(), |most, (i, motor)| {
         let acceleration = drive.acceleration_rad_s2 * drive.ratios[i].abs();
         let jerk = drive.jerk_rad_s3 * drive.ratios[i].abs();
@@ -355,12 +357,12 @@ fn swing(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> Swing {
 
 /// Returns the speeds of the master that are compared: evenly spaced up to the top speed, and those at which a harmonic meets an end
 /// of the range of resonances of motor and crank.
-fn speeds(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> Vec<f64> {
+fn speeds(platform: &OnCranks<'_>, drive: &Drive, required: &RequiredTorque) -> Vec<f64> {
     let mut speeds: Vec<f64> = (1..=SPEEDS)
         .map(|i| drive.top_rad_s * f64::from(i) / f64::from(SPEEDS))
         .collect();
-    let body = driven.body();
-    for (i, motor) in driven.motors().iter().enumerate() {
+    let body = platform.body;
+    for (i, motor) in platform.motors.iter().enumerate() {
         for inertia in [0.0, load_inertia_kgm2(body, required)] {
             let resonance = (motor.stiffest_nm() / (body.rotors_kgm2[i] + inertia)).sqrt();
             let met = (1..=HARMONICS).map(|n| resonance / n as f64 / drive.ratios[i]);
@@ -370,15 +372,15 @@ fn speeds(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> Vec<f64>
     speeds
 }
 
-fn frequency_ratio(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> f64 {
-    let body = driven.body();
+fn frequency_ratio(platform: &OnCranks<'_>, drive: &Drive, required: &RequiredTorque) -> f64 {
+    let body = platform.body;
     let load = load_inertia_kgm2(body, required);
     let ratio = |(i, motor): (usize, &Motor)| {
         let resonance = (motor.stiffness_nm(0.0).0 / (body.rotors_kgm2[i] + load)).sqrt();
         2.0 * drive.top_rad_s * drive.ratios[i] / resonance
     };
-    driven
-        .motors()
+    platform
+        .motors
         .iter()
         .enumerate()
         .map(ratio)

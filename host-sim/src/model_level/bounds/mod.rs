@@ -19,7 +19,7 @@ use super::bounds::followers::Followers;
 use super::bounds::linear::{Drive, worst};
 use crate::checked::Checked;
 use crate::checked::Output;
-use crate::dynamics::{Driven, Mode};
+use crate::dynamics::{Body, Frame, Mode, Motor};
 use crate::machine::{Machine, Rotors};
 use crate::operating_range::OperatingRange;
 
@@ -38,6 +38,16 @@ enum Of {
     Followers(Followers),
     /// Machine without bounds on its lower model levels.
     None { top: Fidelity },
+}
+
+/// A platform on cranks that torque moves.
+#[derive(Clone, Copy, Debug)]
+struct OnCranks<'a> {
+    body: &'a Body,
+    /// Motors, one per axis.
+    motors: &'a [Motor],
+    /// Frame, if it moves.
+    frame: Option<&'a Frame>,
 }
 
 /// Allowance for rounding, in the unit of each output. Symmetrical cranks are exactly in phase in theory, and differ by rounding
@@ -74,9 +84,16 @@ impl Bounds {
         let driven = machine.rotors().map(Rotors::driven);
         let driven =
             driven.ok_or_else(|| SceneError::at("machine", "has no cranks that torque moves"))?;
+        let platform = OnCranks {
+            body: driven
+                .body()
+                .ok_or_else(|| SceneError::at("machine", "has no platform"))?,
+            motors: driven.motors(),
+            frame: driven.frame(),
+        };
         Ok(Self {
             imposed: imposed(&top, driven.fastest_mode())?,
-            of: Of::Cranks(Box::new(cranks(&top, driven)?)),
+            of: Of::Cranks(Box::new(cranks(&top, &platform)?)),
         })
     }
 
@@ -188,7 +205,7 @@ fn follower_mode(top: &Checked) -> Mode {
     })
 }
 
-fn cranks(checked: &Checked, driven: &Driven) -> Result<Cranks, SceneError> {
+fn cranks(checked: &Checked, platform: &OnCranks<'_>) -> Result<Cranks, SceneError> {
     let settings = &checked.settings;
     let drive = Drive {
         top_rad_s: std::f64::consts::TAU * checked.top_speed_hz(),
@@ -220,9 +237,9 @@ fn cranks(checked: &Checked, driven: &Driven) -> Result<Cranks, SceneError> {
     let range = OperatingRange::new(checked)?;
     let load = range.and_then(|range| range.greatest_load());
     Ok(Cranks::new(
-        driven,
+        platform,
         &drive,
-        worst(driven, &drive),
+        worst(platform, &drive),
         load.map_or(0.0, |load| load.ratio),
         most - least,
         matches!(checked.cranks_apart(), Some("ratio" | "offset_deg")),

@@ -28,8 +28,8 @@ use std::ops::Range;
 use cophase_methods::problems::crusher::{Jaw, Linkage, Load};
 use cophase_scene::file::Fidelity;
 
+use crate::dynamics::PlaneMotion;
 use crate::dynamics::plant::{Plant, Record, Shafts};
-use crate::dynamics::{Body, PlaneMotion};
 use crate::pose::Pose;
 use record::CrusherRecord;
 
@@ -160,8 +160,8 @@ impl Plant for Crusher {
             return;
         }
         let (jaw_kgm2, slope) = self.jaw.inertia_kgm2(&self.linkage, q[0]);
-        a[0] = (shafts.torques_nm[0] - 0.5 * v[0] * v[0] * slope)
-            / (shafts.body.rotors_kgm2[0] + jaw_kgm2);
+        a[0] =
+            (shafts.torques_nm[0] - 0.5 * v[0] * v[0] * slope) / (shafts.rotors_kgm2[0] + jaw_kgm2);
     }
 
     fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
@@ -173,9 +173,9 @@ impl Plant for Crusher {
         }
     }
 
-    fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64 {
+    fn energy_j(&self, rotors_kgm2: &[f64], q: &[f64], v: &[f64]) -> f64 {
         let (jaw_kgm2, _) = self.jaw.inertia_kgm2(&self.linkage, q[0]);
-        0.5 * (body.rotors_kgm2[0] + jaw_kgm2) * v[0] * v[0]
+        0.5 * (rotors_kgm2[0] + jaw_kgm2) * v[0] * v[0]
     }
 
     fn resistance_nm(&self, _: usize, q: &[f64]) -> Option<f64> {

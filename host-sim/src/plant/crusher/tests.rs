@@ -23,13 +23,13 @@ fn crusher(peak_n: f64) -> Crusher {
 #[test]
 fn the_plant_moves_as_the_published_crusher() {
     let published = OnTheMains::SOURCE.with_rock(Shape::LinearRise, 1.3e6);
-    let (ours, body) = (crusher(1.3e6), Body::of_shafts(vec![FLYWHEEL_KGM2]));
+    let (ours, rotors_kgm2) = (crusher(1.3e6), vec![FLYWHEEL_KGM2]);
     for k in 0..360 {
         let (phi, omega) = (TAU * f64::from(k) / 360.0, 20.0 + f64::from(k % 9));
         let mut rates = [0.0; 2];
         published.rates(0.0, &[phi, omega], &mut rates);
         let shafts = Shafts {
-            body: &body,
+            rotors_kgm2: &rotors_kgm2,
             torques_nm: &[published.motor_nm(omega) - resistance_nm(&ours, phi)],
             held: &[false],
         };
@@ -47,7 +47,8 @@ fn the_plant_moves_as_the_published_crusher() {
 fn energy_is_conserved() {
     let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
     let on = OnPlant::new(
-        Body::of_shafts(vec![FLYWHEEL_KGM2]),
+        vec![FLYWHEEL_KGM2],
+        vec![0.0],
         std::sync::Arc::new(crusher(0.0)),
     );
     let driven = Driven::new(Box::new(on), vec![off]);
@@ -74,8 +75,8 @@ fn rock_brakes_and_does_not_push() {
         ..ours.clone()
     };
     let acceleration = |crusher: &Crusher, omega: f64, load_nm: f64| {
-        let body = Body::of_shafts(vec![FLYWHEEL_KGM2]);
-        let on = OnPlant::new(body, std::sync::Arc::new(crusher.clone()));
+        let rotors_kgm2 = vec![FLYWHEEL_KGM2];
+        let on = OnPlant::new(rotors_kgm2, vec![0.0], std::sync::Arc::new(crusher.clone()));
         let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
         let mut driven = Driven::new(Box::new(on), vec![off]);
         driven.loads_nm[0] = load_nm;

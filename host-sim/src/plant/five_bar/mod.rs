@@ -30,7 +30,7 @@ use cophase_scene::file::Fidelity;
 use nalgebra::{Matrix2, Vector2};
 
 use crate::dynamics::plant::{Memory, Plant, Record, Shafts};
-use crate::dynamics::{Body, Field, MOST, Mode, PlaneMotion};
+use crate::dynamics::{Field, MOST, Mode, PlaneMotion};
 use crate::pose::Pose;
 
 pub use path::{Motion, NoTable, Path};
@@ -75,9 +75,9 @@ impl Arm {
     }
 
     /// Inertia matrix with the rotors, kg·m².
-    fn inertia_kgm2(&self, body: &Body, q: [f64; 2]) -> Matrix2<f64> {
+    fn inertia_kgm2(&self, rotors_kgm2: &[f64], q: [f64; 2]) -> Matrix2<f64> {
         let [[a, b], [c, d]] = self.arm.inertia_kgm2(q);
-        let rotors = &body.rotors_kgm2;
+        let rotors = rotors_kgm2;
         Matrix2::new(a + rotors[0], b, c, d + rotors[1])
     }
 }
@@ -153,7 +153,7 @@ impl Plant for Arm {
             let outside = jacobian[0][i] * force[0] + jacobian[1][i] * force[1];
             shafts.torques_nm[i] + outside - centrifugal[i] - gravity[i]
         });
-        let inertia = self.inertia_kgm2(shafts.body, q);
+        let inertia = self.inertia_kgm2(shafts.rotors_kgm2, q);
         let free = match (shafts.held[0], shafts.held[1]) {
             (false, false) => {
                 // The matrix is positive definite, because each rod has a mass.
@@ -207,8 +207,8 @@ impl Plant for Arm {
         }
     }
 
-    fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64 {
-        let rotors = &body.rotors_kgm2;
+    fn energy_j(&self, rotors_kgm2: &[f64], q: &[f64], v: &[f64]) -> f64 {
+        let rotors = rotors_kgm2;
         let turning = rotors[0] * v[0] * v[0] + rotors[1] * v[1] * v[1];
         self.arm.energy_j(&[q[0], q[1], v[0], v[1]]) + 0.5 * turning
     }

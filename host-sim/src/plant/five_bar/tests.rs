@@ -30,7 +30,7 @@ fn arm(gravity_mps2: f64) -> Arm {
 #[test]
 fn the_plant_moves_as_the_published_arm() {
     let ours = arm(9.81);
-    let light = Body::of_shafts(vec![0.0; 2]);
+    let light = vec![0.0; 2];
     for k in 0..300_u32 {
         let part = |n: u32| f64::from((k * n + 3 * n) % 101) / 101.0;
         let state = [
@@ -49,7 +49,7 @@ fn the_plant_moves_as_the_published_arm() {
         let (q, v) = state.split_at(2);
         let move_with = |held: [bool; 2], a: &mut [f64; 2]| {
             let shafts = Shafts {
-                body: &light,
+                rotors_kgm2: &light,
                 torques_nm: &torques,
                 held: &held,
             };
@@ -90,7 +90,7 @@ fn energy_is_conserved() {
         limit_nm: f64::INFINITY,
         velocity_feed_forward: 0.0,
     });
-    let on = OnPlant::new(Body::of_shafts(vec![0.05, 0.02]), std::sync::Arc::new(ours));
+    let on = OnPlant::new(vec![0.05, 0.02], vec![0.0; 2], std::sync::Arc::new(ours));
     let driven = Driven::new(Box::new(on), vec![no_torque; 2]);
     let mut state = vec![2.4, 0.6, 1.0, -0.5];
     let before = driven.energy_j(&state);

@@ -27,7 +27,7 @@ use cophase_scene::file::Fidelity;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::dynamics::plant::{Plant, Record, Shafts};
-use crate::dynamics::{Body, Mode, PlaneMotion};
+use crate::dynamics::{Mode, PlaneMotion};
 use crate::pose::Pose;
 use record::ScreenRecord;
 
@@ -200,8 +200,7 @@ impl Plant for Screen {
             let central = moment * v[i] * v[i];
             force += central * Vector3::new(cosine, sine, sine * place);
             let along = moment * Vector3::new(-sine, cosine, cosine * place);
-            let inertia =
-                shafts.body.rotors_kgm2[i] + block * self.eccentricity_m * self.eccentricity_m;
+            let inertia = shafts.rotors_kgm2[i] + block * self.eccentricity_m * self.eccentricity_m;
             let free = if shafts.held[i] {
                 0.0
             } else {
@@ -234,7 +233,7 @@ impl Plant for Screen {
         }
     }
 
-    fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64 {
+    fn energy_j(&self, rotors_kgm2: &[f64], q: &[f64], v: &[f64]) -> f64 {
         let n = self.places_m.len();
         let (moving, turning) = (v[n] * v[n] + v[n + 1] * v[n + 1], v[n + 2] * v[n + 2]);
         let mut energy = 0.5 * (self.box_kg * moving + self.pitch_kgm2 * turning);
@@ -247,7 +246,7 @@ impl Plant for Screen {
             let along = v[n] - self.eccentricity_m * sine * v[i];
             let across = v[n + 1] + place * v[n + 2] + self.eccentricity_m * cosine * v[i];
             energy += 0.5 * self.block_kg * (along * along + across * across)
-                + 0.5 * body.rotors_kgm2[i] * v[i] * v[i]
+                + 0.5 * rotors_kgm2[i] * v[i] * v[i]
                 + self.moment_kgm() * self.gravity_mps2 * sine;
         }
         energy

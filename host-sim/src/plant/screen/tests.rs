@@ -33,7 +33,7 @@ fn screen(places_m: &[f64]) -> Screen {
 fn one_shaft_moves_as_the_published_screen() {
     let screen = screen(&[0.0]);
     let block_kgm2 = 14.487 * 14.487 / 166.0;
-    let body = Body::of_shafts(vec![6.5 - block_kgm2]);
+    let rotors_kgm2 = vec![6.5 - block_kgm2];
     let one = OneShaft {
         torque_over_rated: 1.3,
     };
@@ -52,7 +52,7 @@ fn one_shaft_moves_as_the_published_screen() {
         let q = [state[2], state[0], state[1], 0.0];
         let v = [state[5], state[3], state[4], 0.0];
         let shafts = Shafts {
-            body: &body,
+            rotors_kgm2: &rotors_kgm2,
             torques_nm: &[one.torque_nm(state[5]) - 2.0],
             held: &[false],
         };
@@ -83,7 +83,7 @@ fn energy_is_conserved() {
             limit_nm: f64::INFINITY,
             velocity_feed_forward: 0.0,
         });
-        let on = OnPlant::new(Body::of_shafts(vec![2.0; n]), std::sync::Arc::new(screen));
+        let on = OnPlant::new(vec![2.0; n], vec![0.0; n], std::sync::Arc::new(screen));
         let driven = Driven::new(Box::new(on), vec![no_torque; n]);
         let mut state = vec![0.0; driven.dimension()];
         let positions = n + 3;
@@ -123,9 +123,9 @@ fn steady_motion_solves_the_equations() {
             let angles = turns.map(|turns| turns * TAU);
             let q = [&angles[..], &motion(place)].concat();
             let v = [&[omega; 2][..], &motion(place.map(|at| at * turned))].concat();
-            let body = Body::of_shafts(vec![3.0, 3.0]);
+            let rotors_kgm2 = vec![3.0, 3.0];
             let shafts = Shafts {
-                body: &body,
+                rotors_kgm2: &rotors_kgm2,
                 torques_nm: &[0.0, 0.0],
                 held: &[true, true],
             };
@@ -163,10 +163,7 @@ fn the_forbidden_bands_cover_the_speeds_at_which_the_ends_swing_up() {
     let mut screen = screen(&[1.2]);
     screen.zeta = 0.03;
     let ends_m = |hz: f64| {
-        let on = OnPlant::new(
-            Body::of_shafts(vec![1e9]),
-            std::sync::Arc::new(screen.clone()),
-        );
+        let on = OnPlant::new(vec![1e9], vec![0.0], std::sync::Arc::new(screen.clone()));
         let motor = Motor::Servo(Servo {
             position_gain_per_s: 0.0,
             velocity_gain_nms: 0.0,

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use cophase_methods::Scheme;
 use cophase_scene::library;
 use host_sim::dynamics::plant::OnPlant;
-use host_sim::dynamics::{Body, Driven, Field, Induction, Motor};
+use host_sim::dynamics::{Driven, Field, Induction, Motor};
 use host_sim::plant::screen::{Screen, Sufficient};
 
 use super::panel::{Curve, Shown, failing, guarded};
@@ -74,7 +74,8 @@ pub fn free(places_m: &[f64]) -> Result<Resultant, ChartError> {
     let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
     let n = places_m.len();
     let on = OnPlant::new(
-        Body::of_shafts(vec![ROTOR_KGM2; n]),
+        vec![ROTOR_KGM2; n],
+        vec![0.0; n],
         Arc::new(screen(places_m)?),
     );
     let motor = Motor::Induction(Induction::new(200.0, 0.3 * TAU, 2.0, 0.0));

@@ -124,7 +124,7 @@ fn led(dynamics: Box<dyn Dynamics>) -> Result<Driven, ChartError> {
 /// # Errors
 /// The machine is refused.
 pub fn default_of(driven: &Driven) -> Result<Scheme, ChartError> {
-    let commanded = vec![DriveCommand::default(); driven.body().axes()];
+    let commanded = vec![DriveCommand::default(); driven.motors().len()];
     Rotors::new(driven.clone(), commanded, 5e-4, Chosen::default())
         .map(|rotors| rotors.method().0)
         .map_err(ChartError)

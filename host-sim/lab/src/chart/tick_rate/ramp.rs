@@ -6,7 +6,7 @@ use cophase_core::units::Amax;
 use cophase_scene::SceneError;
 use cophase_scene::units::speed_hz;
 use host_sim::checked::Checked;
-use host_sim::mechanism::{AnyMechanism, Mechanism};
+use host_sim::mechanism::SquareLaw;
 use host_sim::sim::{Moment, Observer};
 
 /// Level of the program at any time: levels at the fastest tick, with straight lines between them.
@@ -47,7 +47,7 @@ impl ProgramLevels {
 #[derive(Debug)]
 pub struct Ramp {
     levels: ProgramLevels,
-    mechanism: AnyMechanism,
+    law: SquareLaw,
     tick_hz: u32,
     before: Amax,
     squares: f64,
@@ -61,7 +61,7 @@ impl Ramp {
         Self {
             top: levels.0.iter().copied().fold(0.0, f64::max),
             levels,
-            mechanism: checked.mechanism,
+            law: checked.law(),
             tick_hz: checked.scene.control.tick_hz,
             before: Amax::ZERO,
             squares: 0.0,
@@ -89,7 +89,7 @@ impl Observer for Ramp {
         // after that.
         let t_s = (telemetry.program_ticks as f64 + 0.5) / f64::from(self.tick_hz);
         let hz = speed_hz(motion.speed, self.tick_hz);
-        let played = self.mechanism.amax_mps2(std::f64::consts::TAU * hz);
+        let played = self.law.amax_mps2(std::f64::consts::TAU * hz);
         self.squares += (played - self.levels.at(t_s)).powi(2);
         self.ticks += 1;
     }
