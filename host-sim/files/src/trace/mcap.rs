@@ -1,44 +1,50 @@
 //! `trace.mcap`: a channel for each [`Topic`], a message in JSON for each row.
 //!
 //! The time of a message is that of its row, ns since power-up. The JSON schema of a channel has the unit and the source of
-//! each column. Nothing is compressed.
+//! each column. Nothing is compressed, because the crate can compress only with C libraries.
 
-use std::io::Write;
+use std::collections::BTreeMap;
+use std::io::{Seek, Write};
 
+use mcap::WriteOptions;
+use mcap::records::MessageHeader;
 use serde_json::json;
 use thiserror::Error;
 
 use super::column::{Column, Read, Topic};
 use super::json::JsonColumns;
-use super::mcap_file::McapFile;
 use super::{Row, RowShape};
 
 /// Reason why a trace could not be written.
 #[derive(Debug, Error)]
 pub enum McapTraceError {
-    /// The file refused.
+    /// The `mcap` crate or the file under it refused.
     #[error("trace not written: {0}")]
-    Io(#[from] std::io::Error),
+    Mcap(#[from] mcap::McapError),
     /// A message or a schema is not JSON.
     #[error("trace not written: {0}")]
     Json(#[from] serde_json::Error),
+    /// The last bytes could not be flushed.
+    #[error("trace not flushed: {0}")]
+    Flush(#[from] std::io::Error),
 }
 
 /// Writes rows as messages.
-pub struct TraceMcap<W> {
-    file: McapFile<W>,
+pub struct TraceMcap<W: Write + Seek> {
+    file: mcap::Writer<W>,
     channels: Vec<(u16, JsonColumns)>,
     rows: u32,
     text: Vec<u8>,
 }
 
-impl<W: Write> TraceMcap<W> {
+impl<W: Write + Seek> TraceMcap<W> {
     /// Writes the header, with a channel for each topic.
     ///
     /// # Errors
     /// When `w` refuses.
     pub fn new(w: W, shape: impl Into<RowShape>) -> Result<Self, McapTraceError> {
-        let mut file = McapFile::new(w, "cophase")?;
+        let options = WriteOptions::new().compression(None).library("cophase");
+        let mut file = options.create(w)?;
         let mut channels = Vec::new();
         for topic in Topic::of_run(shape.into()) {
             let (name, path) = match topic {
@@ -49,8 +55,8 @@ impl<W: Write> TraceMcap<W> {
             };
             let schema = serde_json::to_vec(&schema(name, topic))?;
             // The same schema of another axis is the same record.
-            let schema = file.schema(name, &schema);
-            let channel = file.channel(schema, &path);
+            let schema = file.add_schema(name, "jsonschema", &schema)?;
+            let channel = file.add_channel(schema, &path, "json", &BTreeMap::new())?;
             let columns = Column::of_topic(topic).map(|column| (column.field.name.into(), column));
             channels.push((channel, JsonColumns::new(columns)));
         }
@@ -73,8 +79,13 @@ impl<W: Write> TraceMcap<W> {
         let time_ns = (row.t_s * 1e9).round() as u64;
         for (channel_id, columns) in &self.channels {
             columns.write(row, &mut self.text)?;
-            self.file
-                .message(*channel_id, self.rows, time_ns, &self.text)?;
+            let header = MessageHeader {
+                channel_id: *channel_id,
+                sequence: self.rows,
+                log_time: time_ns,
+                publish_time: time_ns,
+            };
+            self.file.write_to_known_channel(&header, &self.text)?;
         }
         self.rows = self.rows.wrapping_add(1);
         Ok(())
@@ -84,8 +95,11 @@ impl<W: Write> TraceMcap<W> {
     ///
     /// # Errors
     /// When the writer refuses the last bytes.
-    pub fn finish(self) -> Result<W, McapTraceError> {
-        Ok(self.file.finish()?)
+    pub fn finish(mut self) -> Result<W, McapTraceError> {
+        self.file.finish()?;
+        let mut w = self.file.into_inner();
+        w.flush()?;
+        Ok(w)
     }
 }
 

@@ -17,7 +17,6 @@ mod fst;
 mod json;
 mod layout;
 mod mcap;
-mod mcap_file;
 mod overdue;
 mod recorder;
 mod rounding;
