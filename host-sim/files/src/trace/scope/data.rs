@@ -81,7 +81,7 @@ pub(super) mod channel {
 /// Collects a run and draws it.
 ///
 /// ```
-/// use host_sim::trace::{AxisRow, Row, ScopeData, ScopeFrame};
+/// use cophase_files::trace::{AxisRow, Row, ScopeData, ScopeFrame};
 ///
 /// let mut scope = ScopeData::new(3, ScopeFrame { title: "first turn".into(), ..ScopeFrame::default() });
 /// for tick in 0..2000 {
