@@ -107,7 +107,7 @@ pub struct Statistics {
     /// Deadlines missed completely.
     pub missed_deadlines: u32,
 
-    /// Mechanism that converts a speed to an amplitude. For cams, the crank of equal κ.
+    /// Law that converts a speed to an amplitude.
     law: SquareLaw,
     /// Speed in the last tick, and the values computed from it: most ticks have the speed of the one before.
     speed: Turns,
