@@ -123,3 +123,12 @@ fn the_path_returns_and_its_velocity_matches_its_position() {
     }
     assert!((path.nearest([0.1, 0.33]).0 - 0.03).abs() < 1e-12);
 }
+
+/// If this fails, a contact without `sensor_n` has another sensor than that of the source. The scene's default is written apart, because a
+/// scene imports no equation.
+#[test]
+fn the_default_sensor_is_that_of_the_source() {
+    let contact: cophase_scene::file::ContactTable = toml::from_str("force_n = 1").unwrap();
+    let source = cophase_methods::problems::five_bar::ForceSensor::SOURCE;
+    assert_eq!(contact.sensor_n, source.full_scale_n);
+}
