@@ -1,4 +1,4 @@
-//! What the equations of a model level provide.
+//! Interface of the equations of motion of a model level.
 
 use std::fmt::Debug;
 
