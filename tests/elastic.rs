@@ -9,7 +9,7 @@ use cophase_scene::load;
 use cophase_tests::{record, scene};
 use host_sim::checked::Checked;
 use host_sim::sim::{Moment, Observer, simulate};
-use nalgebra::Complex;
+use num_complex::Complex;
 
 /// A light platform on three heavy rotors. The platform's torque hardly changes their speed. The frame has 20 kg, the foundation 100
 /// kg.

@@ -4,7 +4,7 @@
 //! oscillation in a step. Its exact value is exp(z hω) with z = −ζ + i √(1 − ζ²). So |ln μ / hω − z| is the error of phase and
 //! logarithm of the amplitude per radian. For RK4 without damping it is (hω)⁴/120.
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use crate::Scheme;
 

@@ -57,6 +57,7 @@ pub mod drift;
 pub mod equations;
 mod error;
 pub mod event;
+mod exponential;
 mod factors;
 mod facts;
 pub mod friction;

@@ -9,7 +9,7 @@ mod support;
 use cophase_methods::problems::Oscillator;
 use cophase_methods::stability::{GROWTH, LARGEST_H_OMEGA};
 use cophase_methods::{Scheme, Unstable};
-use nalgebra::Complex;
+use num_complex::Complex;
 use support::play;
 
 /// Largest stable hω by theory, for ζ below 1/2; `None` if there is no limit.

@@ -7,31 +7,37 @@ use cophase_core::units::{Amax, ONE_TURN, Torque, Turns};
 pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 
 /// Turns as a float; exact below 32 turns.
+#[inline]
 pub fn turns(turns: Turns) -> f64 {
     turns.to_bits() as f64 / ONE_TURN as f64
 }
 
 /// Amplitude, m/s², rounded to 53 bits.
+#[inline]
 pub fn mps2(amax: Amax) -> f64 {
     amax.to_bits() as f64 / (1_u64 << Amax::FRAC_NBITS) as f64
 }
 
 /// Torque, N·m; exact.
+#[inline]
 pub fn nm(torque: Torque) -> f64 {
     f64::from(torque.to_bits()) / f64::from(1 << Torque::FRAC_NBITS)
 }
 
 /// Degrees.
+#[inline]
 pub fn degrees(angle: Turns) -> f64 {
     turns(angle) * 360.0
 }
 
 /// A speed in turns a tick, as rev/s.
+#[inline]
 pub fn speed_hz(speed: Turns, tick_hz: u32) -> f64 {
     turns(speed) * f64::from(tick_hz)
 }
 
 /// Largest minus smallest value. A NaN is ignored, as by `f64::max`, at a lower cost.
+#[inline]
 pub fn spread(values: &[f64]) -> f64 {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for &value in values {
@@ -42,6 +48,7 @@ pub fn spread(values: &[f64]) -> f64 {
 }
 
 /// Nearest whole number, as `value.round() as i64`, without a call where the processor has no instruction for it.
+#[inline]
 pub fn nearest(value: f64) -> i64 {
     // Just below a half, because adding a half would round up a value just below a half.
     const HALF: f64 = 0.5 - f64::EPSILON / 4.0;
@@ -49,6 +56,7 @@ pub fn nearest(value: f64) -> i64 {
 }
 
 /// Largest whole number up to a value, as `value.floor() as i64`, without a call where the processor has no instruction for it.
+#[inline]
 pub fn floor(value: f64) -> i64 {
     let whole = value as i64;
     whole.saturating_sub(i64::from(whole as f64 > value))

@@ -16,7 +16,7 @@
 use std::f64::consts::TAU;
 
 use cophase_scene::file::ServoDrive;
-use nalgebra::Complex;
+use num_complex::Complex;
 
 /// Least distance of the open loop from −1, at any frequency.
 pub const APART: f64 = 0.6;

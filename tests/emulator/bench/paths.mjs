@@ -15,7 +15,7 @@ export const FIRMWARE_V0_NAMES = path.join(TARGET, 'v0-names/thumbv6m-none-eabi/
 
 /** The command, and the tool that reads firmware and logs. */
 export const COPHASE = path.join(TARGET, 'release/cophase');
-export const INSPECT = path.join(TARGET, 'release/firmware-inspect');
+export const INSPECT = path.join(TARGET, 'debug/firmware-inspect');
 
 export const SCENES = path.join(HERE, 'scenes');
 export const BUILT_IN = path.join(ROOT, 'host-sim/scenes');

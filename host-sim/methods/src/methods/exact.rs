@@ -8,9 +8,9 @@
 //! the matrix exponential*, IEEE TAC 23, 1978):
 //!
 //! ```text
-//!     ⎡ hA  hI  0 ⎤     ⎡ Φ  Γ₀  Γ₁ ⎤
-//! exp ⎢ 0   0   I ⎥  =  ⎢ 0  I   I  ⎥      P = Γ₀ − Γ₁,  Q = Γ₁.
-//!     ⎣ 0   0   0 ⎦     ⎣ 0  0   I  ⎦
+//!     ⎡ hA  hI  0  ⎤     ⎡ Φ  Γ₀  h Γ₁ ⎤
+//! exp ⎢ 0   0   hI ⎥  =  ⎢ 0  I   hI   ⎥      P = Γ₀ − Γ₁,  Q = Γ₁.
+//!     ⎣ 0   0   0  ⎦     ⎣ 0  0   I    ⎦
 //! ```
 //!
 //! A step is then three products of matrix and vector. The method keeps the matrix A of its preparation: equations
@@ -18,6 +18,7 @@
 
 use nalgebra::{DMatrix, DVector, DVectorView, DVectorViewMut};
 
+use crate::exponential::exponential;
 use crate::rule::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
@@ -49,16 +50,17 @@ impl Rule for Exact {
             .view_mut((0, 0), (n, n))
             .copy_from(&(linear.matrix() * step_s));
         block.view_mut((0, n), (n, n)).fill_diagonal(step_s);
-        block.view_mut((n, 2 * n), (n, n)).fill_diagonal(1.0);
-        let block = block.exp();
+        block.view_mut((n, 2 * n), (n, n)).fill_diagonal(step_s);
+        let block = exponential(&block);
         if block.iter().any(|entry| !entry.is_finite()) {
             return Err(Refused::Exponential { step_s });
         }
         let part = |column: usize| block.view((0, column * n), (n, n)).into_owned();
+        let from_end = part(2) / step_s;
         Ok(Self {
             transition: part(0),
-            from_start: part(1) - part(2),
-            from_end: part(2),
+            from_start: part(1) - &from_end,
+            from_end,
             input: DVector::zeros(n),
         })
     }

@@ -6,7 +6,8 @@
 use cophase_methods::problems::{Cam, Links, Shaft};
 use cophase_scene::SceneError;
 use cophase_scene::file::Fidelity;
-use nalgebra::{Complex, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
+use num_complex::Complex;
 
 use crate::checked::Checked;
 use crate::checked::Output;

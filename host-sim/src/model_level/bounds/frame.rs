@@ -9,7 +9,8 @@
 //!
 //! (without a foundation b = 0). So harmonic n of z″ makes G(nω) of itself in f″.
 
-use nalgebra::{Complex, Matrix2, Vector2};
+use nalgebra::{Matrix2, Vector2};
+use num_complex::Complex;
 
 use super::linear::Drive;
 use super::required_torque::{HARMONICS, harmonics_of_h};

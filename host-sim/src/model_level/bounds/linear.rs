@@ -18,7 +18,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use super::required_torque::{HARMONICS, RequiredTorque, SAMPLES};
 use crate::dynamics::{Body, Motor};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use crate::dynamics::Body;
 use crate::mechanism::Mechanism;

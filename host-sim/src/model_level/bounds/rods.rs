@@ -13,7 +13,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use super::linear::Drive;
 use super::required_torque::{HARMONICS, harmonics_of_h};

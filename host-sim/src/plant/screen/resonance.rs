@@ -14,7 +14,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use super::Screen;
 

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use cophase_methods::problems::Screen as OneShaft;
 use cophase_methods::{Equations, Scheme, advance};
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use super::*;
 use crate::dynamics::plant::OnPlant;

@@ -156,45 +156,30 @@ fn lift_off_hz(low: f64, high: f64, library: Library) -> f64 {
     points[1].0
 }
 
-/// Checks that a constant is DOP853's threshold, and that the other method's is within the stated difference.
-fn assert_reference(decision: &dyn Decision, found: [f64; 2]) {
-    let uncertainty = (found[1] / found[0] - 1.0).abs();
-    println!(
-        "{}: DOP853 {:.14}, RKV 9(8) {:.14}, {uncertainty:.1e} apart; stated {:.14} ± {:.0e}",
-        decision.name(),
-        found[0],
-        found[1],
-        decision.reference(),
-        decision.uncertainty()
-    );
-    assert!(
-        uncertainty <= decision.uncertainty(),
-        "{}: {uncertainty:e}",
-        decision.name()
-    );
-    let off = (found[0] / decision.reference() - 1.0).abs();
-    assert!(
-        off <= decision.uncertainty(),
-        "{}: {off:e}",
-        decision.name()
-    );
+/// Checks that both libraries put the threshold within the stated uncertainty: the outcome changes between its two ends.
+fn assert_reference(decision: &dyn Decision, beyond: impl Fn(f64, Library) -> bool) {
+    for (library, solver) in LIBRARY.into_iter().zip(["DOP853", "RKV 9(8)"]) {
+        for (end, expected) in [(-1.0, false), (1.0, true)] {
+            let drive = decision.reference() * (1.0 + end * decision.uncertainty());
+            let name = decision.name();
+            assert_eq!(
+                beyond(drive, library),
+                expected,
+                "{name}, {solver}: {drive}"
+            );
+        }
+    }
 }
 
-/// If this fails, the chart gives errors against a wrong threshold. (Each threshold was found between far wider bounds.)
+/// If this fails, the chart gives errors against a wrong threshold.
 #[test]
 fn thresholds_match_the_library_solvers() {
-    let near = |at: f64| (at * (1.0 - 1e-5), at * (1.0 + 1e-5));
-    let (low, high) = near(resonance::REFERENCE);
-    let found = LIBRARY.map(|library| bisected(low, high, |drive| passes(drive, library)));
-    assert_reference(&Resonance, found);
+    assert_reference(&Resonance, passes);
     let machine = PullsOut::new();
-    let (low, high) = near(pull_out::REFERENCE_HZ);
-    let found =
-        LIBRARY.map(|library| bisected(low, high, |drive| is_out(&machine, drive, library)));
-    assert_reference(&machine, found);
-    let (low, high) = near(lift_off::REFERENCE_HZ);
-    let found = LIBRARY.map(|library| lift_off_hz(low, high, library));
-    assert_reference(&LiftOff, found);
+    assert_reference(&machine, |drive, library| is_out(&machine, drive, library));
+    assert_reference(&LiftOff, |drive, library| {
+        least_contact_n(drive, library) < 0.0
+    });
 }
 
 /// If this fails, shorter steps do not converge to the reference. The error of RK4 falls at least in proportion to the step, over the
@@ -247,7 +232,7 @@ fn the_screen_reproduces_published_run_up_and_capture() {
 }
 
 /// Searches brackets of the thresholds in a wide range. Run it by hand after a change of a machine:
-/// `cargo test -p host-sim --lib decisions -- --ignored --nocapture`.
+/// `cargo test -p cophase-lab --lib decisions -- --ignored --nocapture`.
 #[test]
 #[ignore = "shows the constants anew; asserts nothing"]
 fn print_the_thresholds() {
