@@ -3,6 +3,7 @@
 //!     cargo test -p cophase-references -- --nocapture
 
 mod chain;
+mod exponential;
 mod order;
 mod published;
 #[path = "../../../tests/support/mod.rs"]
