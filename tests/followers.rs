@@ -7,8 +7,8 @@ use cophase_core::supervisor::{FaultKind, State};
 use cophase_methods::problems::{Cam, Law};
 use cophase_tests::scene;
 use host_sim::checked::Checked;
-use host_sim::machine::Peaks;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
+use host_sim::simulated_machine::Peaks;
 
 /// Two wrapper pushers (`docs/methods.md`, the elastic follower), run up to 450 turns a minute.
 const SCENE: &str = r#"

@@ -55,3 +55,26 @@ fn reports_of_machines_without_a_platform_name_none() {
         }
     }
 }
+
+/// If this fails, the report of a run does not say which of two model levels computed it.
+#[test]
+fn each_model_level_of_a_machine_has_words_of_its_own() {
+    for built_in in library::SCENES {
+        let machine = scene(built_in.text).machine;
+        let words = machine
+            .levels()
+            .iter()
+            .map(|&level| (machine.motion(level), machine.left_out(level)));
+        let words: Vec<_> = words.collect();
+        for (i, (motion, left_out)) in words.iter().enumerate() {
+            let earlier = &words[..i];
+            assert!(
+                earlier
+                    .iter()
+                    .all(|(own, out)| own != motion && out != left_out),
+                "{}: {motion}; {left_out}",
+                built_in.name
+            );
+        }
+    }
+}

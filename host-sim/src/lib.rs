@@ -1,13 +1,12 @@
 //! The Cophase control loop in virtual time against simulated machines.
 //!
 //! The loop itself is [`cophase_core`]'s: the same function that runs on the controller, tick for tick and
-//! bit for bit. This crate adds its clock ([`virtual_time`]) and its machine ([`machine`], [`sim`]). [`design`] and [`mechanism`] are the
+//! bit for bit. This crate adds its clock ([`virtual_time`]) and its machine ([`simulated_machine`], [`sim`]). [`machines`], [`design`] and [`mechanism`] are the
 //! mathematics of the machines. The task is a [scene](cophase_scene); `files/` writes traces and reports, `lab/` charts and campaigns, and
 //! `command/` has the `cophase` command.
 #![forbid(unsafe_code)]
 
 pub mod axes;
-pub mod cam;
 pub mod checked;
 pub mod design;
 mod drawing;
@@ -17,12 +16,12 @@ pub mod faults;
 pub mod fidelity;
 pub mod ink;
 pub mod live;
-pub mod machine;
+pub mod machines;
 pub mod mechanism;
 pub mod model_level;
 pub mod operating_range;
-pub mod plant;
 pub mod pose;
 pub mod setup;
 pub mod sim;
+pub mod simulated_machine;
 pub mod virtual_time;

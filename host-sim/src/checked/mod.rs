@@ -11,15 +11,15 @@ use std::sync::Arc;
 use cophase_core::controller::Controller;
 use cophase_core::problem::SettingsError;
 use cophase_core::program::EntrySettings;
-use cophase_core::settings::{AxisSettings, MachineSettings, PlatformSettings, Settings};
+use cophase_core::settings::{AxisSettings, MachineSettings, Settings};
 use cophase_scene::SceneError;
 use cophase_scene::file::{AxisOverrides, CamTable, Fidelity, Scene};
 use cophase_scene::program;
 
-use crate::cam::{self, Follower, off_law};
-use crate::dynamics::plant::Plant;
 use crate::dynamics::{Chosen, scheme};
-use crate::mechanism::{AnyMechanism, Configured, Mechanism, Mount, Platform, SquareLaw};
+use crate::machines::cam::off_law;
+use crate::machines::{DetachedCrank, Machine};
+use crate::mechanism::{AnyMechanism, Configured, Mechanism, SquareLaw};
 
 /// Scene whose values have been checked, alone and in combination.
 #[derive(Clone, Debug)]
@@ -28,10 +28,8 @@ pub struct Checked {
     pub scene: Scene,
     /// Settings of the core, the same as in a settings file for a board.
     pub settings: Settings,
-    /// Cam shaft with its follower, for machines without cranks.
-    pub cam: Option<Follower>,
-    /// Machine of another kind, without platform and cam.
-    pub plant: Option<Arc<dyn Plant>>,
+    /// What the axes turn, and what that moves.
+    pub machine: Arc<dyn Machine>,
     /// Model level; `auto` is resolved.
     pub fidelity: Fidelity,
     /// Choice of the model level, if the scene leaves it open.
@@ -45,28 +43,23 @@ pub struct Checked {
 impl Checked {
     /// Returns true if the cranks carry a platform, which tilts when they are out of phase.
     pub fn has_platform(&self) -> bool {
-        matches!(self.settings.machine, MachineSettings::Platform(_))
+        self.machine.platform().is_some()
     }
 
     /// Returns the mechanism under the platform; `None` for a machine without one.
     pub fn mechanism(&self) -> Option<AnyMechanism> {
-        self.settings.machine.platform().map(mechanism_of)
+        self.machine
+            .platform()
+            .map(|platform| *platform.mechanism())
     }
 
     /// Returns the law between the speed of the master and the amplitude.
     pub fn law(&self) -> SquareLaw {
         match &self.settings.machine {
-            MachineSettings::Platform(platform) => mechanism_of(platform).law(),
+            MachineSettings::Platform(platform) => {
+                AnyMechanism::of(&platform.mechanism, platform.crank_radius_m).law()
+            }
             MachineSettings::Shafts(shafts) => SquareLaw::of_length(shafts.length_m),
-        }
-    }
-
-    /// Returns the part that an axis of this machine turns, in a word, for sentences: "crank".
-    pub fn axis_noun(&self) -> &'static str {
-        match (&self.plant, &self.cam) {
-            (Some(plant), _) => plant.axis_noun(),
-            (None, Some(_)) => "cam",
-            (None, None) => "crank",
         }
     }
 
@@ -116,30 +109,7 @@ impl Checked {
 
     /// Returns a drawing of its machine with its symbols, as SVG text.
     pub fn draw(&self) -> String {
-        match (&self.settings.machine, &self.plant, &self.cam) {
-            (MachineSettings::Platform(platform), ..) => {
-                mechanism_of(platform).draw(&self.mount(platform))
-            }
-            (_, Some(plant), _) => plant.draw(),
-            (_, None, Some(follower)) => cam::draw(follower),
-            (_, None, None) => String::new(),
-        }
-    }
-
-    /// Returns the arrangement of the mechanisms around their platform.
-    fn mount(&self, platform: &PlatformSettings) -> Mount {
-        Mount {
-            name: self.scene.name.clone(),
-            reversed: self
-                .settings
-                .axes
-                .iter()
-                .map(|axis| axis.reversed)
-                .collect(),
-            is_below: platform.platform == Platform::Below,
-            radius_m: platform.mount_radius_m,
-            load_kg: platform.load_kg,
-        }
+        self.machine.draw(&self.scene.name, &self.settings.axes)
     }
 
     /// Returns each cam table with the largest difference of its acceleration from its law's, relative to the law's peak. A table of points
@@ -198,7 +168,8 @@ impl Checked {
         }
         one.settings.keep_axis(number);
         one.fidelity = Fidelity::Kinematic;
-        (one.cam, one.plant, one.choice) = (None, None, None);
+        one.machine = Arc::new(DetachedCrank);
+        one.choice = None;
         one
     }
 
@@ -242,8 +213,4 @@ impl Checked {
     pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
         self.scene.overrides(number)
     }
-}
-
-fn mechanism_of(platform: &PlatformSettings) -> AnyMechanism {
-    AnyMechanism::of(&platform.mechanism, platform.crank_radius_m)
 }

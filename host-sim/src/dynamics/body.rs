@@ -25,6 +25,15 @@ pub struct Crank {
     pub lever_rate_m: f64,
 }
 
+/// Inertia and dry friction of the rotors, one an axis.
+#[derive(Clone, Debug)]
+pub struct RotorParts {
+    /// Inertia of each rotor, kg·m².
+    pub inertia_kgm2: Vec<f64>,
+    /// Dry friction of each rotor, N·m.
+    pub friction_nm: Vec<f64>,
+}
+
 /// The parts of a platform on cranks that all its model levels share: the mechanism, the load it carries, and the rotors.
 #[derive(Clone, Debug)]
 pub struct Body {

@@ -30,7 +30,7 @@ pub mod plant;
 mod rigid;
 pub mod step;
 
-pub use body::{Body, Crank, PlaneMotion};
+pub use body::{Body, Crank, PlaneMotion, RotorParts};
 pub use corners::{Corners, FREEDOMS, MOST};
 pub use driven::Driven;
 pub use elastic::Elastic;

@@ -11,8 +11,8 @@ use super::check::run;
 use crate::checked::Checked;
 use crate::checked::Judged;
 use crate::checked::Output;
-use crate::machine::Machine;
 use crate::model_level::STEP_PART;
+use crate::simulated_machine::SimulatedMachine;
 
 /// Limit of halvings. A change that remains after that does not come from the step.
 const MOST_HALVINGS: u32 = 6;
@@ -65,7 +65,7 @@ impl Settled {
     /// Returns answers that stand with at most the scene's own number of steps. `None` if there are none, or if a motor slips: the step may
     /// decide which one does.
     fn coarse(checked: &Checked, questions: &Questions) -> Result<Option<Self>, SceneError> {
-        let Some((scheme, most)) = Machine::new(checked)?.method() else {
+        let Some((scheme, most)) = SimulatedMachine::new(checked)?.method() else {
             return Ok(None);
         };
         let mut longer: Option<Answers> = None;
@@ -76,7 +76,7 @@ impl Settled {
             let mut coarse = checked.clone();
             coarse.scene.method.steps_per_tick = Some(steps);
             // A long step may be unstable, and the choice of the method depends on the step.
-            let is_possible = Machine::new(&coarse)
+            let is_possible = SimulatedMachine::new(&coarse)
                 .is_ok_and(|machine| machine.method() == Some((scheme, steps)));
             if !is_possible {
                 continue;
@@ -117,7 +117,7 @@ impl Settled {
     /// Halves the step until half of it changes no answer by more than [`STEP_PART`] of its tolerance. A step that the scene sets is
     /// not changed.
     pub fn settled(mut self, questions: &Questions) -> Result<Self, SceneError> {
-        if Machine::new(&self.checked)?.method().is_none() {
+        if SimulatedMachine::new(&self.checked)?.method().is_none() {
             return Ok(self);
         }
         let is_imposed = !self.checked.chosen().is_open();

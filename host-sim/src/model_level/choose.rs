@@ -171,26 +171,9 @@ fn resolution(bounds: &Bounds, questions: &Questions) -> f64 {
     parts.fold(1e-2, f64::min).max(1e-6)
 }
 
-/// Returns the choice for a scene without questions: kinematic for cranks. For followers whose masses and springs the scene has, it
-/// is elastic.
+/// Returns the choice for a scene without questions.
 fn without_questions(checked: &Checked) -> Choice {
-    let gives = checked.cam.is_some_and(|cam| cam.links.is_some());
-    let (model_level, why) = if gives {
-        (
-            Fidelity::Elastic,
-            "the scene gives the followers' masses and springs, so their motion is required",
-        )
-    } else if checked.cam.is_some() {
-        (
-            Fidelity::Kinematic,
-            "the scene has no masses and springs between cam and pusher, so only phases and the law are required",
-        )
-    } else {
-        (
-            Fidelity::Kinematic,
-            "the scene has no question about torque, so only phases and the motion that follows from them are required",
-        )
-    };
+    let (model_level, why) = checked.machine.level_without_questions();
     Choice {
         model_level,
         why: why.to_owned(),

@@ -17,8 +17,8 @@ use cophase_scene::file::Fidelity;
 
 use crate::checked::Checked;
 use crate::dynamics::Motor;
-use crate::machine::{Machine, motor_of};
 use crate::mechanism::SquareLaw;
+use crate::simulated_machine::{SimulatedMachine, motor_of};
 
 /// Speed up to which the board's limit is searched, rev/s. A board that has no limit below it counts as one without a limit.
 const FASTEST_HZ: f64 = 1e4;
@@ -37,7 +37,7 @@ pub struct Level {
 pub struct OperatingRange {
     /// Name of the scene.
     pub name: String,
-    machine: Machine,
+    machine: SimulatedMachine,
     law: SquareLaw,
     offsets_turns: Vec<f64>,
     /// Motors at their cranks; `None` for an axis whose torque is not known.
@@ -89,7 +89,7 @@ impl OperatingRange {
         undisturbed.scene.noise.load_nm = 0.0;
         Ok(Some(Self {
             name: checked.scene.name.clone(),
-            machine: Machine::new(&undisturbed.on(Fidelity::Kinematic)?)?,
+            machine: SimulatedMachine::new(&undisturbed.on(Fidelity::Kinematic)?)?,
             law: checked.law(),
             offsets_turns: axes.map(|axis| axis.offset_turns).collect(),
             motors,

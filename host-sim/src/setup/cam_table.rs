@@ -9,7 +9,8 @@ use cophase_scene::file::{CamSegment, CamTable, Scene};
 use cophase_scene::in_range;
 use cophase_scene::load::{meant_net_turns, nearest};
 
-use crate::cam::{Points, law_at, off_law_of};
+use crate::machines::Table;
+use crate::machines::cam::{Points, law_at, off_law_of};
 
 /// Largest difference of a table's acceleration from that of its law, relative to the law's peak.
 const MOST_OFF_LAW: f64 = 0.15;
@@ -150,8 +151,8 @@ pub(super) fn follower(scene: &Scene, number: usize, ratio: (u32, u32)) -> Follo
     })
 }
 
-/// Checks the table names of axes, and that each axis can follow a table.
-pub(super) fn check_axes(scene: &Scene) -> Result<(), SceneError> {
+/// Checks the table names of axes, and that each axis can follow a table. `machine` is the table of the scene's machine.
+pub(super) fn check_axes(scene: &Scene, machine: &dyn Table) -> Result<(), SceneError> {
     for (entry, own) in scene.axis.iter().enumerate() {
         let key = |name: &str| format!("axis[{entry}].{name}");
         let Some(name) = &own.cam else {
@@ -179,6 +180,12 @@ pub(super) fn check_axes(scene: &Scene) -> Result<(), SceneError> {
             return Err(SceneError::at(
                 key("ratio"),
                 "given together with cam; an axis has a gear or follows a table, so leave one out",
+            ));
+        }
+        if !machine.axes_follow_tables() {
+            return Err(SceneError::at(
+                key("cam"),
+                "turns neither a crank nor a cam evenly: only pushers on screws follow a table here, so give [cam] with cam.screw_lead_mm",
             ));
         }
     }

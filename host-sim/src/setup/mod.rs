@@ -1,37 +1,29 @@
 //! Checks of a scene's values, alone and in combination.
 //!
-//! `numbers` checks values that the core does not have, and `settings` converts the scene's units into the core's. `machine` creates
-//! its platform, `cam` the followers of a cam shaft. An error of the core is reported at the key
-//! in the file.
+//! `numbers` checks values that the core does not have, and `settings` converts the scene's units into the core's. The scene's
+//! machine comes from its own [table](crate::machines::Table). An error of the core is reported at the key in the file.
 
-mod cam;
 mod cam_table;
 mod correction;
 mod faults;
 mod load;
-mod machine;
 mod numbers;
 mod settings;
 
-use std::sync::Arc;
-
 use cophase_core::problem::Problem;
-use cophase_core::settings::{DriftSettings, MachineSettings, ShaftSettings};
+use cophase_core::settings::DriftSettings;
 use cophase_link::board;
 use cophase_scene::file::{Drift, Fidelity, Scene};
 use cophase_scene::{SceneError, program, range};
 
-use crate::cam::Follower;
 use crate::checked::Checked;
 use crate::drives::PullOut;
 use crate::dynamics::RESOLUTION;
-use crate::dynamics::plant::Plant;
+use crate::machines::{self, Made, Table};
 use crate::model_level::choose;
-use crate::plant;
 
 pub use correction::servos;
 pub use load::{checked_from_file, checked_from_text, runnable};
-pub use machine::platform;
 
 impl Checked {
     /// Checks a scene.
@@ -41,21 +33,15 @@ impl Checked {
     pub fn new(mut scene: Scene) -> Result<Self, SceneError> {
         faults::fill(&mut scene);
         // All others count the axes.
-        check_count(&scene)?;
+        let table = table(&scene)?;
+        check_count(&*table, scene.axes.count)?;
         numbers::check_gears(&scene)?;
-        if let Some(table) = plant::table(&scene) {
-            table.fill(&mut scene)?;
-        }
-        let Kind {
-            machine,
-            cam,
-            plant,
-        } = kind(&scene)?;
+        table.fill(&mut scene)?;
         for (entry, overrides) in scene.axis.iter().enumerate() {
             numbers::check_overrides(&scene, entry, overrides)?;
         }
-        cam_table::check_axes(&scene)?;
-        cam::check_screws(&scene)?;
+        cam_table::check_axes(&scene, &*table)?;
+        let Made { settings, machine } = table.make(&scene)?;
         PullOut::new(&scene.axes.pull_out)?;
         numbers::check_times(&scene)?;
         faults::check(&scene)?;
@@ -66,9 +52,9 @@ impl Checked {
         let mut checked = Self {
             settings: settings::settings(
                 &scene,
-                machine,
+                settings,
                 drift(&scene.drift),
-                correction::correction(&scene, &machine)?,
+                correction::correction(&scene, &settings)?,
                 cam_table::tables(&scene)?,
                 program.into_iter().map(|(entry, _)| entry),
             ),
@@ -76,8 +62,7 @@ impl Checked {
             choice: None,
             resolution: RESOLUTION,
             halvings: 0,
-            cam,
-            plant,
+            machine,
             scene,
         };
         // A controller is created as a check, because only this runs all checks of the core.
@@ -113,14 +98,6 @@ impl Checked {
     }
 }
 
-/// Settings of a scene's machine.
-struct Kind {
-    /// Machine settings of the core.
-    machine: MachineSettings,
-    cam: Option<Follower>,
-    plant: Option<Arc<dyn Plant>>,
-}
-
 /// Returns the limits on phase errors for the core. The limit on tilt is the platform's own.
 fn drift(given: &Drift) -> DriftSettings {
     DriftSettings {
@@ -132,19 +109,13 @@ fn drift(given: &Drift) -> DriftSettings {
 }
 
 /// Checks the number of axes.
-fn check_count(scene: &Scene) -> Result<(), SceneError> {
-    let (counts, what) = match plant::table(scene) {
-        Some(table) => (table.axes(), table.plant_name()),
-        // [`kind`] refuses it.
-        None if scene.machine.is_none() && scene.cam.is_none() => return Ok(()),
-        None => (2..=6, "one platform"),
-    };
-    let count = scene.axes.count;
+fn check_count(table: &dyn Table, count: usize) -> Result<(), SceneError> {
+    let counts = table.axes();
     if counts.contains(&count) {
         return Ok(());
     }
     let (least, most) = counts.into_inner();
-    let reason = format!("the motors that {what} has");
+    let reason = format!("the motors that {} has", table.machine_name());
     let problem = if least == most {
         format!("{count} is not {least}, {reason}; give {least}")
     } else {
@@ -154,58 +125,23 @@ fn check_count(scene: &Scene) -> Result<(), SceneError> {
     Err(SceneError::at("axes.count", problem))
 }
 
-/// Returns the one machine of a scene.
-fn kind(scene: &Scene) -> Result<Kind, SceneError> {
-    if let Some(table) = plant::table(scene) {
-        let others = [
-            ("machine", scene.machine.is_some()),
-            ("cam", scene.cam.is_some()),
-        ];
-        if let Some((key, _)) = others.iter().find(|(_, given)| *given) {
-            return Err(SceneError::at(
-                *key,
-                format!(
-                    "given together with [{}]; a scene has one machine: leave one out",
-                    table.key()
-                ),
-            ));
-        }
-        let made = table.make(scene)?;
-        return Ok(Kind {
-            machine: MachineSettings::Shafts(ShaftSettings {
-                length_m: made.length_m,
-            }),
-            cam: None,
-            plant: Some(made.plant),
-        });
-    }
-    match (&scene.machine, &scene.cam) {
-        (Some(machine), None) => {
-            let platform = machine::platform(machine, &scene.drift)?;
-            Ok(Kind {
-                machine: MachineSettings::Platform(platform),
-                cam: None,
-                plant: None,
-            })
-        }
-        (None, Some(shaft)) => {
-            cam::check_useless(scene)?;
-            let follower = cam::follower(shaft)?;
-            Ok(Kind {
-                machine: MachineSettings::Shafts(ShaftSettings {
-                    length_m: follower.cam.peak_m(),
-                }),
-                cam: Some(follower),
-                plant: None,
-            })
-        }
-        (Some(_), Some(_)) => Err(SceneError::at(
-            "cam",
-            "given together with [machine]; a scene has cranks under a platform or cams with followers: leave one out",
-        )),
-        (None, None) => Err(SceneError::at(
+/// Returns the table of the scene's one machine.
+fn table(scene: &Scene) -> Result<Box<dyn Table>, SceneError> {
+    let mut tables = machines::tables(scene);
+    let Some(table) = tables.next() else {
+        return Err(SceneError::at(
             "machine",
             "missing; give [machine], cranks under a platform, or [cam], a cam shaft with its follower on each axis, or [screen], [crusher] or [five_bar]",
+        ));
+    };
+    match tables.next() {
+        None => Ok(table),
+        Some(other) => Err(SceneError::at(
+            other.key(),
+            format!(
+                "given together with [{}]; a scene has one machine: leave one out",
+                table.key()
+            ),
         )),
     }
 }

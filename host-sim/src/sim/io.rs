@@ -26,7 +26,7 @@ use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
 use crate::drives::{IndexSensor, Passages, Played, SimulatedAxis};
 use crate::faults::Faults;
-use crate::machine::Machine;
+use crate::simulated_machine::SimulatedMachine;
 use crate::virtual_time::{self, TICKS_PER_S};
 
 /// Output that waits for its time, or is played.
@@ -43,7 +43,7 @@ struct Waiting {
 pub struct SimulatedIo {
     tick_us: u64,
     tick_hz: u32,
-    machine: Machine,
+    machine: SimulatedMachine,
     sensors: Axes<IndexSensor>,
     /// Sensors whose lines or filters may still change, one bit each. The others are skipped until an event reaches them.
     awake: u8,
@@ -100,7 +100,7 @@ impl SimulatedIo {
     /// # Errors
     /// Fails if the machine of the scene cannot be created.
     pub fn new(checked: &Checked, schedule: Schedule) -> Result<Self, SceneError> {
-        let machine = Machine::new(checked)?;
+        let machine = SimulatedMachine::new(checked)?;
         let tick_hz = checked.settings.tick_hz;
         Ok(Self {
             tick_us: 1_000_000 / u64::from(tick_hz),

@@ -6,8 +6,8 @@ use cophase_core::signals::Telemetry;
 use cophase_scene::units::turns;
 
 use crate::drives::Played;
-use crate::machine::Machine;
 use crate::pose::Pose;
+use crate::simulated_machine::SimulatedMachine;
 
 /// Receives each tick of a run.
 pub trait Observer {
@@ -75,7 +75,7 @@ pub struct Moment<'a> {
     /// Actual phases of the cranks, turns since power-up.
     pub actual_turns: &'a [f64],
     /// Machine at the end of the tick.
-    pub machine: &'a Machine,
+    pub machine: &'a SimulatedMachine,
     /// Tilt of the platform, computed once, when first needed.
     pub(super) tilt_mrad: OnceCell<f64>,
 }

@@ -17,8 +17,8 @@ use super::off_command::OffCommand;
 use crate::checked::Checked;
 use crate::drives::SimulatedAxis;
 use crate::dynamics::plant::Figure;
-use crate::machine::{Machine, Peaks};
 use crate::mechanism::SquareLaw;
+use crate::simulated_machine::{Peaks, SimulatedMachine};
 
 /// Accuracy of amax while the program holds it and the shaft has reached its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -163,7 +163,14 @@ impl Statistics {
             worst_torque_nm: Vec::new(),
             worst_accel_mps2: 0.0,
             frame: None,
-            followers: vec![Peaks::default(); if checked.cam.is_some() { axes } else { 0 }],
+            followers: vec![
+                Peaks::default();
+                if checked.machine.follower().is_some() {
+                    axes
+                } else {
+                    0
+                }
+            ],
             figures: Vec::new(),
             machine_warnings: Vec::new(),
             coast: Coast::new(checked),
@@ -438,7 +445,12 @@ impl Statistics {
 
     /// Completes the statistics at the end of a run. Steps, phase errors and corrections are those of the last tick that was
     /// played. `command_turns` are the commanded positions at its end. Without such a tick all are 0.
-    pub fn finish(&mut self, machine: &Machine, last: Option<&Telemetry>, command_turns: &[f64]) {
+    pub fn finish(
+        &mut self,
+        machine: &SimulatedMachine,
+        last: Option<&Telemetry>,
+        command_turns: &[f64],
+    ) {
         if let Some(record) = machine.record() {
             let mut record = record.clone_box();
             let latched = self.events.iter().filter_map(|event| match &event.what {

@@ -13,7 +13,7 @@ use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::checked::Output;
 use host_sim::fidelity::{Answers, check};
-use host_sim::machine::Machine;
+use host_sim::simulated_machine::SimulatedMachine;
 
 use super::{machines, number, run};
 
@@ -91,7 +91,7 @@ fn judge(seed: u64, tally: &Mutex<Tally>) {
         }
     };
     let (answers, diverged) = run(&taken);
-    let method = Machine::new(&taken).unwrap().method();
+    let method = SimulatedMachine::new(&taken).unwrap().method();
     let right = judged(&taken);
     let mut tally = tally.lock().unwrap();
     let mut wrong = String::new();

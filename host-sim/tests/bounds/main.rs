@@ -18,9 +18,9 @@ use host_sim::checked::Checked;
 use host_sim::checked::{Choice, Output};
 use host_sim::dynamics::MOST_STEPS;
 use host_sim::fidelity::{Answers, answered, check};
-use host_sim::machine::Machine;
 use host_sim::model_level::{Bounds, available, questions};
 use host_sim::sim::simulate;
+use host_sim::simulated_machine::SimulatedMachine;
 
 /// A solution has converged if half its step changes it by at most this part of each tolerance.
 const CONVERGED: f64 = 0.02;
@@ -231,7 +231,7 @@ fn judge(seed: u64, text: &str, tally: &Mutex<Tally>) {
             "seed {seed}, {} ({}, {:?}):\n{wrong}",
             choice.model_level.name(),
             choice.why,
-            Machine::new(&taken).unwrap().method()
+            SimulatedMachine::new(&taken).unwrap().method()
         ));
     }
 }
@@ -282,7 +282,7 @@ fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<
     scene.fidelity = top;
     scene.method.name = MethodName::Rk4;
     scene.method.steps_per_tick = None;
-    let method = Machine::new(&Checked::new(scene.clone()).ok()?)
+    let method = SimulatedMachine::new(&Checked::new(scene.clone()).ok()?)
         .ok()?
         .method();
     let mut steps = method.map_or(1, |(_, steps)| steps);

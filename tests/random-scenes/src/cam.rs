@@ -3,7 +3,7 @@
 use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 use cophase_scene::file::{CamSegment, CamShaft, CamTable, Damper, LawName};
-use host_sim::cam::cam_of;
+use host_sim::machines::cam::cam_of;
 use host_sim::mechanism::{AnyMechanism, Configured};
 
 use crate::basis::{Basis, Kind, Kinds};

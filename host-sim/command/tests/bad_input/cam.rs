@@ -236,20 +236,20 @@ fn unsuitable_model_levels_and_methods_are_refused() {
         model_level(
             "quasi-static",
             "fidelity",
-            "\"quasi-static\" is of cranks",
-            "\"kinematic\" and \"elastic\"",
+            "\"quasi-static\" is no model level of a cam shaft",
+            "it has kinematic, elastic",
         ),
         model_level(
             "rigid",
             "fidelity",
-            "\"rigid\" is of cranks",
-            "\"kinematic\" and \"elastic\"",
+            "\"rigid\" is no model level of a cam shaft",
+            "it has kinematic, elastic",
         ),
         model_level(
             "phased",
             "fidelity",
-            "\"phased\" is of cranks",
-            "\"kinematic\" and \"elastic\"",
+            "\"phased\" is no model level of a cam shaft",
+            "it has kinematic, elastic",
         ),
         case(
             "elastic without masses",

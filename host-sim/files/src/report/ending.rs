@@ -91,7 +91,7 @@ pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std:
     writeln!(
         page,
         "After the drives were off the {}s turned on for {:.2} s{until}{tilted}.",
-        checked.axis_noun(),
+        checked.machine.axis_noun(),
         coast.turned_s,
     )?;
     if outcome.state != State::Fault {

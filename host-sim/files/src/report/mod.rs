@@ -335,7 +335,7 @@ impl<'a> Report<'a> {
             amax_top_mps2: statistics.top_amax_mps2,
             accel_worst_mps2: outcome
                 .method
-                .filter(|_| checked.cam.is_none())
+                .filter(|_| checked.machine.turns_by_torque())
                 .map(|_| statistics.worst_accel_mps2),
             machine_figures: statistics.figures.iter().map(Figure::entry).collect(),
             late_deadlines: statistics.late_deadlines,

@@ -1,9 +1,8 @@
 //! Part of the report about the machine's equations: model level and method.
 
-use cophase_scene::file::{Fidelity, MethodName, Rods};
+use cophase_scene::file::{Fidelity, MethodName};
 use host_sim::checked::Checked;
 use host_sim::checked::Judged;
-use host_sim::mechanism::Mechanism;
 use host_sim::model_level::Bounds;
 use host_sim::sim::Outcome;
 use serde::Serialize;
@@ -67,7 +66,7 @@ impl<'a> FidelityReport<'a> {
         Self {
             model_level: checked.fidelity.name(),
             why: checked.why(),
-            left_out: left_out(checked),
+            left_out: checked.machine.left_out(checked.fidelity),
             quasi_static_rods_um: quasi_static_rods_um(checked),
             outputs: judged(checked).iter().map(OutputReport::new).collect(),
         }
@@ -105,7 +104,7 @@ impl MethodReport {
                 }
                 _ => format!(
                     "{}s are where pulses and setpoints put them: nothing is integrated",
-                    checked.axis_noun()
+                    checked.machine.axis_noun()
                 ),
             },
         }
@@ -124,52 +123,4 @@ fn quasi_static_rods_um(checked: &Checked) -> Option<f64> {
     let moves = checked.fidelity >= Fidelity::Phased && checked.has_platform();
     let bounds = moves.then(|| Bounds::new(checked).ok()).flatten()?;
     bounds.quasi_static_um()
-}
-
-/// Returns the effects that the model level neglects, for readers of the results.
-fn left_out(checked: &Checked) -> String {
-    if let Some(plant) = &checked.plant {
-        return plant.left_out(checked.fidelity);
-    }
-    let Some(mechanism) = checked.mechanism() else {
-        return match checked.fidelity {
-            Fidelity::Elastic => {
-                "what the followers push back with: the cams turn as commanded, and no roller lifts off"
-            }
-            _ => "torque, inertia and elasticity: no cam ever lags, and no pusher leaves its law",
-        }
-        .to_owned();
-    };
-    let over_constrained = checked.scene.axes.count > 3;
-    let links = mechanism.links();
-    let rods = checked
-        .scene
-        .machine
-        .as_ref()
-        .map_or(Rods::QuasiStatic, |machine| machine.rods);
-    let link_motion = match (rods, over_constrained) {
-        (Rods::Elastic, _) => String::new(),
-        (Rods::QuasiStatic, false) => format!("{links} that give, "),
-        (Rods::QuasiStatic, true) => format!("the {links}' own oscillation, "),
-    };
-    let plane = if rods == Rods::QuasiStatic && over_constrained {
-        format!(
-            "; more than three cranks over-constrain the platform, so that it lies in the plane that loads the {links} least"
-        )
-    } else {
-        String::new()
-    };
-    match checked.fidelity {
-        Fidelity::QuasiStatic => {
-            "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors".to_owned()
-        }
-        Fidelity::Rigid => {
-            "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft".to_owned()
-        }
-        Fidelity::Phased => format!("{link_motion}microsteps, suspension and foundation{plane}"),
-        Fidelity::Elastic => {
-            format!("{link_motion}microsteps, and forces on the frame across the line of travel{plane}")
-        }
-        _ => "torque, inertia and elasticity: no crank ever lags".to_owned(),
-    }
 }

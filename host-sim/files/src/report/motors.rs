@@ -109,7 +109,7 @@ impl MotorFigures {
 pub fn lines(checked: &Checked) -> Vec<String> {
     let all: Vec<String> = MotorFigures::of_all(checked)
         .iter()
-        .map(|figures| figures.words(checked.axis_noun()))
+        .map(|figures| figures.words(checked.machine.axis_noun()))
         .collect();
     let mut kinds: Vec<(&String, Vec<usize>)> = Vec::new();
     for (axis, figures) in all.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use cophase_scene::file::{Drive, Fidelity};
+use cophase_scene::file::Drive;
 use host_sim::checked::Checked;
 use host_sim::checked::{Judged, Output};
 use host_sim::model_level::is_undisturbed;
@@ -17,32 +17,13 @@ pub(super) fn model(page: &mut String, checked: &Checked, outcome: &Outcome) -> 
         page,
         "{} model ({}): {}.",
         capital(checked.fidelity.name()),
-        motion(checked),
+        checked.machine.motion(checked.fidelity),
         checked.why()
     )?;
     for judged in judged(checked) {
         writeln!(page, "  {}", answered(judged, checked, outcome))?;
     }
     Ok(())
-}
-
-/// Returns the motion that the model level gives the machine, in words.
-fn motion(checked: &Checked) -> &'static str {
-    if let Some(plant) = &checked.plant {
-        return plant.motion(checked.fidelity);
-    }
-    let is_cam = checked.cam.is_some();
-    match checked.fidelity {
-        Fidelity::Elastic if is_cam => "springs and masses between cam and pusher",
-        _ if is_cam => "every pusher follows its law exactly",
-        Fidelity::Auto | Fidelity::Kinematic => "only a fault moves a crank off its command",
-        Fidelity::QuasiStatic => {
-            "only a fault, or a load beyond its motor's torque, moves a crank off its command"
-        }
-        Fidelity::Rigid => "torque moves all cranks as one shaft",
-        Fidelity::Phased => "torque moves each crank on its own",
-        Fidelity::Elastic => "torque moves each crank on its own, and the frame moves on springs",
-    }
 }
 
 /// Returns a line about a requested output: its value, and the accuracy of that.
@@ -82,7 +63,7 @@ fn answered(judged: &Judged, checked: &Checked, outcome: &Outcome) -> String {
     });
     format!(
         "{}: {value}. Error: {allowed} allowed; {limit}{measured}{step_error}.",
-        output.words(checked.axis_noun())
+        output.words(checked.machine.axis_noun())
     )
 }
 
@@ -125,26 +106,4 @@ fn capital(word: &str) -> String {
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().chain(letters).collect()
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use cophase_scene::library;
-
-    /// If this fails, the summary of an arm or a crusher speaks of cranks that the machine does not have.
-    #[test]
-    fn machines_without_cranks_have_words_of_their_own() {
-        for name in ["five-bar", "jaw-crusher", "screen"] {
-            let checked = Checked::new(library::find(name).unwrap().scene()).unwrap();
-            let levels = checked.plant.as_ref().unwrap().levels();
-            let on = |&level| motion(&checked.on(level).unwrap());
-            let words: Vec<_> = levels.iter().map(on).collect();
-            assert!(
-                words.iter().all(|words| !words.contains("crank")),
-                "{words:?}"
-            );
-            assert_ne!(words[0], words[1], "{name}");
-        }
-    }
 }

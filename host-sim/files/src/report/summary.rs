@@ -5,9 +5,9 @@ use std::fmt::Write;
 use cophase_scene::file::{Drive, Fidelity};
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::checked::Checked;
-use host_sim::machine::Peaks;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::{Event, EventKind};
+use host_sim::simulated_machine::Peaks;
 
 use super::ending::{coasting, ending, held};
 use super::questions::model;
@@ -104,8 +104,8 @@ fn write_page(
             of_master(checked),
         )?;
     }
-    if let Some(plant) = &checked.plant {
-        writeln!(page, "Here amax is {}.", plant.amax_words())?;
+    if let Some(words) = checked.machine.amax_words() {
+        writeln!(page, "Here amax is {words}.")?;
     }
     if statistics.worst_accel_mps2 > 0.0 && checked.has_platform() {
         writeln!(
@@ -125,7 +125,7 @@ fn write_page(
             plural(lagged)
         )?;
     }
-    let axis = checked.axis_noun();
+    let axis = checked.machine.axis_noun();
     let commanded_mrad = checked.settings.commanded_tilt_mrad();
     if checked.scene.axes.count == 1 {
         // One shaft has no difference of phases.
@@ -271,7 +271,8 @@ fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fm
     match checked.fidelity {
         _ if statistics.is_empty() => Ok(()),
         _ if checked
-            .cam
+            .machine
+            .follower()
             .is_some_and(|follower| follower.screw_lead_m.is_some()) =>
         {
             writeln!(

@@ -65,7 +65,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     if coast.is_on() {
         warnings.push(format!(
             "The {}s still turned {:.1} s after the drives were off; the run was ended there.",
-            checked.axis_noun(),
+            checked.machine.axis_noun(),
             coast.turned_s
         ));
     }

@@ -44,7 +44,7 @@ pub use recorder::{RecordError, Recorder};
 pub use row::{AxisRow, Row, RowShape};
 pub use rows::{Every, MOST_ROWS};
 pub(crate) use scope::{BAND, FONT, GAP, Panel, TIME_AXIS, embed, plain, short};
-pub use scope::{Envelope, Extent, Moved, Overlay, OverlayRow, ScopeData, ScopeFrame};
+pub use scope::{Envelope, Extent, Overlay, OverlayRow, ScopeData, ScopeFrame};
 pub use tick_edges::{SensedEdges, TickEdges};
 pub(crate) use traces::{TraceSetup, Traces};
 pub use udp::{RowsUdp, SentRows};

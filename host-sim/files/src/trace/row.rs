@@ -19,7 +19,7 @@ impl RowShape {
     pub fn of(checked: &Checked) -> Self {
         Self {
             axes: checked.scene.axes.count,
-            pitches: checked.plant.as_ref().is_some_and(|plant| plant.pitches()),
+            pitches: checked.machine.pitches(),
         }
     }
 }

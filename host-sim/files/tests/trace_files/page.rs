@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
-use cophase_files::trace::{Moved, Row, ScopeData, ScopeFrame};
+use cophase_files::trace::{Row, ScopeData, ScopeFrame};
+use host_sim::machines::Moved;
 
 use super::{GRAVITY_MPS2, TICK_S, axes, mixing};
 
@@ -180,7 +181,7 @@ fn three_amplitudes_are_drawn_by_their_names() {
         "pushers have a panel of their own"
     );
     assert!(
-        page(Moved::Machine("jaw")).contains("jaw, mm"),
+        page(Moved::Part("jaw")).contains("jaw, mm"),
         "a machine of its own kind has no tilt"
     );
 }

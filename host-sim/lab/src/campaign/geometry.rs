@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use cophase_scene::file::Scene;
 use cophase_scene::units::spread;
 use host_sim::dynamics::Corners;
+use host_sim::machines::platform::platform;
 use host_sim::mechanism::{AnyMechanism, Configured, Load, Mechanism};
-use host_sim::setup::platform;
 
 /// Number of crank angles among which the worst is searched. Steps of half a degree find a smooth maximum to 4e-5 of its value.
 const ANGLES: u32 = 720;

@@ -9,8 +9,8 @@ use cophase_scene::library::{BuiltIn, SCENES};
 use host_sim::checked::Checked;
 use host_sim::checked::Judged;
 use host_sim::fidelity::{Answers, answers, check, compare};
-use host_sim::machine::Machine;
 use host_sim::model_level::{Bounds, available, judge, questions};
+use host_sim::simulated_machine::SimulatedMachine;
 
 use super::axis::Axis;
 use super::ink::{Ink, Stroke};
@@ -100,7 +100,7 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
 fn crank_evaluations(checked: &Checked, model_level: Fidelity) -> Result<f64, SceneError> {
     let on = checked.on(model_level)?;
     let axes = checked.scene.axes.count;
-    let method = Machine::new(&on)?.method();
+    let method = SimulatedMachine::new(&on)?.method();
     let evaluated = method.map_or(0, |(scheme, steps)| {
         let each = (steps * scheme.facts().evaluations) as usize;
         if model_level == Fidelity::Rigid {

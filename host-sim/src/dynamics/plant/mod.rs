@@ -12,8 +12,6 @@ pub use shafts::Shafts;
 
 use std::fmt::Debug;
 
-use cophase_scene::file::Fidelity;
-
 use super::{Field, MOST, Mode, PlaneMotion};
 use crate::pose::Pose;
 
@@ -23,40 +21,9 @@ pub type Memory = [f64; 4];
 /// A machine whose shafts move something other than a platform on cranks. Positions are in rad and m. The shafts' angles
 /// come first, in the order of the axes.
 pub trait Plant: Debug + Send + Sync {
-    /// Name with its article, for messages: "a screen".
-    fn name(&self) -> &'static str;
-
-    /// Drawing with its symbols, as SVG text.
-    fn draw(&self) -> String;
-
-    /// Supported model levels, the lowest first.
-    fn levels(&self) -> &'static [Fidelity];
-
-    /// Motion that a model level gives the machine, in words.
-    fn motion(&self, model_level: Fidelity) -> &'static str;
-
-    /// Effects that a model level omits, in words, for readers of the results.
-    fn left_out(&self, model_level: Fidelity) -> String;
-
     /// Position of the moved part on the kinematic model level. The shafts are at `turns`, and turn at the master's speed,
     /// rad/s, and acceleration, rad/s².
     fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose;
-
-    /// Acceleration that the program's amax is, in words.
-    fn amax_words(&self) -> &'static str;
-
-    /// Part that the shafts move, in a word: "box".
-    fn moved_part(&self) -> &'static str;
-
-    /// Part that an axis turns, in a word.
-    fn axis_noun(&self) -> &'static str {
-        "shaft"
-    }
-
-    /// True if the moved part pitches.
-    fn pitches(&self) -> bool {
-        false
-    }
 
     /// Number of positions in the equations of motion: the shafts and the parts that they move.
     fn positions(&self) -> usize;

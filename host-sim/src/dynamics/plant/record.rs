@@ -92,10 +92,10 @@ pub struct Recorder {
 
 impl Recorder {
     /// Creates a recorder at power-up.
-    pub fn new(plant: &Arc<dyn Plant>) -> Self {
+    pub fn new(plant: Arc<dyn Plant>) -> Self {
         Self {
-            plant: Arc::clone(plant),
             record: plant.record(),
+            plant,
             ticks: 0,
             omega_before: 0.0,
         }

@@ -40,7 +40,8 @@ impl Followers {
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
         let top = checked.on(Fidelity::Elastic)?;
         let given = top
-            .cam
+            .machine
+            .follower()
             .and_then(|follower| Some((follower.cam, follower.links?)));
         let (cam, (links, shaft)) =
             given.ok_or_else(|| SceneError::at("cam", "has no followers"))?;

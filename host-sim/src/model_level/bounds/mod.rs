@@ -20,8 +20,8 @@ use super::bounds::linear::{Drive, worst};
 use crate::checked::Checked;
 use crate::checked::Output;
 use crate::dynamics::{Body, Frame, Mode, Motor};
-use crate::machine::{Machine, Rotors};
 use crate::operating_range::OperatingRange;
+use crate::simulated_machine::{Rotors, SimulatedMachine};
 
 /// Bounds of all model levels of a scene's machine.
 #[derive(Clone, Debug)]
@@ -60,16 +60,16 @@ impl Bounds {
     /// # Errors
     /// The scene lacks data for them.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
-        if checked.cam.is_some() {
+        if checked.machine.follower().is_some() {
             let top = checked.on(Fidelity::Elastic)?;
             return Ok(Self {
                 of: Of::Followers(Followers::new(&top)?),
                 imposed: imposed(&top, follower_mode(&top))?,
             });
         }
-        if let Some(plant) = &checked.plant {
-            let top = plant.levels().last().copied().unwrap_or_default();
-            return Self::none(&checked.on(top)?);
+        if !checked.has_platform() {
+            let top = checked.machine.levels().last().copied();
+            return Self::none(&checked.on(top.unwrap_or_default())?);
         }
         // The top level for which the scene has data: with a frame, if it has one.
         let top = checked
@@ -80,7 +80,7 @@ impl Bounds {
             // The bounds assume linear motors, and the torque of these is not linear.
             return Self::none(&top);
         }
-        let machine = Machine::new(&top)?;
+        let machine = SimulatedMachine::new(&top)?;
         let driven = machine.rotors().map(Rotors::driven);
         let driven =
             driven.ok_or_else(|| SceneError::at("machine", "has no cranks that torque moves"))?;
@@ -100,7 +100,7 @@ impl Bounds {
     /// Returns the bounds of a machine that has bounds on its top model level only.
     fn none(top: &Checked) -> Result<Self, SceneError> {
         // This call reports the data that the scene lacks for the level.
-        Machine::new(top)?;
+        SimulatedMachine::new(top)?;
         Ok(Self {
             of: Of::None { top: top.fidelity },
             imposed: None,
@@ -172,7 +172,7 @@ fn imposed(top: &Checked, mode: Mode) -> Result<Option<f64>, SceneError> {
     if top.chosen().is_open() {
         return Ok(None);
     }
-    let method = Machine::new(top)?.method();
+    let method = SimulatedMachine::new(top)?.method();
     let tick_s = 1.0 / f64::from(top.scene.control.tick_hz);
     Ok(method.map(|(scheme, steps)| {
         let h_omega = mode.omega_rad_s * tick_s / f64::from(steps);
@@ -195,7 +195,7 @@ fn imposed(top: &Checked, mode: Mode) -> Result<Option<f64>, SceneError> {
 
 /// Returns the slowest mode of a follower, which dominates its peaks.
 fn follower_mode(top: &Checked) -> Mode {
-    let chain = top.cam.and_then(|follower| {
+    let chain = top.machine.follower().and_then(|follower| {
         let (links, shaft) = follower.links?;
         Some(Chain::of(follower.cam, shaft, &links))
     });

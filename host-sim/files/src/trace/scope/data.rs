@@ -1,6 +1,7 @@
 //! Data of a run that its drawing needs.
 
 use host_sim::checked::Checked;
+use host_sim::machines::Moved;
 
 use super::envelope::{Envelope, PAGE_BUCKETS};
 use super::timeline::Timeline;
@@ -42,26 +43,10 @@ impl ScopeFrame {
             tilt_limit_mrad: checked
                 .has_platform()
                 .then_some(scene.drift.tilt_limit_mrad),
-            moved: match (&checked.plant, &checked.cam) {
-                (Some(plant), _) => Moved::Machine(plant.moved_part()),
-                (None, Some(_)) => Moved::Pushers,
-                (None, None) => Moved::Platform,
-            },
+            moved: checked.machine.moves(),
             phase_error_limit_deg: None, // limits are on the modes of all phase errors, not on one
         }
     }
-}
-
-/// Parts that the axes move.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Moved {
-    /// A platform: its tilt is shown.
-    #[default]
-    Platform,
-    /// Pushers: their acceleration is shown.
-    Pushers,
-    /// Part of a machine of another kind, by its name: its displacement is shown, and its pitch if it pitched.
-    Machine(&'static str),
 }
 
 /// Channels of the envelope; the phase errors of the axes follow those named here.

@@ -23,7 +23,7 @@ mod panel;
 mod scale;
 mod timeline;
 
-pub use data::{Moved, ScopeData, ScopeFrame};
+pub use data::{ScopeData, ScopeFrame};
 pub(crate) use draft::Panel;
 pub use envelope::{Envelope, Extent};
 pub use overlay::{Overlay, OverlayRow};

@@ -2,11 +2,12 @@
 //!
 //! kuva draws each panel. This module stacks them on kuva's scene.
 
+use host_sim::machines::Moved;
 use kuva::render::layout::Layout;
 use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
 use kuva::render::theme::Theme;
 
-use super::data::{Moved, ScopeData};
+use super::data::ScopeData;
 use super::draft::Panel;
 use super::ink::{
     INK, LEFT, MUTED, RIGHT, VERMILION, WIDTH, at, fits, svg, text, text_anchored, text_on_white,
@@ -34,7 +35,7 @@ fn panels(scope: &ScopeData) -> Vec<(MakePanel, f64)> {
         match scope.frame.moved {
             Moved::Platform => (panel::tilt, 150.0),
             Moved::Pushers => (panel::pushers, 150.0),
-            Moved::Machine(_) => (panel::place, 150.0),
+            Moved::Part(_) => (panel::place, 150.0),
         },
     ];
     if panel::has_phase_error(scope) {

@@ -6,10 +6,11 @@
 
 use std::f64::consts::TAU;
 
+use host_sim::machines::Moved;
 use kuva::plot::legend::LegendShape;
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 
-use super::data::{Moved, ScopeData, channel};
+use super::data::{ScopeData, channel};
 use super::draft::{Draft, Panel, Pen};
 use super::envelope::Extent;
 use super::ink::{BLUE, DARK_BLUE, GREEN, ORANGE, PALE_BLUE};
@@ -30,7 +31,7 @@ fn from_rest(scope: &ScopeData) -> Extent {
 /// Half of the least range of such an axis.
 fn least(scope: &ScopeData) -> f64 {
     match scope.frame.moved {
-        Moved::Machine(_) => 1e-9,
+        Moved::Part(_) => 1e-9,
         Moved::Platform | Moved::Pushers => 0.5,
     }
 }
@@ -94,7 +95,7 @@ pub fn pushers(scope: &ScopeData, time: TimeAxis) -> Panel {
 
 /// Displacement, in mm, of the part that the machine moves.
 pub fn place(scope: &ScopeData, time: TimeAxis) -> Panel {
-    let Moved::Machine(name) = scope.frame.moved else {
+    let Moved::Part(name) = scope.frame.moved else {
         return range(scope, time, (channel::PLACE, 1e3), ("moved, mm", "moved"));
     };
     range(

@@ -11,7 +11,7 @@ use cophase_methods::Scheme;
 use cophase_scene::library;
 use host_sim::dynamics::plant::OnPlant;
 use host_sim::dynamics::{Driven, Field, Induction, Motor};
-use host_sim::plant::screen::{Screen, Sufficient};
+use host_sim::machines::screen::{Screen, Sufficient};
 
 use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::run;

@@ -12,9 +12,9 @@ use host_sim::drives::PullOut;
 use host_sim::dynamics::Chosen;
 use host_sim::dynamics::Dynamics;
 use host_sim::dynamics::{Body, Driven, Field, Motor, Phased, Rigid, Stepper};
-use host_sim::machine::{DriveCommand, Rotors};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
+use host_sim::simulated_machine::{DriveCommand, Rotors};
 
 use crate::chart::ChartError;
 

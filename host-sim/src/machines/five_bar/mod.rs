@@ -24,13 +24,16 @@ mod record;
 mod table;
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
+use cophase_core::settings::AxisSettings;
 use cophase_methods::problems::five_bar::{FiveBarArm, HybridLaw, Target};
 use cophase_scene::file::Fidelity;
 use nalgebra::{Matrix2, Vector2};
 
 use crate::dynamics::plant::{Memory, Plant, Record, Shafts};
 use crate::dynamics::{Field, MOST, Mode, PlaneMotion};
+use crate::machines::{Machine, Moved};
 use crate::pose::Pose;
 
 pub use path::{Motion, NoTable, Path};
@@ -87,12 +90,26 @@ fn both(values: &[f64]) -> [f64; 2] {
     [values[0], values[1]]
 }
 
-impl Plant for Arm {
+impl Machine for Arm {
     fn name(&self) -> &'static str {
         NAME
     }
 
-    fn draw(&self) -> String {
+    fn axis_noun(&self) -> &'static str {
+        "joint"
+    }
+
+    fn moves(&self) -> Moved {
+        Moved::Part("hand")
+    }
+
+    fn amax_words(&self) -> Option<&'static str> {
+        Some(
+            "that of a hand on a circle as long as the path; in the blends the hand accelerates more",
+        )
+    }
+
+    fn draw(&self, _: &str, _: &[AxisSettings]) -> String {
         drawing::draw(self)
     }
 
@@ -100,21 +117,27 @@ impl Plant for Arm {
         &[Fidelity::Kinematic, Fidelity::Phased]
     }
 
-    fn motion(&self, model_level: Fidelity) -> &'static str {
-        match model_level {
+    fn motion(&self, level: Fidelity) -> &'static str {
+        match level {
             Fidelity::Phased => "torque moves the joints of the arm",
             _ => "only a fault moves a joint of the arm off its command",
         }
     }
 
-    fn left_out(&self, model_level: Fidelity) -> String {
-        match model_level {
+    fn left_out(&self, level: Fidelity) -> String {
+        match level {
             Fidelity::Phased => "elastic links and joints, and a tool that swings on its rope",
             _ => "torque, friction and contact: the joints are where commanded",
         }
         .to_owned()
     }
 
+    fn plant(self: Arc<Self>) -> Option<Arc<dyn Plant>> {
+        Some(self)
+    }
+}
+
+impl Plant for Arm {
     fn pose(&self, turns: &[f64], omega_rad_s: f64, _: f64) -> Pose {
         let hand_m = self.arm.hand_m(both(turns).map(|turns| turns * TAU));
         let faster = omega_rad_s * self.path.duration_s() / TAU;
@@ -124,18 +147,6 @@ impl Plant for Arm {
             accel_mps2: self.along(acceleration) * faster * faster,
             ..Pose::default()
         }
-    }
-
-    fn amax_words(&self) -> &'static str {
-        "that of a hand on a circle as long as the path; in the blends the hand accelerates more"
-    }
-
-    fn moved_part(&self) -> &'static str {
-        "hand"
-    }
-
-    fn axis_noun(&self) -> &'static str {
-        "joint"
     }
 
     fn positions(&self) -> usize {

@@ -23,11 +23,15 @@ mod record;
 mod resonance;
 mod table;
 
+use std::sync::Arc;
+
+use cophase_core::settings::AxisSettings;
 use cophase_scene::file::Fidelity;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::dynamics::plant::{Plant, Record, Shafts};
 use crate::dynamics::{Mode, PlaneMotion};
+use crate::machines::{Machine, Moved};
 use crate::pose::Pose;
 use record::ScreenRecord;
 
@@ -112,12 +116,26 @@ impl Screen {
     }
 }
 
-impl Plant for Screen {
+impl Machine for Screen {
     fn name(&self) -> &'static str {
         NAME
     }
 
-    fn draw(&self) -> String {
+    fn axis_noun(&self) -> &'static str {
+        "shaft"
+    }
+
+    fn moves(&self) -> Moved {
+        Moved::Part("box")
+    }
+
+    fn amax_words(&self) -> Option<&'static str> {
+        Some(
+            "the throw times the squared speed, the acceleration of the box far above its resonances",
+        )
+    }
+
+    fn draw(&self, _: &str, _: &[AxisSettings]) -> String {
         drawing::draw(self)
     }
 
@@ -125,8 +143,8 @@ impl Plant for Screen {
         &[Fidelity::Kinematic, Fidelity::Phased]
     }
 
-    fn motion(&self, model_level: Fidelity) -> &'static str {
-        match model_level {
+    fn motion(&self, level: Fidelity) -> &'static str {
+        match level {
             Fidelity::Phased => {
                 "torque moves each shaft on its own, and the box moves on its springs"
             }
@@ -134,8 +152,8 @@ impl Plant for Screen {
         }
     }
 
-    fn left_out(&self, model_level: Fidelity) -> String {
-        match model_level {
+    fn left_out(&self, level: Fidelity) -> String {
+        match level {
             Fidelity::Phased => "stones that leave the deck, belts, and large pitch angles",
             _ => {
                 "torque, and the transient motion of the box: shafts are at their commanded phases"
@@ -144,6 +162,16 @@ impl Plant for Screen {
         .to_owned()
     }
 
+    fn pitches(&self) -> bool {
+        true
+    }
+
+    fn plant(self: Arc<Self>) -> Option<Arc<dyn Plant>> {
+        Some(self)
+    }
+}
+
+impl Plant for Screen {
     fn pose(&self, turns: &[f64], omega_rad_s: f64, _: f64) -> Pose {
         let steady = self.steady(turns, omega_rad_s);
         let z_m = steady.across.im;
@@ -153,18 +181,6 @@ impl Plant for Screen {
             pitch_mrad: 1e3 * steady.pitch.im,
             ..Pose::default()
         }
-    }
-
-    fn amax_words(&self) -> &'static str {
-        "the throw times the squared speed, the acceleration of the box far above its resonances"
-    }
-
-    fn moved_part(&self) -> &'static str {
-        "box"
-    }
-
-    fn pitches(&self) -> bool {
-        true
     }
 
     fn positions(&self) -> usize {

@@ -1,38 +1,27 @@
-//! Extension point for plants: machines whose shafts move something other than a platform on cranks.
-//!
-//! The controller, its drives, sensors and faults are the same for all machines. A plant adds the parts that its shafts move:
-//! - [`Table`]: its table in a scene file, and the settings of the controller for it;
-//! - [`Plant`]: its geometry on the *kinematic* model level, and its equations of motion on the levels above;
-//! - [`Record`](crate::dynamics::plant::Record): its figures in the report.
-//!
-//! To add a plant, write a folder here, add the table to [`Scene`] and to the list of [`table`], and add a built-in scene
-//! (`docs/recipes/add-a-machine.md`).
-
-pub mod crusher;
-pub mod five_bar;
-pub mod screen;
+//! Table of a scene that describes a machine, and what follows from it.
 
 use std::fmt::Debug;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+use cophase_core::settings::{MachineSettings, ShaftSettings};
 use cophase_scene::file::Drift;
 use cophase_scene::{Scene, SceneError};
 
-use crate::dynamics::plant::Plant;
+use super::Machine;
 
-/// Table of a scene that describes a plant.
+/// Table of a scene that describes a machine.
 pub trait Table: Debug {
     /// Name of the table in the scene file.
     fn key(&self) -> &'static str;
 
-    /// Its plant's name with the article, for messages: "a screen".
-    fn plant_name(&self) -> &'static str;
+    /// Its machine's name with the article, for messages: "a screen".
+    fn machine_name(&self) -> &'static str;
 
     /// Supported numbers of axes. The scene's number is checked before [`Self::fill`] and [`Self::make`].
     fn axes(&self) -> RangeInclusive<usize>;
 
-    /// True if the axes follow cam tables, which [`Self::fill`] adds.
+    /// True if the axes follow cam tables.
     fn axes_follow_tables(&self) -> bool {
         false
     }
@@ -45,24 +34,32 @@ pub trait Table: Debug {
         Ok(())
     }
 
-    /// Checks the table and creates the plant.
+    /// Checks the table and creates the machine.
     ///
     /// # Errors
-    /// A number is out of its range, or the scene has a key that has no meaning for this plant.
+    /// A number is out of its range, or the scene has a key that has no meaning for this machine.
     fn make(&self, scene: &Scene) -> Result<Made, SceneError>;
 }
 
-/// A plant, and what the controller has to know of it.
+/// A machine, and what the controller has to know of it.
 #[derive(Clone, Debug)]
 pub struct Made {
-    /// Amplitude over the squared speed of the shafts, m.
-    pub length_m: f64,
-    /// Plant in the simulation.
-    pub plant: Arc<dyn Plant>,
+    /// Machine for the controller.
+    pub settings: MachineSettings,
+    /// Machine in the simulation.
+    pub machine: Arc<dyn Machine>,
 }
 
 impl Made {
-    /// Creates a plant whose amplitude is `radius_m` times the squared speed of its shafts.
+    /// Creates a machine of shafts without a platform. Its amplitude is `length_m` times the squared speed of its shafts.
+    pub fn shafts(length_m: f64, machine: Arc<dyn Machine>) -> Self {
+        Self {
+            settings: MachineSettings::Shafts(ShaftSettings { length_m }),
+            machine,
+        }
+    }
+
+    /// Creates a machine whose shafts turn with the master. Its amplitude is `radius_m` times their squared speed.
     ///
     /// # Errors
     /// The radius, which the key of `radius` determines, is outside 0.1 to 500 mm. Or the scene has a key that applies to
@@ -71,16 +68,9 @@ impl Made {
         scene: &Scene,
         table: &str,
         radius: (&str, f64),
-        plant: Arc<dyn Plant>,
+        machine: Arc<dyn Machine>,
     ) -> Result<Self, SceneError> {
-        if scene.drift.tilt_limit_mrad != Drift::default().tilt_limit_mrad {
-            return Err(SceneError::at(
-                "drift.tilt_limit_mrad",
-                format!(
-                    "is of a platform, and [{table}] has none; drift.warp_limit_deg limits how far shafts may be apart, so leave it out"
-                ),
-            ));
-        }
+        check_tilt_limit(scene, table, machine.axis_noun())?;
         let ratio = |i: usize| scene.overrides(i).and_then(|own| own.ratio);
         let turns_on = |&i: &usize| {
             let (shaft, master) = ratio(i).unwrap_or(scene.axes.ratio);
@@ -92,7 +82,7 @@ impl Made {
                 format!(
                     "axis {i} does not turn once with the master, and amplitude, bands and figures of {} are those of the master's speed; for a belt \
                      or gearbox give gear = [motor turns, crank turns], and leave this out",
-                    plant.name()
+                    machine.name()
                 ),
             ));
         }
@@ -101,7 +91,7 @@ impl Made {
                 "axes.drive",
                 format!(
                     "axis {i} is a servo with torque setpoints, and the controller knows no torque of {}; give a drive that takes STEP and DIR, such as drive = \"pulse-servo\"",
-                    plant.name()
+                    machine.name()
                 ),
             ));
         }
@@ -115,22 +105,22 @@ impl Made {
                 ),
             ));
         }
-        Ok(Self {
-            length_m: radius_m,
-            plant,
-        })
+        Ok(Self::shafts(radius_m, machine))
     }
 }
 
-/// Returns the table of a machine of another kind, if the scene has one.
-pub fn table(scene: &Scene) -> Option<Box<dyn Table>> {
-    fn boxed<T: Table + Clone + 'static>(table: Option<&T>) -> Option<Box<dyn Table>> {
-        table.map(|table| Box::new(table.clone()) as Box<dyn Table>)
+/// Refuses a limit of the tilt in a scene whose machine has no platform.
+///
+/// # Errors
+/// The scene gives one.
+pub fn check_tilt_limit(scene: &Scene, table: &str, axis_noun: &str) -> Result<(), SceneError> {
+    if scene.drift.tilt_limit_mrad == Drift::default().tilt_limit_mrad {
+        return Ok(());
     }
-    let tables = [
-        boxed(scene.screen.as_ref()),
-        boxed(scene.crusher.as_ref()),
-        boxed(scene.five_bar.as_ref()),
-    ];
-    tables.into_iter().flatten().next()
+    Err(SceneError::at(
+        "drift.tilt_limit_mrad",
+        format!(
+            "is of a platform, and [{table}] has none; drift.warp_limit_deg limits how far {axis_noun}s may be apart, so leave it out"
+        ),
+    ))
 }

@@ -4,12 +4,12 @@
 //! ([`Corners`]); with two or three it passes through them. A small difference of phases causes tilt. The part that no plane can follow is
 //! warp. It is given in degrees of crank angle, because this difference bends rods and platform.
 
+use cophase_core::settings::PlatformSettings;
 use cophase_scene::units::spread;
 
 use crate::axes::per_axis;
-use crate::checked::Checked;
 use crate::dynamics::{Corners, MOST};
-use crate::mechanism::{AnyMechanism, Load, Mechanism};
+use crate::mechanism::{AnyMechanism, Configured, Load, Mechanism};
 use crate::pose::Pose;
 
 /// Platform with its mechanism and its load.
@@ -27,21 +27,25 @@ pub struct Platform {
 const ROUNDING_MRAD: f64 = 1e-6;
 
 impl Platform {
-    /// Creates the platform of a scene; `None` for a machine without one.
-    pub fn new(checked: &Checked) -> Option<Self> {
-        let mechanism = checked.mechanism()?;
-        let platform = checked.settings.machine.platform()?;
-        Some(Self {
+    /// Creates the platform of these settings on `axes` cranks.
+    pub fn new(settings: &PlatformSettings, axes: usize) -> Self {
+        let mechanism = AnyMechanism::of(&settings.mechanism, settings.crank_radius_m);
+        Self {
             most_lever_m: mechanism.crank_radius_m() * mechanism.greatest_s(),
             mechanism,
             load: Load {
-                mass_kg: platform.load_kg,
-                gravity_mps2: platform.gravity_mps2,
-                platform: platform.platform,
+                mass_kg: settings.load_kg,
+                gravity_mps2: settings.gravity_mps2,
+                platform: settings.platform,
             },
-            corners: Corners::new(checked.settings.axes.len(), platform.mount_radius_m),
-            mount_radius_m: platform.mount_radius_m,
-        })
+            corners: Corners::new(axes, settings.mount_radius_m),
+            mount_radius_m: settings.mount_radius_m,
+        }
+    }
+
+    /// Number of cranks.
+    pub fn axes(&self) -> usize {
+        self.corners.count()
     }
 
     /// Mechanism that lifts the platform.
@@ -150,6 +154,7 @@ impl Platform {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machines::platform::platform;
     use cophase_scene::library;
 
     /// If this fails, a run may report a largest tilt that is too small, or compute sines needlessly. The bound at a crank's angle is
@@ -158,8 +163,9 @@ mod tests {
     fn no_platform_tilts_beyond_its_bounds() {
         for name in ["default", "lost-steps", "patent-4"] {
             let scene = library::find(name).expect("built in").scene();
-            let platform = Platform::new(&Checked::new(scene).expect("a scene that is built in"))
-                .expect("cranks");
+            let given = scene.machine.expect("cranks under a platform");
+            let settings = platform(&given, &scene.drift).expect("a scene that is built in");
+            let platform = Platform::new(&settings, scene.axes.count);
             let count = platform.corners.count();
             for (apart, angle) in (0..12_000).map(|i| (i / 1000, f64::from(i % 1000) * 1e-3)) {
                 // Evenly on a logarithmic scale, from a millionth of a turn to half a turn.

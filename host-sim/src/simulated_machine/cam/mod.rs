@@ -44,7 +44,7 @@ impl Followers {
     /// # Errors
     /// Fails if the method that the scene sets is unstable at its step, or does not suit the followers.
     pub fn new(checked: &Checked, turns: &[f64]) -> Result<Option<Self>, SceneError> {
-        let Some(follower) = &checked.cam else {
+        let Some(follower) = checked.machine.follower() else {
             return Ok(None);
         };
         let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);

@@ -9,7 +9,7 @@ use cophase_scene::{Scene, SceneError, in_range};
 
 use super::{Screen, Sufficient};
 use crate::drives::{AtCrank, PullOut};
-use crate::plant::{Made, Table};
+use crate::machines::{Made, Table};
 
 fn screen(table: &ScreenTable, scene: &Scene) -> Result<Screen, SceneError> {
     in_range("screen.box_kg", table.box_kg, 1.0, 1e5)?;
@@ -111,7 +111,7 @@ impl Table for ScreenTable {
         "screen"
     }
 
-    fn plant_name(&self) -> &'static str {
+    fn machine_name(&self) -> &'static str {
         super::NAME
     }
 

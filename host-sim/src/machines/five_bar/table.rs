@@ -12,8 +12,8 @@ use cophase_scene::{Scene, SceneError, in_range};
 use super::Arm;
 use super::path::{NoTable, Path};
 use crate::drives::AtCrank;
+use crate::machines::{Made, Table};
 use crate::mechanism::five_bar::{FiveBar, Unreachable};
-use crate::plant::{Made, Table};
 
 /// Index among the solutions of the inverse kinematics.
 const fn number(mode: Assembly) -> usize {
@@ -223,7 +223,7 @@ impl Table for FiveBarTable {
         "five_bar"
     }
 
-    fn plant_name(&self) -> &'static str {
+    fn machine_name(&self) -> &'static str {
         super::NAME
     }
 

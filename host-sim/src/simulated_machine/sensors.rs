@@ -3,13 +3,13 @@
 use cophase_core::units::PerAxis;
 use cophase_scene::units::floor;
 
-use super::Machine;
+use super::SimulatedMachine;
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
 use crate::drives::IndexSensor;
 use crate::drives::{Sensor, Stream};
 
-impl Machine {
+impl SimulatedMachine {
     /// Creates the index sensors of the cranks, at their present positions.
     pub fn sensors(&self, checked: &Checked) -> Axes<IndexSensor> {
         let settings = &checked.settings;

@@ -24,12 +24,15 @@ mod table;
 
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::sync::Arc;
 
+use cophase_core::settings::AxisSettings;
 use cophase_methods::problems::crusher::{Jaw, Linkage, Load};
 use cophase_scene::file::Fidelity;
 
 use crate::dynamics::PlaneMotion;
 use crate::dynamics::plant::{Plant, Record, Shafts};
+use crate::machines::{Machine, Moved};
 use crate::pose::Pose;
 use record::CrusherRecord;
 
@@ -101,12 +104,26 @@ fn samples() -> impl Iterator<Item = f64> {
     (0..SAMPLES).map(|i| TAU * (f64::from(i) + 0.5) / f64::from(SAMPLES))
 }
 
-impl Plant for Crusher {
+impl Machine for Crusher {
     fn name(&self) -> &'static str {
         NAME
     }
 
-    fn draw(&self) -> String {
+    fn axis_noun(&self) -> &'static str {
+        "shaft"
+    }
+
+    fn moves(&self) -> Moved {
+        Moved::Part("jaw")
+    }
+
+    fn amax_words(&self) -> Option<&'static str> {
+        Some(
+            "one component of the acceleration of the jaw where the rock's force acts: that across the jaw, at a constant speed",
+        )
+    }
+
+    fn draw(&self, _: &str, _: &[AxisSettings]) -> String {
         drawing::draw(self)
     }
 
@@ -114,15 +131,15 @@ impl Plant for Crusher {
         &[Fidelity::Kinematic, Fidelity::Phased]
     }
 
-    fn motion(&self, model_level: Fidelity) -> &'static str {
-        match model_level {
+    fn motion(&self, level: Fidelity) -> &'static str {
+        match level {
             Fidelity::Phased => "torque moves the shaft",
             _ => "only a fault moves the shaft off its command",
         }
     }
 
-    fn left_out(&self, model_level: Fidelity) -> String {
-        match model_level {
+    fn left_out(&self, level: Fidelity) -> String {
+        match level {
             Fidelity::Phased => {
                 "electrical transients of the motor, slip of the belt, and the jaw's weight"
             }
@@ -131,6 +148,12 @@ impl Plant for Crusher {
         .to_owned()
     }
 
+    fn plant(self: Arc<Self>) -> Option<Arc<dyn Plant>> {
+        Some(self)
+    }
+}
+
+impl Plant for Crusher {
     fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose {
         let [z_m, slope, curvature] = self.jaw_m(turns[0] * TAU);
         Pose {
@@ -138,14 +161,6 @@ impl Plant for Crusher {
             accel_mps2: curvature * omega_rad_s * omega_rad_s + slope * acceleration_rad_s2,
             ..Pose::default()
         }
-    }
-
-    fn amax_words(&self) -> &'static str {
-        "one component of the acceleration of the jaw where the rock's force acts: that across the jaw, at a constant speed"
-    }
-
-    fn moved_part(&self) -> &'static str {
-        "jaw"
     }
 
     fn positions(&self) -> usize {

@@ -10,7 +10,7 @@ use cophase_scene::{Scene, SceneError, in_range};
 
 use super::Crusher;
 use crate::drives::AtCrank;
-use crate::plant::{Made, Table};
+use crate::machines::{Made, Table};
 
 const fn shape(rock: Rock) -> Shape {
     match rock {
@@ -97,7 +97,7 @@ impl Table for CrusherTable {
         "crusher"
     }
 
-    fn plant_name(&self) -> &'static str {
+    fn machine_name(&self) -> &'static str {
         super::NAME
     }
 

@@ -14,7 +14,6 @@ mod cam;
 mod faulted_drive;
 mod instant;
 mod level;
-mod platform;
 mod required;
 mod rotors;
 mod sensors;
@@ -23,9 +22,10 @@ mod torque;
 pub use broken::{Broken, Cause};
 pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use instant::{Forces, Instant};
-pub use platform::Platform;
 pub use rotors::{DriveCommand, Rotors};
 pub use torque::motor_of;
+
+use std::sync::Arc;
 
 use cophase_methods::Scheme;
 use cophase_scene::SceneError;
@@ -38,6 +38,7 @@ use crate::drives::{
 };
 use crate::dynamics::plant::{Record, Recorder, Tick};
 use crate::dynamics::{Corners, FrameMotion, PlaneMotion};
+use crate::machines::platform::Platform;
 use crate::pose::Pose;
 use faulted_drive::{disturb, disturb_rotors};
 
@@ -47,7 +48,7 @@ const FLAG_S: f64 = 20e-6;
 
 /// Simulated machine of a scene.
 #[derive(Clone, Debug)]
-pub struct Machine {
+pub struct SimulatedMachine {
     /// Motors and their cranks.
     pub axes: Axes<SimulatedAxis>,
     /// Platform that the cranks carry; `None` for a machine without one.
@@ -72,7 +73,7 @@ pub struct Machine {
     has_encoder: u8,
 }
 
-impl Machine {
+impl SimulatedMachine {
     /// Creates the machine of a scene, at power-up.
     ///
     /// # Errors
@@ -120,7 +121,7 @@ impl Machine {
             .with_drive_steps(overrides.and_then(|own| own.drive_steps_per_turn))
         };
         let axes = per_axis(settings.axes.len(), make);
-        let platform = Platform::new(checked);
+        let platform = checked.machine.platform().cloned();
         let rotors = torque::rotors(checked, &axes)?;
         let turns: Axes<f64> = axes.iter().map(SimulatedAxis::turns).collect();
         let tick_s = 1.0 / f64::from(settings.tick_hz);
@@ -130,7 +131,7 @@ impl Machine {
             has_encoder: (settings.axes.iter().rev())
                 .fold(0, |bits, axis| bits << 1 | u8::from(axis.encoder)),
             followers: Followers::new(checked, &turns)?,
-            recorder: checked.plant.as_ref().map(Recorder::new),
+            recorder: Arc::clone(&checked.machine).plant().map(Recorder::new),
             rotors,
             axes,
             corners: Corners::new(

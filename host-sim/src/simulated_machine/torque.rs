@@ -4,16 +4,13 @@ use std::sync::Arc;
 
 use cophase_methods::{Needs, Scheme};
 use cophase_scene::SceneError;
-use cophase_scene::file::{self, Drive, Fidelity, Rods};
+use cophase_scene::file::{Drive, Fidelity};
 
 use super::assembly;
-use super::{DriveCommand, Platform, Rotors};
+use super::{DriveCommand, Rotors};
 use crate::checked::Checked;
 use crate::drives::{AtCrank, SimulatedAxis};
-use crate::dynamics::plant::OnPlant;
-use crate::dynamics::{
-    Body, Driven, Dynamics, Elastic, Frame, Induction, Layer, Motor, Phased, Rigid, Servo, Stepper,
-};
+use crate::dynamics::{Driven, Dynamics, Induction, Motor, RotorParts, Servo, Stepper};
 
 /// Speed limit of a crank: this multiple of the largest speed of its machine, plus `COASTING_HZ`, rev/s, which a load may
 /// drive it to. A faster crank has run away (`Broken`).
@@ -25,11 +22,8 @@ const COASTING_HZ: f64 = 50.0;
 /// # Errors
 /// Fails if the scene does not set what the model level needs.
 pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors>, SceneError> {
-    if !checked.fidelity.moves_by_torque() {
+    if !checked.fidelity.moves_by_torque() || !checked.machine.turns_by_torque() {
         return Ok(None);
-    }
-    if checked.cam.is_some() {
-        return Ok(None); // cams have no model level with torque
     }
     let settings = &checked.settings;
     let motors = (0..axes.len())
@@ -66,95 +60,21 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
 
 /// Returns the equations of motion that the model level gives the machine.
 fn dynamics(checked: &Checked) -> Result<Box<dyn Dynamics>, SceneError> {
-    let rotors_kgm2 = rotors_kgm2(checked)?;
-    let friction_nm = friction_nm(checked);
-    if let Some(plant) = &checked.plant {
-        let on_plant = OnPlant::new(rotors_kgm2, friction_nm, Arc::clone(plant));
-        return Ok(Box::new(on_plant));
-    }
-    let Some(body) = body(checked, rotors_kgm2, friction_nm) else {
+    let rotors = RotorParts {
+        inertia_kgm2: rotors_kgm2(checked)?,
+        friction_nm: friction_nm(checked),
+    };
+    if checked.fidelity == Fidelity::Rigid
+        && let Some(apart) = checked.cranks_apart()
+    {
         return Err(SceneError::at(
             "fidelity",
             format!(
-                "\"{}\" moves cranks under a platform by torque, and there is none",
-                checked.fidelity.name()
+                "\"rigid\" has all cranks at one angle on one shaft, and {apart} has them at others; let it be \"phased\""
             ),
         ));
-    };
-    if checked.fidelity == Fidelity::Rigid {
-        if let Some(apart) = checked.cranks_apart() {
-            return Err(SceneError::at(
-                "fidelity",
-                format!(
-                    "\"rigid\" has all cranks at one angle on one shaft, and {apart} has them at others; let it be \"phased\""
-                ),
-            ));
-        }
-        return Ok(Box::new(Rigid::new(body)));
     }
-    let frame = if checked.fidelity == Fidelity::Elastic {
-        let given = checked.scene.frame.as_ref().ok_or_else(|| {
-            SceneError::at(
-                "frame",
-                "missing; fidelity = \"elastic\" has the frame move on its suspension, so give frame.mass_kg and \
-                 frame.suspension_n_per_mm, or let fidelity be \"phased\"",
-            )
-        })?;
-        Some(frame(given, &body))
-    } else {
-        None
-    };
-    let machine = checked.scene.machine.as_ref();
-    let rods = machine.map_or((Rods::QuasiStatic, 0.0), |it| (it.rods, it.rod_zeta));
-    Ok(match rods {
-        (Rods::QuasiStatic, _) => {
-            let phased = Phased::new(body);
-            Box::new(match frame {
-                Some(frame) => phased.on(frame),
-                None => phased,
-            })
-        }
-        (Rods::Elastic, zeta) => {
-            let elastic = Elastic::new(body, zeta);
-            Box::new(match frame {
-                Some(frame) => elastic.on(frame),
-                None => elastic,
-            })
-        }
-    })
-}
-
-fn frame(given: &file::Frame, body: &Body) -> Frame {
-    let radius_m = body.mount_radius_m;
-    let masses = |mass_kg: f64, tilt_inertia_kgm2: Option<f64>| {
-        let tilt = tilt_inertia_kgm2.unwrap_or_else(|| even_disc_kgm2(mass_kg, radius_m));
-        [mass_kg, tilt, tilt]
-    };
-    let load = body.masses();
-    let own = masses(given.mass_kg, given.tilt_inertia_kgm2);
-    Frame {
-        suspended: Layer::new(
-            own,
-            load,
-            given.suspension_n_per_mm * 1e3,
-            radius_m,
-            given.suspension_zeta,
-        ),
-        foundation: given.foundation.as_ref().map(|foundation| {
-            Layer::new(
-                masses(foundation.mass_kg, foundation.tilt_inertia_kgm2),
-                std::array::from_fn(|f| own[f] + load[f]),
-                foundation.ground_n_per_mm * 1e3,
-                radius_m,
-                foundation.ground_zeta,
-            )
-        }),
-    }
-}
-
-/// Inertia of a uniform disc about a diameter, kg·m².
-fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
-    mass_kg * radius_m * radius_m / 4.0
+    Arc::clone(&checked.machine).dynamics(checked.fidelity, rotors)
 }
 
 /// Returns the inertia of each rotor, kg·m².
@@ -181,23 +101,6 @@ fn friction_nm(checked: &Checked) -> Vec<f64> {
         apart.unwrap_or(checked.scene.axes.friction_nm)
     };
     (0..checked.settings.axes.len()).map(friction).collect()
-}
-
-/// Returns the platform that the cranks carry.
-fn body(checked: &Checked, rotors_kgm2: Vec<f64>, friction_nm: Vec<f64>) -> Option<Body> {
-    let platform = Platform::new(checked)?;
-    let (load, mount_radius_m) = (*platform.load(), platform.mount_radius_m());
-    let given = checked.scene.machine.as_ref()?;
-    let disc_kgm2 = even_disc_kgm2(load.mass_kg, mount_radius_m);
-    Some(Body {
-        mechanism: *platform.mechanism(),
-        load,
-        tilt_inertia_kgm2: given.tilt_inertia_kgm2.unwrap_or(disc_kgm2),
-        rotors_kgm2,
-        mount_radius_m,
-        rod_n_per_m: given.rod_n_per_um * 1e6,
-        friction_nm,
-    })
 }
 
 /// Returns the motor of axis `i` at its crank, if the scene sets its torque.

@@ -1,10 +1,10 @@
 //! Required torque of each motor, on the quasi-static model level and for diagrams of it.
 
-use super::Machine;
+use super::SimulatedMachine;
 use crate::axes::per_axis;
 use crate::drives::SimulatedAxis;
 
-impl Machine {
+impl SimulatedMachine {
     /// Share of the load torque that each crank carries, N·m, with the cranks at these angles, rad. The torque at each angle is that
     /// of all cranks together; the share is the mean over the angles, divided by the number of cranks.
     fn share_nm(

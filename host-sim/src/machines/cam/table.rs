@@ -1,16 +1,19 @@
-//! Checks of a cam shaft.
+//! The cam shaft that the table `[cam]` of a scene describes.
 //!
 //! A follower shares one property with a slider-crank: its greatest acceleration is κ ω², with κ = R (1 + λ) for the crank, and
 //! κ = Ca H/β² for the cam (stroke H over the shorter of rise and return, β rad). So the core gets shafts of the length κ. Strokes are
 //! limited to those whose crank of equal κ the core would accept.
 
-use cophase_methods::problems::{Cam, Links};
-use cophase_scene::SceneError;
-use cophase_scene::file::{self, CamShaft, Scene};
-use cophase_scene::in_range;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
 
-use crate::cam::{Follower, cam_of, damped};
-use crate::plant;
+use cophase_methods::problems::{Cam, Links};
+use cophase_scene::file::CamShaft;
+use cophase_scene::{Scene, SceneError, in_range};
+
+use super::{CamShafts, Follower, cam_of, damped};
+use crate::machines::table::check_tilt_limit;
+use crate::machines::{Made, Table};
 
 /// λ of the crank of equal κ: the least that the core accepts.
 const LAMBDA: f64 = 0.1;
@@ -18,7 +21,7 @@ const LAMBDA: f64 = 0.1;
 const RADII_M: (f64, f64) = (1e-4, 0.5);
 
 /// Returns the follower of a scene with cams.
-pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
+fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
     in_range("cam.rise_mm", shaft.rise_mm, 0.1, 1000.0)?;
     in_range("cam.rise_deg", shaft.rise_deg, 5.0, 355.0)?;
     in_range("cam.dwell_deg", shaft.dwell_deg, 0.0, 350.0)?;
@@ -64,26 +67,14 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
     })
 }
 
-/// Checks that pushers on screws have axes that follow tables, and the reverse.
-pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
+/// Checks pushers on screws, if the shaft has them: their axes follow tables.
+fn check_screws(shaft: &CamShaft, scene: &Scene) -> Result<(), SceneError> {
     let follows = |number: usize| scene.overrides(number).is_some_and(|own| own.cam.is_some());
-    let Some(lead_mm) = scene.cam.as_ref().and_then(|cam| cam.screw_lead_mm) else {
-        let plant_follows = plant::table(scene).is_some_and(|table| table.axes_follow_tables());
-        return match scene.axis.iter().position(|own| own.cam.is_some()) {
-            None => Ok(()),
-            Some(_) if plant_follows => Ok(()),
-            Some(entry) => Err(SceneError::at(
-                format!("axis[{entry}].cam"),
-                "turns neither a crank nor a cam evenly: only pushers on screws follow a table here, so give [cam] with cam.screw_lead_mm",
-            )),
-        };
+    let Some(lead_mm) = shaft.screw_lead_mm else {
+        return Ok(());
     };
     in_range("cam.screw_lead_mm", lead_mm, 0.1, 1000.0)?;
-    if scene
-        .cam
-        .as_ref()
-        .is_some_and(|cam| cam.masses_kg.is_some())
-    {
+    if shaft.masses_kg.is_some() {
         return Err(SceneError::at(
             "cam.masses_kg",
             "hang on a cam shaft, and with cam.screw_lead_mm there is none; leave it out",
@@ -97,11 +88,7 @@ pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
             ),
         ));
     }
-    let servo = |number: usize| {
-        let own = scene.overrides(number).and_then(|own| own.drive);
-        own.unwrap_or(scene.axes.drive) == file::Drive::Servo
-    };
-    match (0..scene.axes.count).find(|&number| servo(number)) {
+    match (0..scene.axes.count).find(|&number| !scene.drive(number).takes_pulses()) {
         None => Ok(()),
         Some(number) => Err(SceneError::at(
             "axes.drive",
@@ -173,15 +160,9 @@ fn crank_radius_m(cam: &Cam) -> f64 {
     cam.peak_m() / (1.0 + LAMBDA)
 }
 
-/// Checks for keys that have no effect in a scene with cams.
-pub(super) fn check_useless(scene: &Scene) -> Result<(), SceneError> {
+/// Refuses keys of torque, which have no effect in a scene with cams.
+fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     let axes = &scene.axes;
-    if scene.drift.tilt_limit_mrad != file::Drift::default().tilt_limit_mrad {
-        return Err(SceneError::at(
-            "drift.tilt_limit_mrad",
-            "is of a platform, and [cam] has none; drift.warp_limit_deg limits how far cams may be apart, so leave it out",
-        ));
-    }
     let torques = [
         ("axes.pull_out", !axes.pull_out.is_empty()),
         ("axes.friction_nm", axes.friction_nm != 0.0),
@@ -194,5 +175,34 @@ pub(super) fn check_useless(scene: &Scene) -> Result<(), SceneError> {
             "concerns torque, but cams turn as commanded, and no model level of [cam] uses it; leave it out",
         )),
         None => Ok(()),
+    }
+}
+
+impl Table for CamShaft {
+    fn key(&self) -> &'static str {
+        "cam"
+    }
+
+    fn machine_name(&self) -> &'static str {
+        super::NAME
+    }
+
+    fn axes(&self) -> RangeInclusive<usize> {
+        2..=6
+    }
+
+    fn axes_follow_tables(&self) -> bool {
+        self.screw_lead_mm.is_some()
+    }
+
+    fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
+        check_tilt_limit(scene, self.key(), super::AXIS_NOUN)?;
+        check_torque(scene)?;
+        let follower = follower(self)?;
+        check_screws(self, scene)?;
+        Ok(Made::shafts(
+            follower.cam.peak_m(),
+            Arc::new(CamShafts { follower }),
+        ))
     }
 }

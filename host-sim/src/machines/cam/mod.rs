@@ -1,0 +1,138 @@
+//! Cams with followers: the data of a scene in the terms of their equations, and their drawing.
+
+mod drawing;
+mod law;
+mod table;
+
+pub use law::{Points, law_at, off_law, off_law_of};
+
+use cophase_core::settings::AxisSettings;
+use cophase_methods::problems::{Cam, Law, Links, Shaft};
+use cophase_scene::file::{CamShaft, Damper, Fidelity, LawName};
+use cophase_scene::{Scene, SceneError};
+
+use super::{Machine, Moved};
+
+/// Name with its article, for messages.
+const NAME: &str = "a cam shaft";
+/// Part that an axis turns.
+const AXIS_NOUN: &str = "cam";
+
+/// Checked cam shaft and its follower.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Follower {
+    /// Cam, at rest.
+    pub cam: Cam,
+    /// Elastic links between cam and pusher, and the second end of the first damper; `None` if the scene has none.
+    pub links: Option<(Links, Shaft)>,
+    /// Lead of the screws that move the pushers, m per turn, if axes follow cam tables.
+    pub screw_lead_m: Option<f64>,
+}
+
+/// Returns the cam of a scene, at rest at the beginning of its rise.
+pub fn cam_of(shaft: &CamShaft) -> Cam {
+    Cam {
+        law: law(shaft.law),
+        stroke_m: shaft.rise_mm / 1e3,
+        speed_rad_s: 0.0,
+        start_rad: 0.0,
+        rise_rad: shaft.rise_deg.to_radians(),
+        dwell_rad: shaft.dwell_deg.to_radians(),
+        return_rad: shaft.return_deg.to_radians(),
+    }
+}
+
+/// Returns the cam law of a name.
+pub const fn law(name: LawName) -> Law {
+    match name {
+        LawName::Cycloid => Law::Cycloid,
+        LawName::SkewedCycloid => Law::SkewedCycloid,
+        LawName::ModifiedSine => Law::ModifiedSine,
+        LawName::ModifiedTrapezoid => Law::ModifiedTrapezoid,
+    }
+}
+
+/// Returns the second end of the shaft's damper.
+pub const fn damped(damper: Damper) -> Shaft {
+    match damper {
+        Damper::Cam => Shaft::DampedToCam,
+        Damper::Ground => Shaft::DampedToGround,
+    }
+}
+
+/// A cam shaft with its follower on each axis, or a pusher on a screw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CamShafts {
+    follower: Follower,
+}
+
+impl Machine for CamShafts {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn axis_noun(&self) -> &'static str {
+        AXIS_NOUN
+    }
+
+    fn moves(&self) -> Moved {
+        Moved::Pushers
+    }
+
+    fn draw(&self, _: &str, _: &[AxisSettings]) -> String {
+        drawing::draw(&self.follower)
+    }
+
+    fn levels(&self) -> &'static [Fidelity] {
+        &[Fidelity::Kinematic, Fidelity::Elastic]
+    }
+
+    fn check_data(&self, _: &Scene, level: Fidelity) -> Result<(), SceneError> {
+        if level == Fidelity::Elastic && self.follower.links.is_none() {
+            return Err(SceneError::at(
+                "cam.masses_kg",
+                "missing; fidelity = \"elastic\" needs cam.masses_kg, cam.stiffness_n_per_mm, and cam.zeta or \
+                 cam.dampers_ns_per_m; or let fidelity be \"kinematic\"",
+            ));
+        }
+        Ok(())
+    }
+
+    fn level_without_questions(&self) -> (Fidelity, &'static str) {
+        match self.follower.links {
+            Some(_) => (
+                Fidelity::Elastic,
+                "the scene gives the followers' masses and springs, so their motion is required",
+            ),
+            None => (
+                Fidelity::Kinematic,
+                "the scene has no masses and springs between cam and pusher, so only phases and the law are required",
+            ),
+        }
+    }
+
+    fn motion(&self, level: Fidelity) -> &'static str {
+        match level {
+            Fidelity::Elastic => "springs and masses between cam and pusher",
+            _ => "every pusher follows its law exactly",
+        }
+    }
+
+    fn left_out(&self, level: Fidelity) -> String {
+        match level {
+            Fidelity::Elastic => {
+                "what the followers push back with: the cams turn as commanded, and no roller lifts off"
+            }
+            _ => "torque, inertia and elasticity: no cam ever lags, and no pusher leaves its law",
+        }
+        .to_owned()
+    }
+
+    fn turns_by_torque(&self) -> bool {
+        false
+    }
+
+    fn follower(&self) -> Option<&Follower> {
+        Some(&self.follower)
+    }
+}

@@ -1,0 +1,149 @@
+//! Machines: what the axes turn, and what that moves. One folder for each.
+//!
+//! The controller, its drives, sensors and faults are the same for all machines. A machine is:
+//! - a [`Table`]: its table in a scene file, and the settings of the controller for it;
+//! - a [`Machine`]: its name, drawing, model levels, and equations of motion;
+//! - a [`Record`](crate::dynamics::plant::Record): its figures in the report.
+//!
+//! To add one, write a folder here, and add its table to [`Scene`] and to the list of [`table`] (`docs/recipes/add-a-machine.md`).
+
+pub mod cam;
+pub mod crusher;
+mod detached;
+pub mod five_bar;
+pub mod platform;
+pub mod screen;
+mod table;
+
+pub use detached::DetachedCrank;
+pub use table::{Made, Table};
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use cophase_core::settings::AxisSettings;
+use cophase_scene::file::Fidelity;
+use cophase_scene::{Scene, SceneError};
+
+use crate::dynamics::plant::{OnPlant, Plant};
+use crate::dynamics::{Dynamics, RotorParts};
+use cam::Follower;
+use platform::Platform;
+
+/// Parts that the axes move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Moved {
+    /// A platform, which tilts.
+    #[default]
+    Platform,
+    /// A pusher on each axis.
+    Pushers,
+    /// One part, by its name in a word, such as "jaw".
+    Part(&'static str),
+}
+
+/// Machine of a scene, as it is known before a run. It has no state.
+pub trait Machine: Debug + Send + Sync {
+    /// Name with its article, for messages: "a screen".
+    fn name(&self) -> &'static str;
+
+    /// Part that an axis turns, in a word.
+    fn axis_noun(&self) -> &'static str;
+
+    /// Parts that the axes move.
+    fn moves(&self) -> Moved;
+
+    /// True if the moved part pitches.
+    fn pitches(&self) -> bool {
+        false
+    }
+
+    /// Acceleration that the program's amax is, in words. `None` if it is the moved part's own greatest one.
+    fn amax_words(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Drawing with its symbols, as SVG text. `scene` is the name of the scene.
+    fn draw(&self, scene: &str, axes: &[AxisSettings]) -> String;
+
+    /// Model levels, the lowest first.
+    fn levels(&self) -> &'static [Fidelity];
+
+    /// Checks that the scene has the data that a model level of this machine needs, beyond those of its equations.
+    ///
+    /// # Errors
+    /// The key that is missing.
+    fn check_data(&self, _scene: &Scene, _level: Fidelity) -> Result<(), SceneError> {
+        Ok(())
+    }
+
+    /// Model level for a scene that asks no question, and the reason as a sentence.
+    fn level_without_questions(&self) -> (Fidelity, &'static str) {
+        (
+            Fidelity::Kinematic,
+            "the scene has no question about torque, so only phases and the motion that follows from them are required",
+        )
+    }
+
+    /// Motion that a model level gives the machine, in words.
+    fn motion(&self, level: Fidelity) -> &'static str;
+
+    /// Effects that a model level omits, in words, for readers of the results.
+    fn left_out(&self, level: Fidelity) -> String;
+
+    /// True if torque moves the axes on some model level. Axes of other machines are always where commanded.
+    fn turns_by_torque(&self) -> bool {
+        true
+    }
+
+    /// Equations of motion on a model level on which torque moves the axes.
+    ///
+    /// # Errors
+    /// The key that the level lacks, or there is no such level.
+    fn dynamics(
+        self: Arc<Self>,
+        level: Fidelity,
+        rotors: RotorParts,
+    ) -> Result<Box<dyn Dynamics>, SceneError> {
+        let name = self.name();
+        let Some(plant) = self.plant() else {
+            let problem = format!("\"{}\" moves no axis of {name} by torque", level.name());
+            return Err(SceneError::at("fidelity", problem));
+        };
+        let RotorParts {
+            inertia_kgm2,
+            friction_nm,
+        } = rotors;
+        Ok(Box::new(OnPlant::new(inertia_kgm2, friction_nm, plant)))
+    }
+
+    /// Platform, if the axes are cranks under one.
+    fn platform(&self) -> Option<&Platform> {
+        None
+    }
+
+    /// Cam shaft with its follower, if each axis is one.
+    fn follower(&self) -> Option<&Follower> {
+        None
+    }
+
+    /// Equations of the part that the shafts move, if they move one part that is no platform.
+    fn plant(self: Arc<Self>) -> Option<Arc<dyn Plant>> {
+        None
+    }
+}
+
+/// Returns the tables of machines that a scene has: one, if the scene is right.
+pub fn tables(scene: &Scene) -> impl Iterator<Item = Box<dyn Table>> {
+    fn boxed<T: Table + Clone + 'static>(table: Option<&T>) -> Option<Box<dyn Table>> {
+        table.map(|table| Box::new(table.clone()) as Box<dyn Table>)
+    }
+    let tables = [
+        boxed(scene.screen.as_ref()),
+        boxed(scene.crusher.as_ref()),
+        boxed(scene.five_bar.as_ref()),
+        boxed(scene.machine.as_ref()),
+        boxed(scene.cam.as_ref()),
+    ];
+    tables.into_iter().flatten()
+}

@@ -1,0 +1,150 @@
+//! A platform on cranks.
+
+mod dynamics;
+mod geometry;
+mod table;
+
+pub use geometry::Platform;
+pub use table::platform;
+
+use std::sync::Arc;
+
+use cophase_core::settings::AxisSettings;
+use cophase_scene::file::{self, Fidelity, Rods};
+use cophase_scene::{Scene, SceneError};
+
+use super::{Machine, Moved};
+use crate::dynamics::{Dynamics, RotorParts};
+use crate::mechanism::{Mechanism, Mount};
+
+/// Name, for messages.
+const NAME: &str = "one platform";
+
+/// Cranks under one platform, one an axis.
+#[derive(Clone, Debug)]
+pub struct CranksUnderPlatform {
+    platform: Platform,
+    /// Its table in the scene.
+    given: file::Machine,
+    /// Frame under the cranks, if it moves.
+    frame: Option<file::Frame>,
+}
+
+impl CranksUnderPlatform {
+    /// True if more cranks hold the platform than a plane has places.
+    fn is_over_constrained(&self) -> bool {
+        self.platform.axes() > 3
+    }
+
+    /// Effects of the rods that an integrated model level omits, in words, each followed by a comma.
+    fn left_out_of_rods(&self) -> String {
+        let links = self.platform.mechanism().links();
+        match (self.given.rods, self.is_over_constrained()) {
+            (Rods::Elastic, _) => String::new(),
+            (Rods::QuasiStatic, false) => format!("{links} that give, "),
+            (Rods::QuasiStatic, true) => format!("the {links}' own oscillation, "),
+        }
+    }
+
+    /// How an over-constrained platform lies on rods that have no oscillation, in words.
+    fn lies(&self) -> String {
+        if self.given.rods == Rods::Elastic || !self.is_over_constrained() {
+            return String::new();
+        }
+        format!(
+            "; more than three cranks over-constrain the platform, so that it lies in the plane that loads the {} least",
+            self.platform.mechanism().links()
+        )
+    }
+}
+
+impl Machine for CranksUnderPlatform {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn axis_noun(&self) -> &'static str {
+        "crank"
+    }
+
+    fn moves(&self) -> Moved {
+        Moved::Platform
+    }
+
+    fn draw(&self, scene: &str, axes: &[AxisSettings]) -> String {
+        let load = self.platform.load();
+        self.platform.mechanism().draw(&Mount {
+            name: scene.to_owned(),
+            reversed: axes.iter().map(|axis| axis.reversed).collect(),
+            is_below: load.platform == crate::mechanism::Platform::Below,
+            radius_m: self.platform.mount_radius_m(),
+            load_kg: load.mass_kg,
+        })
+    }
+
+    fn levels(&self) -> &'static [Fidelity] {
+        &[
+            Fidelity::Kinematic,
+            Fidelity::QuasiStatic,
+            Fidelity::Rigid,
+            Fidelity::Phased,
+            Fidelity::Elastic,
+        ]
+    }
+
+    fn check_data(&self, scene: &Scene, level: Fidelity) -> Result<(), SceneError> {
+        if level == Fidelity::QuasiStatic && scene.axes.pull_out.is_empty() {
+            return Err(SceneError::at(
+                "axes.pull_out",
+                "missing; fidelity = \"quasi-static\" compares torques, so give the motors' pull-out torque \
+                 as [[speed_hz, torque_nm], …], or let fidelity be \"kinematic\"",
+            ));
+        }
+        Ok(())
+    }
+
+    fn motion(&self, level: Fidelity) -> &'static str {
+        match level {
+            Fidelity::Auto | Fidelity::Kinematic => "only a fault moves a crank off its command",
+            Fidelity::QuasiStatic => {
+                "only a fault, or a load beyond its motor's torque, moves a crank off its command"
+            }
+            Fidelity::Rigid => "torque moves all cranks as one shaft",
+            Fidelity::Phased => "torque moves each crank on its own",
+            Fidelity::Elastic => {
+                "torque moves each crank on its own, and the frame moves on springs"
+            }
+        }
+    }
+
+    fn left_out(&self, level: Fidelity) -> String {
+        let (of_rods, lies) = (self.left_out_of_rods(), self.lies());
+        match level {
+            Fidelity::Auto | Fidelity::Kinematic => {
+                "torque, inertia and elasticity: no crank ever lags".to_owned()
+            }
+            Fidelity::QuasiStatic => {
+                "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors".to_owned()
+            }
+            Fidelity::Rigid => {
+                "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft".to_owned()
+            }
+            Fidelity::Phased => format!("{of_rods}microsteps, suspension and foundation{lies}"),
+            Fidelity::Elastic => {
+                format!("{of_rods}microsteps, and forces on the frame across the line of travel{lies}")
+            }
+        }
+    }
+
+    fn dynamics(
+        self: Arc<Self>,
+        level: Fidelity,
+        rotors: RotorParts,
+    ) -> Result<Box<dyn Dynamics>, SceneError> {
+        self.on_level(level, rotors)
+    }
+
+    fn platform(&self) -> Option<&Platform> {
+        Some(&self.platform)
+    }
+}

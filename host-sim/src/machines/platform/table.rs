@@ -1,0 +1,58 @@
+//! The platform on cranks that the tables `[machine]` and `[frame]` of a scene describe.
+
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+use cophase_core::settings::{MachineSettings, PlatformSettings};
+use cophase_scene::file::{self, Drift};
+use cophase_scene::{Scene, SceneError};
+
+use super::{CranksUnderPlatform, Platform};
+use crate::machines::{Made, Table};
+use crate::mechanism::{AnyMechanism, Configured};
+
+/// Returns the core's platform from `[machine]`, with its limit from `[drift]`, and checks it.
+///
+/// # Errors
+/// A key is missing, belongs to another mechanism, or is out of its range.
+pub fn platform(given: &file::Machine, drift: &Drift) -> Result<PlatformSettings, SceneError> {
+    let platform = PlatformSettings {
+        mechanism: AnyMechanism::settings(given)?,
+        crank_radius_m: AnyMechanism::radius_m(given)?,
+        load_kg: given.load_kg,
+        platform: given.platform.into(),
+        gravity_mps2: given.gravity_mps2,
+        mount_radius_m: given.mount_radius_mm / 1e3,
+        tilt_limit_mrad: drift.tilt_limit_mrad,
+        allow_commanded_tilt: given.allow_commanded_tilt,
+    };
+    MachineSettings::Platform(platform).check()?;
+    Ok(platform)
+}
+
+impl Table for file::Machine {
+    fn key(&self) -> &'static str {
+        "machine"
+    }
+
+    fn machine_name(&self) -> &'static str {
+        super::NAME
+    }
+
+    fn axes(&self) -> RangeInclusive<usize> {
+        2..=6
+    }
+
+    fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
+        let settings = platform(self, &scene.drift)?;
+        let machine = CranksUnderPlatform {
+            platform: Platform::new(&settings, scene.axes.count),
+            given: self.clone(),
+            frame: scene.frame.clone(),
+        };
+        Ok(Made {
+            settings: MachineSettings::Platform(settings),
+            machine: Arc::new(machine),
+        })
+    }
+}
