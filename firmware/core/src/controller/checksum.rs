@@ -12,7 +12,6 @@ use core::hash::{Hash, Hasher};
 use super::Controller;
 use crate::axes::MAX_CAMS;
 use crate::mechanism::Mechanism;
-use crate::units::Phase;
 
 /// Sum of words: each is added by an exclusive or to the sum, which is then multiplied by an odd number.
 ///
@@ -254,12 +253,11 @@ impl Controller {
             punctuality: _,
             tick_hz,
             motion: _,
-            target: _,
+            requested: _,
             ticks: _,
             driven: _,
             end: _,
             park_crank,
-            park,
             amplitude,
             supervisor,
             unpublished: _,
@@ -293,9 +291,6 @@ impl Controller {
             6 | 7 => drift.limits().hash_half(slice == 7, sum),
             8 => homing.hash_common(sum),
             _ => {
-                // Homing moves both by as much in opposite senses.
-                let park = park.wrapping_add(homing.home_offset());
-                Phase::from_turns(park).within_turn().hash(sum);
                 if let Some(coupling) = coupling {
                     coupling.constants().hash(sum);
                 }

@@ -20,7 +20,7 @@ use crate::program::{AmplitudeOverride, Cursor, Program};
 use crate::pulse::{Planner, PulseTiming, StepRates};
 use crate::servo::{Coupling, FeedForward, servo_part};
 use crate::settings::{AxisSettings, DriveKind, Settings, turns};
-use crate::shaft::{Motion, Shaft, ShaftLimits, Target};
+use crate::shaft::{Motion, Shaft, ShaftLimits};
 use crate::signals::Output;
 use crate::supervisor::{JOG_S, Supervisor};
 use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
@@ -48,11 +48,10 @@ impl Controller {
             mechanism: AnyMechanism::STANDSTILL,
             program: Program::new(),
             cursor: Cursor::new(),
-            target: Target::steady(Turns::ZERO),
+            requested: Turns::ZERO,
             end: (Amax::ZERO, Turns::ZERO),
             shaft: Shaft::new(ShaftLimits::STANDSTILL),
             park_crank: Turns::ZERO,
-            park: Turns::ZERO,
             channels: heapless::Vec::new(),
             history: History::new(),
             has_servos: false,
@@ -114,10 +113,9 @@ impl Controller {
         self.mechanism = settings.mechanism();
         self.shaft = Shaft::new(ShaftLimits::of(&settings.limits, settings.tick_hz));
         self.cursor = Cursor::new();
-        self.target = Target::steady(Turns::ZERO);
+        self.requested = Turns::ZERO;
         self.end = (Amax::ZERO, Turns::ZERO);
         self.park_crank = Phase::from_turns(turns(settings.park_turns)).within_turn();
-        self.park = self.park_crank;
         self.correction = Correction::new();
         let settle_ticks = libm::ceil(settings.settle_s * f64::from(settings.tick_hz));
         let jog_ticks = libm::ceil(JOG_S * f64::from(settings.tick_hz));

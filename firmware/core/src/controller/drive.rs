@@ -7,16 +7,47 @@
 use super::Controller;
 use super::channel::Channel;
 use crate::axes::Follower;
-use crate::drift::AxisSet;
+use crate::drift::{AxisSet, TickTurns};
 use crate::phase_offset::OffsetMotion;
 use crate::signals::Output;
 use crate::supervisor::State;
 use crate::units::{MAX_AXES, Turns};
 
+/// Command of one tick to all axes.
+struct TickCommand {
+    /// Turns of each axis, with its phase offset.
+    turns: TickTurns,
+    /// Motion of the axis that its phase offset moves, and the turns that it makes by its follower alone.
+    offset: Option<(OffsetMotion, Turns)>,
+}
+
+impl TickCommand {
+    /// Turns and half-steps from which the planner makes the pulses of an axis. A phase offset is a whole number of half-steps; its turns
+    /// are rounded.
+    #[inline(always)]
+    fn pulses(&self, axis: usize) -> (Turns, i64) {
+        match &self.offset {
+            Some((offset, followed)) if offset.axis == axis => (*followed, offset.half_steps),
+            _ => (self.turns.of(axis), 0),
+        }
+    }
+}
+
 impl Controller {
-    /// Moves the axes and makes their pulses and setpoints. Phase offsets do not move while the machine is at rest, stops or is parked.
+    /// Moves the axes with the master's turns of a tick, and makes their pulses and setpoints.
     #[inline(never)]
     pub(super) fn drive(&mut self, moving: bool) {
+        let offset = self.move_offset(moving);
+        let command = self.command(moving, offset);
+        self.plan_all(&command);
+        if cfg!(feature = "servo") && self.has_servos {
+            self.set_points(&command.turns);
+        }
+        self.history.push(&command.turns);
+    }
+
+    /// Moves a phase offset. Offsets do not move while the machine is at rest, stops or is parked.
+    fn move_offset(&mut self, moving: bool) -> Option<OffsetMotion> {
         let offsets_move = moving && matches!(self.supervisor.state(), State::Homing | State::Run);
         let moved = if offsets_move {
             self.offsets.advance(self.has_time())
@@ -27,33 +58,67 @@ impl Controller {
         if self.apart != apart {
             self.regroup(apart);
         }
+        if moved.is_some() {
+            self.output.telemetry.correction = *self.offsets.now();
+        }
+        moved
+    }
+
+    /// Commands a tick: the turns of all axes, by their followers and with the phase offset.
+    #[inline(always)]
+    fn command(&mut self, moving: bool, offset: Option<OffsetMotion>) -> TickCommand {
         let master = if moving {
             self.motion.speed
         } else {
             Turns::ZERO
         };
-        self.history.plan(master);
+        let mut turns = TickTurns::by_master(master);
         if moving && self.followers != 0 {
-            self.advance_followers(master);
+            self.advance_followers(master, &mut turns);
         }
-        if let Some(moved) = &moved {
-            self.advance_offset(moved);
+        let offset = offset.map(|offset| {
+            let followed = turns.of(offset.axis);
+            turns.set(offset.axis, followed.wrapping_add(offset.turns));
+            (offset, followed)
+        });
+        if turns.own() != 0 {
+            self.advance_leads(master, &turns);
         }
-        self.plan_all(moved.as_ref());
-        if cfg!(feature = "servo") && self.has_servos {
-            self.set_points();
+        TickCommand { turns, offset }
+    }
+
+    /// Moves the axes that do not make the master's own turns. Axes that share a plan share its follower.
+    #[inline(never)]
+    fn advance_followers(&mut self, master: Turns, turns: &mut TickTurns) {
+        let sharing = self.output.telemetry.sharing;
+        let follows = |axis: usize| self.followers & 1 << axis != 0;
+        for (axis, channel) in self.channels.iter_mut().enumerate() {
+            if follows(axis) && sharing.first(axis) == axis {
+                turns.set(axis, channel.follower.advance(master, &self.cams));
+            }
+        }
+        for axis in (0..MAX_AXES).filter(|&axis| follows(axis)) {
+            turns.set(axis, turns.of(sharing.first(axis)));
+        }
+    }
+
+    /// Adds the turns of a tick by which axes gain on the master.
+    #[inline(never)]
+    fn advance_leads(&mut self, master: Turns, turns: &TickTurns) {
+        for (axis, lead) in self.output.telemetry.lead.iter_mut().enumerate() {
+            *lead = lead.wrapping_add(turns.of(axis).wrapping_sub(master));
         }
     }
 
     /// Plans the pulses: one plan for all axes that share it.
-    fn plan_all(&mut self, moved: Option<&OffsetMotion>) {
+    fn plan_all(&mut self, command: &TickCommand) {
         self.output.begin_plans();
         let axes = (1 << self.channels.len()) - 1;
         let mut left = self.output.telemetry.sharing.planned() & axes;
         let mut axis = 0;
         while left != 0 {
             if left & 1 != 0 {
-                self.plan_axis(axis, moved);
+                self.plan_axis(axis, command);
             }
             left >>= 1;
             axis += 1;
@@ -62,53 +127,12 @@ impl Controller {
 
     /// Plans the pulses of an axis.
     #[inline(never)] // Inlined into a function with more variables, it would lack registers.
-    fn plan_axis(&mut self, axis: usize, moved: Option<&OffsetMotion>) {
-        let turns = self.history.planned(axis);
-        let (turns, offset) = match moved {
-            Some(moved) if moved.axis == axis => {
-                (turns.wrapping_sub(moved.turns), moved.half_steps)
-            }
-            _ => (turns, 0),
-        };
+    fn plan_axis(&mut self, axis: usize, command: &TickCommand) {
+        let (turns, offset) = command.pulses(axis);
         if let (Some(channel), Some((runs, steps))) =
             (self.channels.get_mut(axis), self.output.plan_mut(axis))
         {
             *steps += i64::from(channel.plan(turns, offset, &mut self.step_rate, runs));
-        }
-    }
-
-    /// Moves the axes that do not make the master's own turns.
-    #[inline(never)]
-    fn advance_followers(&mut self, master: Turns) {
-        let sharing = self.output.telemetry.sharing;
-        let mut turns_of = [master; MAX_AXES];
-        for (axis, (channel, turns)) in self.channels.iter_mut().zip(&mut turns_of).enumerate() {
-            if self.followers & 1 << axis != 0 && sharing.first(axis) == axis {
-                *turns = channel.follower.advance(master, &self.cams);
-            }
-        }
-        for (axis, lead) in self.output.telemetry.lead.iter_mut().enumerate() {
-            if self.followers & 1 << axis != 0
-                && let Some(&turns) = turns_of.get(sharing.first(axis))
-            {
-                self.history.plan_own(axis, turns);
-                *lead = lead.wrapping_add(turns.wrapping_sub(master));
-            }
-        }
-    }
-
-    /// Moves an axis by its phase offset.
-    #[inline(never)]
-    fn advance_offset(&mut self, moved: &OffsetMotion) {
-        let turns = self.history.planned(moved.axis).wrapping_add(moved.turns);
-        self.history.plan_own(moved.axis, turns);
-        let telemetry = &mut self.output.telemetry;
-        if let Some(lead) = telemetry.lead.get_mut(moved.axis) {
-            *lead = lead.wrapping_add(moved.turns);
-        }
-        let now = self.offsets.now().get(moved.axis);
-        if let (Some(correction), Some(&now)) = (telemetry.correction.get_mut(moved.axis), now) {
-            *correction = now;
         }
     }
 
@@ -174,7 +198,7 @@ impl Controller {
 
     /// Makes the setpoints of servo axes.
     #[inline(never)]
-    fn set_points(&mut self) {
+    fn set_points(&mut self, turns: &TickTurns) {
         let home_offset = self.homing.home_offset();
         let Output {
             setpoints,
@@ -187,7 +211,7 @@ impl Controller {
             if let Some(forward) = &channel.feed_forward {
                 let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
                 let (position, speed) = coupled.unwrap_or_default();
-                let velocity = self.history.planned(axis);
+                let velocity = turns.of(axis);
                 let motion = &self.motion;
                 let acceleration =
                     channel

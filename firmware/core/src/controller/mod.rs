@@ -24,7 +24,7 @@ use crate::phase_offset::PhaseOffsets;
 use crate::program::{AmplitudeOverride, Cursor, Program};
 use crate::pulse::StepRates;
 use crate::servo::{Coupling, ServoPart};
-use crate::shaft::{Motion, Shaft, Target};
+use crate::shaft::{Motion, Shaft};
 use crate::signals::Output;
 use crate::supervisor::{Fault, FaultKind, State, Supervisor};
 use crate::units::{Amax, MAX_AXES, Phase, Turns};
@@ -55,15 +55,15 @@ pub struct Controller {
     punctuality: Punctuality,
     tick_hz: u32,
     motion: Motion,
-    target: Target,
+    /// Speed that the program requested last.
+    requested: Turns,
     ticks: u64,
     /// Last tick in which the drives were on, outside the fault state in which they may hold.
     driven: u64,
     /// Level toward which the program moves, and the speed for it.
     end: (Amax, Turns),
-    /// Phase at which the cranks park: phase of the cranks, and phase of the master.
+    /// Phase at which the cranks park.
     park_crank: Turns,
-    park: Turns,
     amplitude: AmplitudeOverride,
     supervisor: Supervisor,
     /// Event that is published in the next tick, as another one was published in this tick.
@@ -190,6 +190,12 @@ impl Controller {
     /// Phase of the master plus the home offset: the phase at which the cranks are.
     fn crank_phase(&self) -> Phase {
         self.shaft.phase().advanced(self.homing.home_offset())
+    }
+
+    /// Phase of the master at which the cranks park, within a turn.
+    fn park(&self) -> Turns {
+        let park = self.park_crank.wrapping_sub(self.homing.home_offset());
+        Phase::from_turns(park).within_turn()
     }
 }
 

@@ -9,7 +9,7 @@ use crate::program::Cursor;
 use crate::shaft::{Demand, Target};
 use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, State, SupervisorInput};
-use crate::units::{Amax, ONE_TURN, Phase, Turns};
+use crate::units::{Amax, ONE_TURN, Turns};
 
 /// Number of ticks after the drives went off in which an index pulse may still date from before.
 const LAST_PLAYED: u64 = 3;
@@ -161,12 +161,9 @@ impl Controller {
     /// Continues homing.
     #[inline(never)]
     fn advance_homing(&mut self) -> Option<Finding> {
-        let found = self
-            .homing
-            .advance(&mut self.drift, &mut self.offsets, self.motion.speed);
-        let park = self.park_crank.wrapping_sub(self.homing.home_offset());
-        self.park = Phase::from_turns(park).within_turn();
-        found.map(Finding::of)
+        self.homing
+            .advance(&mut self.drift, &mut self.offsets, self.motion.speed)
+            .map(Finding::of)
     }
 
     /// Returns the fault with which homing would end, if it is known before anything moves: a crank was left beyond the limits of the
@@ -192,7 +189,7 @@ impl Controller {
                 self.homing.begin();
                 self.offsets.hold();
                 self.cursor = Cursor::new();
-                self.target = Target::steady(Turns::ZERO);
+                self.requested = Turns::ZERO;
             }
             // This fault names the crank at a wrong phase. The operator may have turned that crank by hand before the reset.
             State::Idle if self.latched() == Some(FaultKind::HomingRangeExceeded) => {
@@ -207,7 +204,7 @@ impl Controller {
                 if self.cursor.is_done(&self.program) {
                     self.cursor = Cursor::new();
                 }
-                self.target = Target::steady(Turns::ZERO);
+                self.requested = Turns::ZERO;
             }
             _ => {}
         }
@@ -223,39 +220,38 @@ impl Controller {
             Action::Stand => Demand::Halt,
             Action::Home => Demand::Follow(Target::steady(self.shaft.limits().homing_speed())),
             Action::Play => {
-                self.play();
-                Demand::Follow(self.target)
+                let (amax, target) = self.play();
+                self.output.telemetry.amax_requested = amax;
+                Demand::Follow(target)
             }
-            Action::Hold => {
-                self.target = Target::steady(self.target.next);
-                Demand::Follow(self.target)
-            }
-            Action::Park => Demand::Stop(Some(self.park)),
+            Action::Hold => Demand::Follow(Target::steady(self.requested)),
+            Action::Park => Demand::Stop(Some(self.park())),
             Action::StopFast => Demand::Stop(None),
         }
     }
 
-    /// Reads one tick of the program.
+    /// Reads one tick of the program: its amplitude, and the target of the shaft.
     #[inline(never)]
-    fn play(&mut self) {
+    fn play(&mut self) -> (Amax, Target) {
         let mut reading = self.cursor.next(&self.program);
         if !self.amplitude.is_one() {
             (reading.level, reading.end_level) =
                 self.amplitude.advance(reading.level, reading.end_level);
         }
-        self.output.telemetry.amax_requested = reading.level;
         if self.end.0 != reading.end_level {
             self.end = (reading.end_level, self.mechanism.speed(reading.end_level));
         }
-        self.target = Target {
-            now: self.target.next,
-            next: if reading.level == reading.end_level {
-                self.end.1
-            } else {
-                self.mechanism.speed(reading.level)
-            },
+        let next = if reading.level == reading.end_level {
+            self.end.1
+        } else {
+            self.mechanism.speed(reading.level)
+        };
+        let target = Target {
+            now: core::mem::replace(&mut self.requested, next),
+            next,
             end: self.end.1,
         };
+        (reading.level, target)
     }
 
     #[inline(never)]

@@ -31,7 +31,7 @@ pub use diagnosis::alternatives::alternatives;
 pub(crate) use diagnosis::alternatives::may_run_away;
 pub(crate) use diagnosis::events::is_better;
 pub use diagnosis::findings::Finding;
-pub use sensing::history::History;
+pub use sensing::history::{History, TickTurns};
 pub use sensing::index_filter::IndexFilter;
 pub use sensing::tick_phase::{IndexPulse, TickPhase};
 

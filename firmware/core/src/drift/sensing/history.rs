@@ -1,4 +1,4 @@
-//! Turns that were commanded in the last ticks.
+//! Turns that were commanded in the last ticks: a log, which only the monitor reads.
 //!
 //! Most axes make the master's turns, so only the turns of other axes are stored. Past phases are computed from the present one.
 
@@ -6,41 +6,64 @@ use super::tick_phase::TickPhase;
 use crate::drift::detection::modes::AxisSet;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 
-/// Turns of all axes in one tick.
+/// Turns that are commanded in one tick.
 #[derive(Clone, Copy, Debug)]
-struct Made {
+pub struct TickTurns {
     master: Turns,
-    /// Axes that made other turns, and their turns.
+    /// Axes that make other turns, and their turns.
     own: AxisSet,
     turns: PerAxis<Turns>,
     /// Upper bound on the turns of an axis.
     most: Turns,
 }
 
-impl Made {
-    const NONE: Self = Self {
-        master: Turns::ZERO,
-        own: 0,
-        turns: [Turns::ZERO; MAX_AXES],
-        most: Turns::ZERO,
-    };
+impl TickTurns {
+    const NONE: Self = Self::by_master(Turns::ZERO);
 
+    /// Turns of a tick in which every axis makes the master's.
     #[inline(always)]
-    fn of(&self, axis: usize) -> Turns {
+    pub const fn by_master(master: Turns) -> Self {
+        Self {
+            master,
+            own: 0,
+            turns: [Turns::ZERO; MAX_AXES],
+            most: master,
+        }
+    }
+
+    /// Sets the turns of one axis.
+    #[inline(always)]
+    pub fn set(&mut self, axis: usize, turns: Turns) {
+        if let Some(own) = self.turns.get_mut(axis) {
+            *own = turns;
+            self.own |= 1 << axis;
+            self.most = self.most.max(turns);
+        }
+    }
+
+    /// Turns of an axis.
+    #[inline(always)]
+    pub fn of(&self, axis: usize) -> Turns {
         if self.own & 1 << axis == 0 {
             self.master
         } else {
             self.turns.get(axis).copied().unwrap_or_default()
         }
     }
+
+    /// Axes that make other turns than the master.
+    #[inline(always)]
+    pub const fn own(&self) -> AxisSet {
+        self.own
+    }
 }
 
 /// The ticks of a [`History`], the latest first.
 #[derive(Clone, Copy, Debug)]
 pub struct Recent<'a> {
-    planned: &'a Made,
-    played: &'a Made,
-    before: &'a Made,
+    planned: &'a TickTurns,
+    played: &'a TickTurns,
+    before: &'a TickTurns,
 }
 
 impl Recent<'_> {
@@ -71,7 +94,7 @@ impl Recent<'_> {
 /// Turns of all axes in three ticks: the one that is being played, the one that is over, and the one before that.
 #[derive(Clone, Debug)]
 pub struct History {
-    ticks: [Made; 3],
+    ticks: [TickTurns; 3],
     newest: usize,
 }
 
@@ -79,36 +102,18 @@ impl History {
     /// History of axes at rest.
     pub const fn new() -> Self {
         Self {
-            ticks: [Made::NONE; 3],
+            ticks: [TickTurns::NONE; 3],
             newest: 0,
         }
     }
 
-    /// Adds a planned tick, in which all axes make the master's turns.
+    /// Adds a planned tick.
     #[inline]
-    pub fn plan(&mut self, master: Turns) {
+    pub fn push(&mut self, planned: &TickTurns) {
         self.newest = if self.newest == 2 { 0 } else { self.newest + 1 };
-        if let Some(made) = self.ticks.get_mut(self.newest) {
-            made.master = master;
-            made.most = master;
-            made.own = 0;
+        if let Some(turns) = self.ticks.get_mut(self.newest) {
+            *turns = *planned;
         }
-    }
-
-    /// Sets the turns of one axis in the tick that was added last.
-    pub fn plan_own(&mut self, axis: usize, turns: Turns) {
-        if let Some(made) = self.ticks.get_mut(self.newest) {
-            made.own |= 1 << axis;
-            made.most = made.most.max(turns);
-            if let Some(own) = made.turns.get_mut(axis) {
-                *own = turns;
-            }
-        }
-    }
-
-    /// Turns of an axis in the tick that was planned last.
-    pub fn planned(&self, axis: usize) -> Turns {
-        self.made(0).of(axis)
     }
 
     /// Phase of an axis over the tick that is over. `phase` is its commanded phase at the end of the tick that was planned last.
@@ -132,7 +137,7 @@ impl History {
     }
 
     #[inline(always)]
-    fn made(&self, ago: usize) -> &Made {
+    fn made(&self, ago: usize) -> &TickTurns {
         // A remainder would be slow: the processor has no divide instruction.
         let place = if self.newest < ago {
             self.newest + 3 - ago
@@ -166,16 +171,16 @@ mod tests {
         let mut begins = std::vec::Vec::new();
         for tick in 1..20_i64 {
             begins.push(phase);
-            history.plan(turns(tick));
+            let mut planned = TickTurns::by_master(turns(tick));
             let own = if tick % 3 == 0 { tick + 5 } else { tick };
             if tick % 3 == 0 {
-                history.plan_own(1, turns(own));
+                planned.set(1, turns(own));
             }
+            history.push(&planned);
             phase = [
                 phase[0].advanced(turns(tick)),
                 phase[1].advanced(turns(own)),
             ];
-            assert_eq!(history.planned(1), turns(own));
             if tick < 3 {
                 continue;
             }

@@ -43,12 +43,14 @@ pub(super) fn history_of(
     before: Turns,
 ) -> (PerAxis<Turns>, History) {
     let mut history = History::new();
-    history.plan(before);
-    history.plan(Turns::ZERO);
+    let mut over = TickTurns::by_master(Turns::ZERO);
     for (axis, phase) in commanded.iter().enumerate() {
-        history.plan_own(axis, phase.turns);
+        over.set(axis, phase.turns);
     }
-    history.plan(Turns::ZERO);
+    let next = TickTurns::by_master(Turns::ZERO);
+    for turns in [TickTurns::by_master(before), over, next] {
+        history.push(&turns);
+    }
     let leads = commanded.map(|phase| phase.start.advanced(phase.turns).since(Phase::ZERO));
     (leads, history)
 }
