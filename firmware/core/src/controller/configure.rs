@@ -3,27 +3,24 @@
 //! A controller takes some ten kilobytes. The stack of a microcontroller does not hold that beside the decoder of its settings. So one
 //! controller exists from the beginning, without axes, and the settings fill it.
 
-use super::Controller;
 use super::channel::Channel;
 use super::checksum::SettingsCheck;
-use super::correction::Correction;
-use super::hold::HoldWatch;
-use super::homing::Homing;
-use super::punctuality::Punctuality;
+use super::homing::{Homing, HomingConfig};
 use super::wiring_proof::wiring_patterns;
+use super::{Controller, LoopState};
 use crate::axes::{Bounds, Follower, NO_CAMS};
-use crate::drift::{AxisSet, DriftMonitor, History};
+use crate::drift::{AxisSet, DriftMonitor};
 use crate::mechanism::AnyMechanism;
 use crate::phase_offset::PhaseOffsets;
 use crate::problem::{Problem, SettingsError};
-use crate::program::{AmplitudeOverride, Cursor, Program};
+use crate::program::{AmplitudeOverride, Program};
 use crate::pulse::{Planner, PulseTiming, StepRates};
 use crate::servo::{Coupling, FeedForward, servo_part};
 use crate::settings::{AxisSettings, DriveKind, Settings, turns};
-use crate::shaft::{Motion, Shaft, ShaftLimits};
+use crate::shaft::{Shaft, ShaftLimits};
 use crate::signals::Output;
 use crate::supervisor::{JOG_S, Supervisor};
-use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
+use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 
 /// Reciprocal of the part of the common limit up to which a mean phase error in homing counts as lag: one fourth.
 const LAG_PART: f64 = 4.0;
@@ -44,39 +41,23 @@ impl Controller {
     /// Creates a controller without axes. It stays at rest until it is configured.
     pub const fn new() -> Self {
         Self {
+            state: LoopState::new(),
             tick_hz: 2000,
             mechanism: AnyMechanism::STANDSTILL,
             program: Program::new(),
-            cursor: Cursor::new(),
-            requested: Turns::ZERO,
-            end: (Amax::ZERO, Turns::ZERO),
             shaft: Shaft::new(ShaftLimits::STANDSTILL),
             park_crank: Turns::ZERO,
             channels: heapless::Vec::new(),
-            history: History::new(),
             has_servos: false,
             step_rate: StepRates::new(62_500),
-            apart: None,
             followers: 0,
             cams: NO_CAMS,
             drift: DriftMonitor::new(),
-            homing: Homing::new(),
-            hold: HoldWatch::new(),
+            homing: Homing::new(HomingConfig::NONE),
             offsets: PhaseOffsets::new(),
-            correction: Correction::new(),
             coupling: None,
             amplitude: AmplitudeOverride::new(2000),
             supervisor: Supervisor::new(0, 0, false),
-            unpublished: None,
-            stop_input: false,
-            driven: 0,
-            motion: Motion::AT_REST,
-            ticks: 0,
-            punctuality: Punctuality::new(),
-            overrun: None,
-            is_busy: false,
-            busy_ticks: 0,
-            was_late: false,
             output: Output::idle([Turns::ZERO; MAX_AXES]),
             check: SettingsCheck::new(),
         }
@@ -102,6 +83,7 @@ impl Controller {
     fn fill_in(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         // This check comes first: the steps below rely on numbers within their ranges.
         settings.check()?;
+        self.state = LoopState::new();
         settings.fill_program(&mut self.program)?;
         settings.fill_curves(&mut self.cams);
         self.fill_channels(settings)?;
@@ -112,26 +94,12 @@ impl Controller {
         self.tick_hz = settings.tick_hz;
         self.mechanism = settings.mechanism();
         self.shaft = Shaft::new(ShaftLimits::of(&settings.limits, settings.tick_hz));
-        self.cursor = Cursor::new();
-        self.requested = Turns::ZERO;
-        self.end = (Amax::ZERO, Turns::ZERO);
         self.park_crank = Phase::from_turns(turns(settings.park_turns)).within_turn();
-        self.correction = Correction::new();
         let settle_ticks = libm::ceil(settings.settle_s * f64::from(settings.tick_hz));
         let jog_ticks = libm::ceil(JOG_S * f64::from(settings.tick_hz));
         self.supervisor =
             Supervisor::new(settle_ticks as u32, jog_ticks as u32, settings.has_brake);
         self.amplitude = AmplitudeOverride::new(settings.tick_hz);
-        self.unpublished = None;
-        self.stop_input = false;
-        self.driven = 0;
-        self.motion = Motion::AT_REST;
-        self.ticks = 0;
-        self.punctuality = Punctuality::new();
-        self.overrun = None;
-        self.is_busy = false;
-        self.busy_ticks = 0;
-        self.was_late = false;
         self.fill_trims(settings);
         Ok(())
     }
@@ -163,7 +131,6 @@ impl Controller {
             let pushed = self.channels.push(channel);
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
-        self.history = History::new();
         self.has_servos = self.channels.iter().any(|c| c.feed_forward.is_some());
         self.step_rate = StepRates::new(timing.tick());
         let channels = self.channels.iter().enumerate();
@@ -177,17 +144,18 @@ impl Controller {
 
     #[cold]
     fn fill_homing(&mut self, settings: &Settings) -> Result<(), SettingsError> {
-        let count = settings.axes.len();
         let patterns = if settings.correction.prove_wiring {
             wiring_patterns(settings, &self.drift, &self.offsets)?
         } else {
             [PerAxis::default(); 2]
         };
-        let has_home_offset = self.followers == 0;
-        let lag = turns(settings.drift.common_limit_deg / 360.0 / LAG_PART);
-        let tolerance = core::array::from_fn(|axis| self.drift.tolerance(axis));
-        self.homing
-            .configure(patterns, has_home_offset, count, lag, tolerance);
+        self.homing = Homing::new(HomingConfig {
+            patterns,
+            has_home_offset: self.followers == 0,
+            count: settings.axes.len(),
+            lag: turns(settings.drift.common_limit_deg / 360.0 / LAG_PART),
+            tolerance: core::array::from_fn(|axis| self.drift.tolerance(axis)),
+        });
         Ok(())
     }
 

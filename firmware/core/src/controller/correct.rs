@@ -14,9 +14,9 @@ impl Controller {
         if !self.offsets.corrects() {
             return false;
         }
-        if self.correction.step == Step::Wait {
+        if self.state.correction.step == Step::Wait {
             if self.is_correction_due() {
-                self.correction.step = Step::Verify;
+                self.state.correction.step = Step::Verify;
             }
             return false;
         }
@@ -35,13 +35,13 @@ impl Controller {
 
     /// Continues the correction; returns a fault if the cranks do not follow the corrections.
     fn continue_correction(&mut self) -> Option<Finding> {
-        self.is_busy = true;
-        self.correction.step = match self.correction.step {
+        self.state.is_busy = true;
+        self.state.correction.step = match self.state.correction.step {
             // Encoders were read, or a round has ended. The cranks must be at their commanded phases.
             Step::Verify if self.offsets.is_moving() || !self.drift.is_homed() => Step::Wait,
             Step::Verify => {
                 if let Some(fault) = self.homing.corrected(&self.drift, &self.offsets) {
-                    self.correction.step = Step::Wait;
+                    self.state.correction.step = Step::Wait;
                     return Some(Finding::of(fault));
                 }
                 Step::Compute
@@ -49,12 +49,12 @@ impl Controller {
             Step::Compute => {
                 let errors = homing::errors(&self.drift, &self.offsets);
                 let watched = self.drift.watched();
-                self.correction.target = self.offsets.against(&errors, watched, false);
+                self.state.correction.target = self.offsets.against(&errors, watched, false);
                 Step::Allow
             }
             // A difference that the offsets may not remove remains, until it exceeds a limit.
             Step::Allow => {
-                let target = &self.correction.target;
+                let target = &self.state.correction.target;
                 if self.offsets.beyond_limit(target).is_none() && self.drift.allows(target) {
                     Step::Round
                 } else {
@@ -62,11 +62,11 @@ impl Controller {
                 }
             }
             Step::Round => {
-                self.correction.steps = self.offsets.rounded(&self.correction.target);
+                self.state.correction.steps = self.offsets.rounded(&self.state.correction.target);
                 Step::Start
             }
             Step::Start | Step::Wait => {
-                self.offsets.start(self.correction.steps);
+                self.offsets.start(self.state.correction.steps);
                 Step::Wait
             }
         };
@@ -74,9 +74,9 @@ impl Controller {
     }
 
     fn is_correction_due(&mut self) -> bool {
-        let correction = &mut self.correction;
+        let correction = &mut self.state.correction;
         if self.drift.has_encoders() {
-            correction.turned = correction.turned.wrapping_add(self.motion.speed);
+            correction.turned = correction.turned.wrapping_add(self.state.motion.speed);
             if correction.turned < Turns::ONE {
                 return false;
             }

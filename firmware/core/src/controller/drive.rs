@@ -43,7 +43,7 @@ impl Controller {
         if cfg!(feature = "servo") && self.has_servos {
             self.set_points(&command.turns);
         }
-        self.history.push(&command.turns);
+        self.state.history.push(&command.turns);
     }
 
     /// Moves a phase offset. Offsets do not move while the machine is at rest, stops or is parked.
@@ -55,7 +55,7 @@ impl Controller {
             None
         };
         let apart = moved.map(|moved| moved.axis).or(self.offsets.displaced());
-        if self.apart != apart {
+        if self.state.apart != apart {
             self.regroup(apart);
         }
         if moved.is_some() {
@@ -68,7 +68,7 @@ impl Controller {
     #[inline(always)]
     fn command(&mut self, moving: bool, offset: Option<OffsetMotion>) -> TickCommand {
         let master = if moving {
-            self.motion.speed
+            self.state.motion.speed
         } else {
             Turns::ZERO
         };
@@ -139,7 +139,6 @@ impl Controller {
     /// Groups all axes, none of which shares a plan.
     #[cold]
     pub(super) fn group_axes(&mut self) {
-        self.apart = None;
         for axis in 0..self.channels.len() {
             self.join(axis, axis);
         }
@@ -148,13 +147,13 @@ impl Controller {
     /// Takes an axis out of its group while its offset moves; the axis before joins one again.
     #[inline(never)]
     fn regroup(&mut self, apart: Option<usize>) {
-        if let Some(axis) = self.apart {
+        if let Some(axis) = self.state.apart {
             self.join(axis, self.channels.len());
         }
         if let Some(axis) = apart {
             self.leave(axis);
         }
-        self.apart = apart;
+        self.state.apart = apart;
     }
 
     /// Lets an axis share the plan of one of the axes below `end`, if one has the same motion.
@@ -212,7 +211,7 @@ impl Controller {
                 let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
                 let (position, speed) = coupled.unwrap_or_default();
                 let velocity = turns.of(axis);
-                let motion = &self.motion;
+                let motion = &self.state.motion;
                 let acceleration =
                     channel
                         .follower

@@ -19,7 +19,7 @@ impl Controller {
         };
         // Motion of cranks whose drives are off is no fault, and a separate watch covers held cranks. But the last pulses of a stop may
         // still give a better name.
-        let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
+        let in_time = finding.supersedes && self.state.ticks - self.state.driven <= LAST_PULSES;
         if !self.supervisor.operates() && !in_time {
             *found = None;
             return;
@@ -29,7 +29,7 @@ impl Controller {
         {
             finding.fault = fault;
         }
-        if finding.all_lag && self.shaft.limits().is_at_band(self.motion.speed) {
+        if finding.all_lag && self.shaft.limits().is_at_band(self.state.motion.speed) {
             finding.fault.kind = FaultKind::Capture;
             finding.fault.axis = None;
         }
@@ -39,7 +39,7 @@ impl Controller {
     /// may have been published in this tick yet.
     #[inline(never)]
     pub(super) fn publish(&mut self, is_new: bool, reported: Option<&Fault>, stop: bool) {
-        let waiting = self.unpublished.take();
+        let waiting = self.state.unpublished.take();
         if is_new && let Some(fault) = self.supervisor.fault() {
             self.add_event(&fault);
         }
@@ -57,7 +57,7 @@ impl Controller {
     /// Adds an event of this tick.
     #[inline(never)]
     fn add_event_now(&mut self, fault: &Fault) {
-        let (tick, phase) = (self.ticks, self.crank_phase());
+        let (tick, phase) = (self.state.ticks, self.crank_phase());
         if let Some(event) = self.add_event(fault) {
             event.tick = tick;
             event.phase = phase;
@@ -69,8 +69,8 @@ impl Controller {
     #[inline(never)] // It copies the event's 40 bytes once, by words.
     fn add_event(&mut self, fault: &Fault) -> Option<&mut Fault> {
         let telemetry = &mut self.output.telemetry;
-        if telemetry.event.is_some() && self.unpublished.is_none() {
-            return Some(self.unpublished.insert(*fault));
+        if telemetry.event.is_some() && self.state.unpublished.is_none() {
+            return Some(self.state.unpublished.insert(*fault));
         }
         telemetry.event_count = telemetry.event_count.wrapping_add(1);
         if telemetry.event.is_some() {
@@ -97,7 +97,7 @@ impl Controller {
         if input.fault.is_some() && (input.reaction == Reaction::Disable || input.supersedes) {
             return;
         }
-        if let Some(fault) = dry.or_else(|| self.overrun.take()).or(alarm) {
+        if let Some(fault) = dry.or_else(|| self.state.overrun.take()).or(alarm) {
             input.fault = Some(fault);
             input.reaction = reaction(fault.kind, false);
             input.supersedes = false;

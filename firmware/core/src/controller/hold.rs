@@ -81,7 +81,10 @@ impl Controller {
         let drift: &DriftMonitor = &self.drift;
         let fault = Fault::new(FaultKind::Runaway).on_axis(axis);
         if let Some(error) = drift.motor_error(axis) {
-            let away = self.hold.has_moved_away(axis, error, drift.alone(axis));
+            let away = self
+                .state
+                .hold
+                .has_moved_away(axis, error, drift.alone(axis));
             let size = drift.phase_error().get(axis).copied();
             return away.then_some(fault.with_size(size.unwrap_or_default()));
         }
@@ -95,7 +98,8 @@ impl Controller {
         });
         let phase = self.output.telemetry.axis_phase(axis);
         let is_at_flag = !may_run && drift.is_at_flag(axis, phase);
-        let swings = is_parked || (self.ticks - self.driven) * SWINGS_FOR < u64::from(self.tick_hz);
+        let swings = is_parked
+            || (self.state.ticks - self.state.driven) * SWINGS_FOR < u64::from(self.tick_hz);
         if is_at_flag && swings {
             return None;
         }
@@ -107,7 +111,7 @@ impl Controller {
         // With one axis only, a pulse cannot be one that all axes make.
         let is_one_of_many = (0..self.channels.len()).filter(is_by_index).count() > 1;
         let all = (0..self.channels.len()).filter(|axis| is_one_of_many && is_by_index(axis));
-        if !self.hold.is_too_many(axis, all, tolerated) {
+        if !self.state.hold.is_too_many(axis, all, tolerated) {
             return None;
         }
         // The phase of the crank is unknown now.

@@ -35,10 +35,38 @@ use hold::HoldWatch;
 use homing::Homing;
 use punctuality::Punctuality;
 
-/// State of the control loop.
+/// The control loop: its settings in use, its parts, and its own state.
 #[derive(Clone, Debug)]
 #[repr(C)] // The fields that every tick needs come first: the board's instructions reach 32 bytes, or 128 by words.
 pub struct Controller {
+    state: LoopState,
+    has_servos: bool,
+    /// Axes that do not make the master's own turns.
+    followers: AxisSet,
+    tick_hz: u32,
+    /// Phase at which the cranks park.
+    park_crank: Turns,
+    amplitude: AmplitudeOverride,
+    supervisor: Supervisor,
+    shaft: Shaft,
+    step_rate: StepRates,
+    program: Program,
+    mechanism: AnyMechanism,
+    channels: heapless::Vec<Channel, MAX_AXES>,
+    drift: DriftMonitor,
+    offsets: PhaseOffsets,
+    homing: Homing,
+    /// Curves of the cam tables.
+    cams: Cams,
+    coupling: Option<ServoPart<Coupling>>,
+    output: Output,
+    check: SettingsCheck,
+}
+
+/// What ticks change in the loop itself. At power-up it is [`LoopState::new`].
+#[derive(Clone, Debug)]
+#[repr(C)] // as in `Controller`
+struct LoopState {
     /// True if this tick has done work that is not due in every tick.
     is_busy: bool,
     /// Number of busy ticks in a row.
@@ -47,13 +75,9 @@ pub struct Controller {
     was_late: bool,
     /// Level of the stop input in the last tick.
     stop_input: bool,
-    has_servos: bool,
-    /// Axes that do not make the master's own turns.
-    followers: AxisSet,
     /// Axis that has a plan of its own, because its phase offset moves.
     apart: Option<usize>,
     punctuality: Punctuality,
-    tick_hz: u32,
     motion: Motion,
     /// Speed that the program requested last.
     requested: Turns,
@@ -62,31 +86,38 @@ pub struct Controller {
     driven: u64,
     /// Level toward which the program moves, and the speed for it.
     end: (Amax, Turns),
-    /// Phase at which the cranks park.
-    park_crank: Turns,
-    amplitude: AmplitudeOverride,
-    supervisor: Supervisor,
     /// Event that is published in the next tick, as another one was published in this tick.
     unpublished: Option<Fault>,
     overrun: Option<Fault>,
-    shaft: Shaft,
-    step_rate: StepRates,
     /// Turns that were commanded in the last outputs.
     history: History,
     cursor: Cursor,
-    program: Program,
-    mechanism: AnyMechanism,
-    channels: heapless::Vec<Channel, MAX_AXES>,
-    drift: DriftMonitor,
-    offsets: PhaseOffsets,
     correction: Correction,
-    homing: Homing,
     hold: HoldWatch,
-    /// Curves of the cam tables.
-    cams: Cams,
-    coupling: Option<ServoPart<Coupling>>,
-    output: Output,
-    check: SettingsCheck,
+}
+
+impl LoopState {
+    const fn new() -> Self {
+        Self {
+            is_busy: false,
+            busy_ticks: 0,
+            was_late: false,
+            stop_input: false,
+            apart: None,
+            punctuality: Punctuality::new(),
+            motion: Motion::AT_REST,
+            requested: Turns::ZERO,
+            ticks: 0,
+            driven: 0,
+            end: (Amax::ZERO, Turns::ZERO),
+            unpublished: None,
+            overrun: None,
+            history: History::new(),
+            cursor: Cursor::new(),
+            correction: Correction::new(),
+            hold: HoldWatch::new(),
+        }
+    }
 }
 
 /// Number of busy ticks in a row after which work is no longer postponed. The pulses of all axes and a correction take fewer.
@@ -112,7 +143,7 @@ impl Controller {
 
     /// Program and the position in it.
     pub const fn program(&self) -> (&Program, &Cursor) {
-        (&self.program, &self.cursor)
+        (&self.program, &self.state.cursor)
     }
 
     /// Replaces the program and its position, if the machine is idle or parked. Returns false in any other state.
@@ -124,7 +155,7 @@ impl Controller {
             return false;
         }
         self.program.copy_from(program);
-        self.cursor = Cursor::new();
+        self.state.cursor = Cursor::new();
         self.check.program_changed();
         true
     }
@@ -132,7 +163,7 @@ impl Controller {
     /// Moves to a position in the program, in ticks from its start. This acts like a jump of the level: the shaft follows within its
     /// limits.
     pub fn seek(&mut self, elapsed: u64) {
-        self.cursor.seek(&self.program, elapsed);
+        self.state.cursor.seek(&self.program, elapsed);
     }
 
     /// Mechanism, which converts between speed and amax.
@@ -158,7 +189,7 @@ impl Controller {
             return;
         }
         limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
-        self.history = History::new();
+        self.state.history = History::new();
         self.stood(missed);
     }
 
@@ -171,9 +202,9 @@ impl Controller {
     }
 
     const fn stood(&mut self, missed: u32) {
-        self.was_late = true;
-        if self.punctuality.missed(missed) {
-            self.overrun = Some(Fault::new(FaultKind::Overrun));
+        self.state.was_late = true;
+        if self.state.punctuality.missed(missed) {
+            self.state.overrun = Some(Fault::new(FaultKind::Overrun));
         }
     }
 
@@ -184,7 +215,7 @@ impl Controller {
 
     /// True if work that can wait may be done in this tick: the tick is not busy, or too many busy ones came before.
     const fn has_time(&self) -> bool {
-        !self.is_busy || self.busy_ticks >= MOST_BUSY_TICKS
+        !self.state.is_busy || self.state.busy_ticks >= MOST_BUSY_TICKS
     }
 
     /// Phase of the master plus the home offset: the phase at which the cranks are.

@@ -45,23 +45,23 @@ impl Controller {
         if could_hold && self.supervisor.cuts() && !is_new && reported.is_none() {
             reported = Some(harder_fault(&input));
         }
-        let stop = feedback.inputs.stop && !self.stop_input;
-        self.stop_input = feedback.inputs.stop;
+        let stop = feedback.inputs.stop && !self.state.stop_input;
+        self.state.stop_input = feedback.inputs.stop;
         self.output.telemetry.event = None;
-        if is_new || stop || reported.is_some() || self.unpublished.is_some() {
+        if is_new || stop || reported.is_some() || self.state.unpublished.is_some() {
             self.publish(is_new, reported.as_ref(), stop);
         }
         let demand = self.demand(action);
-        self.motion = self.shaft.advance(demand);
+        self.state.motion = self.shaft.advance(demand);
         self.drive(action != Action::Stand);
         self.report(action);
-        self.ticks += 1;
-        self.busy_ticks = if self.is_busy {
-            self.busy_ticks.saturating_add(1)
+        self.state.ticks += 1;
+        self.state.busy_ticks = if self.state.is_busy {
+            self.state.busy_ticks.saturating_add(1)
         } else {
             0
         };
-        self.punctuality.met();
+        self.state.punctuality.met();
         &self.output
     }
 
@@ -81,9 +81,9 @@ impl Controller {
         // Planning a stop takes as long as any of the work that can wait.
         let is_about_to_stop = self.is_about_to_stop(feedback);
         let mut found = self.measure(feedback, !is_about_to_stop);
-        self.is_busy = self.drift.is_busy() || is_about_to_stop;
+        self.state.is_busy = self.drift.is_busy() || is_about_to_stop;
         if self.supervisor.operates() {
-            self.driven = self.ticks;
+            self.state.driven = self.state.ticks;
         }
         if found.is_some() {
             self.judge(&mut found);
@@ -98,18 +98,18 @@ impl Controller {
             State::Run if self.has_correction_to_do() => self.correct(&mut found),
             _ => {}
         }
-        input.at_rest = self.motion.at_rest;
+        input.at_rest = self.state.motion.at_rest;
         input.homed = self.homing.is_done();
-        input.program_done = self.cursor.is_done(&self.program);
+        input.program_done = self.state.cursor.is_done(&self.program);
         self.output.telemetry.homed = input.homed;
         self.output.telemetry.program_done = input.program_done;
-        input.tick = self.ticks;
+        input.tick = self.state.ticks;
         input.phase = self.crank_phase();
         let reported = found
             .as_ref()
             .and_then(|found| select_reaction(found, &self.supervisor, input));
         let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
-        if alarm || feedback.fifo_underrun.is_some() || self.overrun.is_some() {
+        if alarm || feedback.fifo_underrun.is_some() || self.state.overrun.is_some() {
             self.highest_priority_fault(feedback, input);
         }
         reported
@@ -123,18 +123,19 @@ impl Controller {
             encoder: &feedback.encoder,
             phase: self.output.telemetry.phase,
             lead: &self.output.telemetry.lead,
-            history: &self.history,
+            history: &self.state.history,
             correction: self.offsets.now(),
-            speed: self.motion.speed,
+            speed: self.state.motion.speed,
             may_process,
         };
-        if core::mem::take(&mut self.was_late) {
+        if core::mem::take(&mut self.state.was_late) {
             self.drift.disregard(&sensed);
             return None;
         }
         let found = self.drift.observe(&sensed);
         // Cranks that no drive holds may be turned by hand, and not all of them may have passed their flags.
-        let is_held = self.supervisor.drives_enabled() || self.ticks - self.driven <= LAST_PLAYED;
+        let is_held =
+            self.supervisor.drives_enabled() || self.state.ticks - self.state.driven <= LAST_PLAYED;
         if !is_held && self.drift.has_pulse_by_index(&feedback.index) {
             self.homing.forget();
         }
@@ -153,7 +154,7 @@ impl Controller {
     fn is_about_to_stop(&self, feedback: &Feedback) -> bool {
         match self.supervisor.state() {
             State::Homing => feedback.inputs.stop,
-            State::Run => feedback.inputs.stop || self.cursor.is_done(&self.program),
+            State::Run => feedback.inputs.stop || self.state.cursor.is_done(&self.program),
             _ => false,
         }
     }
@@ -162,7 +163,7 @@ impl Controller {
     #[inline(never)]
     fn advance_homing(&mut self) -> Option<Finding> {
         self.homing
-            .advance(&mut self.drift, &mut self.offsets, self.motion.speed)
+            .advance(&mut self.drift, &mut self.offsets, self.state.motion.speed)
             .map(Finding::of)
     }
 
@@ -175,7 +176,7 @@ impl Controller {
         }
         let (axis, by) = self.drift.left_beyond_limits(self.offsets.now())?;
         let fault = Fault::new(FaultKind::HomingRangeExceeded).on_axis(axis);
-        Some(fault.with_size(by).at(self.ticks, self.crank_phase()))
+        Some(fault.with_size(by).at(self.state.ticks, self.crank_phase()))
     }
 
     /// Prepares the state that was just entered.
@@ -188,23 +189,23 @@ impl Controller {
                 self.drift.reset(&core::array::from_fn(phase));
                 self.homing.begin();
                 self.offsets.hold();
-                self.cursor = Cursor::new();
-                self.requested = Turns::ZERO;
+                self.state.cursor = Cursor::new();
+                self.state.requested = Turns::ZERO;
             }
             // This fault names the crank at a wrong phase. The operator may have turned that crank by hand before the reset.
             State::Idle if self.latched() == Some(FaultKind::HomingRangeExceeded) => {
                 self.homing.forget();
             }
-            State::Parked | State::Fault => self.hold = HoldWatch::new(),
+            State::Parked | State::Fault => self.state.hold = HoldWatch::new(),
             State::Run => {
-                self.correction.restart();
+                self.state.correction.restart();
                 if before != State::Parked {
                     return;
                 }
-                if self.cursor.is_done(&self.program) {
-                    self.cursor = Cursor::new();
+                if self.state.cursor.is_done(&self.program) {
+                    self.state.cursor = Cursor::new();
                 }
-                self.requested = Turns::ZERO;
+                self.state.requested = Turns::ZERO;
             }
             _ => {}
         }
@@ -224,7 +225,7 @@ impl Controller {
                 self.output.telemetry.amax_requested = amax;
                 Demand::Follow(target)
             }
-            Action::Hold => Demand::Follow(Target::steady(self.requested)),
+            Action::Hold => Demand::Follow(Target::steady(self.state.requested)),
             Action::Park => Demand::Stop(Some(self.park())),
             Action::StopFast => Demand::Stop(None),
         }
@@ -233,23 +234,23 @@ impl Controller {
     /// Reads one tick of the program: its amplitude, and the target of the shaft.
     #[inline(never)]
     fn play(&mut self) -> (Amax, Target) {
-        let mut reading = self.cursor.next(&self.program);
+        let mut reading = self.state.cursor.next(&self.program);
         if !self.amplitude.is_one() {
             (reading.level, reading.end_level) =
                 self.amplitude.advance(reading.level, reading.end_level);
         }
-        if self.end.0 != reading.end_level {
-            self.end = (reading.end_level, self.mechanism.speed(reading.end_level));
+        if self.state.end.0 != reading.end_level {
+            self.state.end = (reading.end_level, self.mechanism.speed(reading.end_level));
         }
         let next = if reading.level == reading.end_level {
-            self.end.1
+            self.state.end.1
         } else {
             self.mechanism.speed(reading.level)
         };
         let target = Target {
-            now: core::mem::replace(&mut self.requested, next),
+            now: core::mem::replace(&mut self.state.requested, next),
             next,
-            end: self.end.1,
+            end: self.state.end.1,
         };
         (reading.level, target)
     }
@@ -271,10 +272,10 @@ impl Controller {
         if !matches!(action, Action::Play | Action::Hold) {
             telemetry.amax_requested = Amax::ZERO;
         }
-        telemetry.program_ticks = self.cursor.elapsed();
+        telemetry.program_ticks = self.state.cursor.elapsed();
         telemetry.holding = action == Action::Hold;
         telemetry.is_at_homing_speed = action == Action::Home;
-        telemetry.motion = self.motion;
+        telemetry.motion = self.state.motion;
         telemetry.override_permille = self.amplitude.permille();
         if self.drift.take_changed() {
             telemetry.phase_error = *self.drift.phase_error();

@@ -43,19 +43,62 @@ enum Step {
     Done,
 }
 
+/// Settings of homing.
+#[derive(Clone, Debug)]
+pub(super) struct HomingConfig {
+    /// The two tilts that prove the wiring. Both are zero if it is not to be proved.
+    pub patterns: [PerAxis<Turns>; 2],
+    /// True if the cranks have a common zero, because all turn once per turn of the master.
+    pub has_home_offset: bool,
+    pub count: usize,
+    /// Largest mean phase error that is lag. A larger one is a home offset.
+    pub lag: Turns,
+    /// Largest error of a reading, for each axis.
+    pub tolerance: PerAxis<Turns>,
+}
+
+impl HomingConfig {
+    /// Settings without axes.
+    pub(super) const NONE: Self = Self {
+        patterns: [[Turns::ZERO; MAX_AXES]; 2],
+        has_home_offset: false,
+        count: 0,
+        lag: Turns::ZERO,
+        tolerance: [Turns::ZERO; MAX_AXES],
+    };
+
+    /// Hashes the settings of one axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(super) fn hash_axis(&self, axis: usize, hasher: &mut impl Hasher) -> bool {
+        let [one, other] = &self.patterns;
+        match (one.get(axis), other.get(axis), self.tolerance.get(axis)) {
+            (Some(one), Some(other), Some(tolerance)) => {
+                (one, other, tolerance).hash(hasher);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Hashes the settings of all axes.
+    #[inline(always)]
+    pub(super) fn hash_common(&self, hasher: &mut impl Hasher) {
+        let Self {
+            patterns: _,
+            has_home_offset,
+            count,
+            lag,
+            tolerance: _,
+        } = self;
+        (has_home_offset, count, lag).hash(hasher);
+    }
+}
+
 /// State of homing, which levels the cranks.
 #[derive(Clone, Debug)]
 pub(super) struct Homing {
+    config: HomingConfig,
     step: Step,
-    /// The two tilts. Both are zero if the wiring is not to be proved.
-    patterns: [PerAxis<Turns>; 2],
-    /// True if the cranks have a common zero, because all turn once per turn of the master.
-    has_home_offset: bool,
-    count: usize,
-    /// Largest mean phase error that is lag. A larger one is a home offset.
-    lag: Turns,
-    /// Largest error of a reading, for each axis.
-    tolerance: PerAxis<Turns>,
     /// True if the cranks were levelled a second time, because they did not follow the first time.
     has_levelled_again: bool,
     /// Number of tilts that were commanded, and the trims without a tilt.
@@ -74,16 +117,12 @@ pub(super) struct Homing {
 }
 
 impl Homing {
-    /// Creates a homing without axes.
-    pub(super) const fn new() -> Self {
+    /// Creates a homing that is not requested.
+    pub(super) const fn new(config: HomingConfig) -> Self {
         const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
         Self {
+            config,
             step: Step::Off,
-            patterns: [NONE; 2],
-            has_home_offset: false,
-            count: 0,
-            lag: Turns::ZERO,
-            tolerance: NONE,
             has_levelled_again: false,
             proven: 0,
             base: NONE,
@@ -96,58 +135,9 @@ impl Homing {
         }
     }
 
-    /// Resets homing, and takes over the tilts that prove the wiring. The tilts are zero if there is no proof.
-    #[cold]
-    pub(super) const fn configure(
-        &mut self,
-        patterns: [PerAxis<Turns>; 2],
-        has_home_offset: bool,
-        count: usize,
-        lag: Turns,
-        tolerance: PerAxis<Turns>,
-    ) {
-        *self = Self::new();
-        self.patterns = patterns;
-        self.has_home_offset = has_home_offset;
-        self.count = count;
-        self.lag = lag;
-        self.tolerance = tolerance;
-    }
-
-    /// Hashes what no tick changes of one axis. Returns false for the axis after the last.
-    #[inline(always)]
-    pub(super) fn hash_axis(&self, axis: usize, hasher: &mut impl Hasher) -> bool {
-        let [one, other] = &self.patterns;
-        match (one.get(axis), other.get(axis), self.tolerance.get(axis)) {
-            (Some(one), Some(other), Some(tolerance)) => {
-                (one, other, tolerance).hash(hasher);
-                true
-            }
-            _ => false,
-        }
-    }
-
-    /// Hashes what no tick changes of all axes.
-    #[inline(always)]
-    pub(super) fn hash_common(&self, hasher: &mut impl Hasher) {
-        let Self {
-            step: _,
-            patterns: _,
-            has_home_offset,
-            count,
-            lag,
-            tolerance: _,
-            has_levelled_again: _,
-            proven: _,
-            base: _,
-            waited: _,
-            before: _,
-            from: _,
-            checks: _,
-            off: _,
-            home_offset: _,
-        } = self;
-        (has_home_offset, count, lag).hash(hasher);
+    /// Settings of homing.
+    pub(super) const fn config(&self) -> &HomingConfig {
+        &self.config
     }
 
     /// Begins with the search for the indices.
@@ -191,8 +181,8 @@ impl Homing {
             phase_error,
             from: &self.from,
             to,
-            tolerance: &self.tolerance,
-            count: self.count,
+            tolerance: &self.config.tolerance,
+            count: self.config.count,
         }
     }
 

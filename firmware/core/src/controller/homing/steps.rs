@@ -121,7 +121,7 @@ impl Homing {
     }
 
     fn proves(&self) -> bool {
-        is_pattern(&self.patterns[0])
+        is_pattern(&self.config.patterns[0])
     }
 
     /// Continues with levelled cranks: starts the next tilt that proves the wiring, or ends homing.
@@ -135,6 +135,7 @@ impl Homing {
             };
         }
         let pattern = self
+            .config
             .patterns
             .get(self.proven)
             .filter(|levels| is_pattern(*levels));
@@ -198,7 +199,7 @@ impl Homing {
 
     /// Moves the zero of the machine by the phase error that all cranks have in common.
     fn find_home_offset(&mut self, monitor: &mut DriftMonitor, offsets: &PhaseOffsets) {
-        if !self.has_home_offset {
+        if !self.config.has_home_offset {
             return;
         }
         // Phase errors may lie near half a turn, where they wrap. Their differences have a mean.
@@ -213,7 +214,7 @@ impl Homing {
             .phase_error()
             .map(|phase_error| nearest(phase_error.wrapping_sub(base)));
         let mean = nearest(base.wrapping_add(offsets.mean(&off, watched)));
-        if mean.abs() > self.lag {
+        if mean.abs() > self.config.lag {
             monitor.shift(mean);
             self.home_offset = nearest(self.home_offset.wrapping_add(mean));
         }

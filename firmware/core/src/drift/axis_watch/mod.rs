@@ -14,7 +14,7 @@ use core::hash::{Hash, Hasher};
 
 use super::detection::angles::{angle, of_angle};
 use super::diagnosis::events::Diagnosis;
-use super::sensing::encoder_watch::{EncoderWatch, Read};
+use super::sensing::encoder_watch::{CountScale, EncoderWatch, Read};
 use super::sensing::index_watch::{Detection, IndexWatch};
 use super::sensing::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::servo::{ServoPart, servo_part};
@@ -64,7 +64,8 @@ impl AxisWatch {
     pub(super) fn new(axis: &AxisSettings, traits: Traits) -> Self {
         let encoder = axis
             .encoder
-            .then(|| EncoderWatch::new(axis.steps_per_crank_turn(), axis.reversed));
+            .then(|| CountScale::new(axis.steps_per_crank_turn(), axis.reversed))
+            .map(EncoderWatch::new);
         Self {
             traits,
             index: IndexWatch::new(&traits, Phase::ZERO),

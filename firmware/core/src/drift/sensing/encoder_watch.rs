@@ -42,14 +42,53 @@ pub(in crate::drift) enum Read {
     },
 }
 
+/// Conversion of counts to turns of the crank, exact over any number of readings.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::drift) struct CountScale {
+    /// True if the counts are against the axis's own sense.
+    reversed: bool,
+    /// Turns per count: whole units, and the exact fraction of one that is left, with the remainder so far.
+    per_count: i64,
+    fraction: Ratio,
+}
+
+impl CountScale {
+    /// Scale of an encoder with these counts per turn of the crank, reversed or not.
+    pub(in crate::drift) const fn new(counts: StepsPerTurn, reversed: bool) -> Self {
+        let (per_count, fraction) = counts.step_turns();
+        Self {
+            reversed,
+            per_count,
+            fraction,
+        }
+    }
+
+    /// Turns of the crank for the next difference of two readings.
+    const fn advance(&mut self, counts: i32) -> Turns {
+        let counts = if self.reversed {
+            -(counts as i64)
+        } else {
+            counts as i64
+        };
+        let whole = counts.wrapping_mul(self.per_count);
+        Turns::from_bits(whole.wrapping_add(self.fraction.advance(counts)))
+    }
+
+    /// Constants, which no tick changes.
+    fn constants(self) -> impl Hash {
+        let Self {
+            reversed,
+            per_count,
+            fraction,
+        } = self;
+        (reversed, per_count, fraction.constants())
+    }
+}
+
 /// Watches one encoder.
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct EncoderWatch {
-    /// True if the counts are against the axis's own sense.
-    reversed: bool,
-    /// Turns of the crank per count: whole units, and the exact fraction of one that is left, with the remainder so far.
-    per_count: i64,
-    fraction: Ratio,
+    scale: CountScale,
     last: Option<i32>,
     /// Measured minus commanded turns since the reset, and its filtered value.
     pub(in crate::drift) phase_error: Turns,
@@ -102,34 +141,13 @@ const FILTER_SHIFT: u32 = 4;
 impl EncoderWatch {
     /// Constants, which no tick changes.
     pub(in crate::drift) fn constants(&self) -> impl Hash + use<> {
-        let Self {
-            reversed,
-            per_count,
-            fraction,
-            last: _,
-            phase_error: _,
-            filtered: _,
-            mean: _,
-            at_flag: _,
-            deviation: _,
-            made: _,
-            back: _,
-            unconfirmed_jump: _,
-            ticks: _,
-            error_before: _,
-            commanded: _,
-            tracking: _,
-        } = self;
-        (*reversed, *per_count, fraction.constants())
+        self.scale.constants()
     }
 
-    /// Encoder with these counts per turn of the crank, reversed or not.
-    pub(in crate::drift) const fn new(counts: StepsPerTurn, reversed: bool) -> Self {
-        let (per_count, fraction) = counts.step_turns();
+    /// Watch that has no reading yet. The phase error is zero.
+    pub(in crate::drift) const fn new(scale: CountScale) -> Self {
         Self {
-            reversed,
-            per_count,
-            fraction,
+            scale,
             last: None,
             phase_error: Turns::ZERO,
             filtered: Turns::ZERO,
@@ -148,9 +166,7 @@ impl EncoderWatch {
 
     /// Discards all readings. The phase error is zero from now on.
     pub(in crate::drift) const fn reset(&mut self) {
-        let (reversed, per_count, fraction) = (self.reversed, self.per_count, self.fraction);
-        *self = Self::new(StepsPerTurn::whole(1), reversed);
-        (self.per_count, self.fraction) = (per_count, fraction);
+        *self = Self::new(self.scale);
     }
 
     /// Adds the present phase error over a share of a turn, up to ½, to the mean. Its error is below a millionth of the errors.
@@ -184,10 +200,7 @@ impl EncoderWatch {
             return (Read::Nothing, commanded.turns);
         };
         // A tick has at most half a turn, which is at most 2^15 counts. A larger difference is invalid, and may wrap.
-        let counts = i64::from(count.wrapping_sub(last));
-        let counts = if self.reversed { -counts } else { counts };
-        let whole = counts.wrapping_mul(self.per_count);
-        let made = Turns::from_bits(whole.wrapping_add(self.fraction.advance(counts)));
+        let made = self.scale.advance(count.wrapping_sub(last));
         let off = made.wrapping_sub(commanded.turns);
         let read = self.classify(off, jump);
         self.back = if self.phase_error.wrapping_abs() <= about(jump) {
