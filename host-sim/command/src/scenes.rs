@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use cophase_scene::keys;
 use cophase_scene::library::{self, BuiltIn, SCENES};
 use cophase_scene::load;
 use host_sim::checked::Checked;
@@ -19,13 +20,23 @@ pub(super) struct ScenesArgs {
     /// Draw the machine of this scene with its symbols, as SVG; NAME may also be a file
     #[arg(long, value_name = "FILE", requires = "name")]
     svg: Option<PathBuf>,
+    /// Print the JSON Schema of a scene, with which an editor completes keys and shows their units and ranges
+    #[arg(long, conflicts_with_all = ["name", "svg"])]
+    schema: bool,
 }
+
+/// First lines of a printed scene. Editors read the place of the schema there.
+const SCHEMA_LINE: &str = "#:schema ./scene.schema.json\n# For completion in an editor: `cophase scenes --schema > scene.schema.json`\n\n";
 
 pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, CommandError> {
     if let (Some(name), Some(file)) = (&args.name, &args.svg) {
         let checked = read(name).map_err(CommandError::Input)?;
         write_file("--svg", file, checked.draw().as_bytes())
             .map_err(|error| CommandError::Input(error.to_string()))?;
+        return Ok(Status::Done);
+    }
+    if args.schema {
+        writeln!(out, "{:#}", keys::schema())?;
         return Ok(Status::Done);
     }
     match &args.name {
@@ -64,7 +75,7 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
             }
         }
         Some(name) => match library::find(name) {
-            Some(built_in) => out.write_all(built_in.text.as_bytes())?,
+            Some(built_in) => write!(out, "{SCHEMA_LINE}{}", built_in.text)?,
             None => return Err(CommandError::Input(unknown(name))),
         },
     }

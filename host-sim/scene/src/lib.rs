@@ -11,6 +11,7 @@ mod error;
 pub mod file;
 pub mod file_kind;
 pub mod input_file;
+pub mod keys;
 pub mod library;
 pub mod load;
 pub mod program;

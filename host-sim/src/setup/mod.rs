@@ -13,7 +13,7 @@ mod settings;
 use cophase_core::problem::Problem;
 use cophase_core::settings::DriftSettings;
 use cophase_link::board;
-use cophase_scene::file::{Drift, Fidelity, Scene};
+use cophase_scene::file::{Fidelity, Scene};
 use cophase_scene::{SceneError, program, range};
 
 use crate::checked::Checked;
@@ -53,7 +53,7 @@ impl Checked {
             settings: settings::settings(
                 &scene,
                 settings,
-                drift(&scene.drift),
+                DriftSettings::new(&scene.drift),
                 correction::correction(&scene, &settings)?,
                 cam_table::tables(&scene)?,
                 program.into_iter().map(|(entry, _)| entry),
@@ -95,16 +95,6 @@ impl Checked {
             let (key, problem) = sentence.split_once(": ").unwrap_or_default();
             SceneError::at(key, problem)
         })
-    }
-}
-
-/// Returns the limits on phase errors for the core. The limit on tilt is the platform's own.
-fn drift(given: &Drift) -> DriftSettings {
-    DriftSettings {
-        warp_limit_deg: given.warp_limit_deg,
-        common_limit_deg: given.common_limit_deg,
-        reading_error_deg: given.reading_error_deg,
-        lag_s: given.lag_us * 1e-6,
     }
 }
 

@@ -4,8 +4,8 @@
 use cophase_core::axes::{CamSettings, MAX_CAMS};
 use cophase_core::program::{CAPACITY, EntrySettings};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
-    LimitSettings, MAX_BANDS, MachineSettings, PulseSettings, Settings, short_name,
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, LimitSettings,
+    MAX_BANDS, MachineSettings, Settings, short_name,
 };
 use cophase_link::board::{Board, Rp2040};
 use cophase_scene::file::{AxisOverrides, Drive, Scene};
@@ -51,14 +51,8 @@ pub(super) fn settings(
             homing_speed_hz: limits.homing_speed_hz,
             bands,
         },
-        pulse: PulseSettings {
-            width_ns: scene.pulse.width_ns,
-            dir_setup_ns: scene.pulse.dir_setup_ns,
-            dir_hold_ns: scene.pulse.dir_hold_ns,
-        },
-        index: IndexSettings {
-            width_us: scene.index.width_us,
-        },
+        pulse: scene.pulse,
+        index: scene.index,
         axes: numbers.clone().map(|i| axis(scene, i)).collect(),
         cams,
         trims_turns: numbers.map(|i| trim_deg(i) / 360.0).collect(),

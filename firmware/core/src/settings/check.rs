@@ -10,13 +10,7 @@ impl Settings {
     #[cold]
     pub fn check(&self) -> Result<(), SettingsError> {
         inside("axes.count", self.axes.len() as f64, 1.0, MAX_AXES as f64)?;
-        let (min, max) = (*TICK_HZ.start(), *TICK_HZ.end());
-        inside(
-            "control.tick_hz",
-            self.tick_hz.into(),
-            min.into(),
-            max.into(),
-        )?;
+        self.control().check()?;
         if 1_000_000 % self.tick_hz != 0 {
             return Err(SettingsError::new(
                 "control.tick_hz",
@@ -27,7 +21,8 @@ impl Settings {
         self.machine.check()?;
         self.limits.check(f64::from(self.tick_hz))?;
         self.pulse.check()?;
-        self.index.check(self.tick_hz)?;
+        self.index.check()?;
+        self.check_index()?;
         for (i, cam) in self.cams.iter().enumerate() {
             cam.check(&self.master_bounds())
                 .map_err(|e| e.on_entry(i))?;
@@ -35,31 +30,47 @@ impl Settings {
         for (i, axis) in self.axes.iter().enumerate() {
             axis.check(self).map_err(|e| e.on_entry(i))?;
         }
-        inside(
-            "drift.warp_limit_deg",
-            self.drift.warp_limit_deg,
-            1e-3,
-            90.0,
-        )?;
-        inside(
-            "drift.common_limit_deg",
-            self.drift.common_limit_deg,
-            1e-3,
-            180.0,
-        )?;
-        inside(
-            "drift.reading_error_deg",
-            self.drift.reading_error_deg,
-            0.01,
-            5.0,
-        )?;
-        inside("drift.lag_us", self.drift.lag_s * 1e6, 0.0, 100_000.0)?;
+        self.drift_in_scene_units().check()?;
         self.correction.check()?;
-        inside("control.park_deg", self.park_turns * 360.0, 0.0, 360.0)?;
-        inside("control.settle_s", self.settle_s, 0.0, 10.0)?;
         self.host_loss.check()?;
         self.check_trims()?;
         self.check_commanded()
+    }
+
+    /// Returns `[control]` of a scene with these settings.
+    #[cold]
+    fn control(&self) -> Control {
+        Control {
+            tick_hz: self.tick_hz,
+            park_deg: self.park_turns * 360.0,
+            settle_s: self.settle_s,
+        }
+    }
+
+    /// Returns `[drift]` of a scene with these settings. Shafts without a platform have no tilt.
+    #[cold]
+    fn drift_in_scene_units(&self) -> Drift {
+        let platform = self.machine.platform();
+        Drift {
+            tilt_limit_mrad: platform.map_or(Drift::DEFAULT.tilt_limit_mrad, |platform| {
+                platform.tilt_limit_mrad
+            }),
+            warp_limit_deg: self.drift.warp_limit_deg,
+            common_limit_deg: self.drift.common_limit_deg,
+            reading_error_deg: self.drift.reading_error_deg,
+            lag_us: self.drift.lag_s * 1e6,
+        }
+    }
+
+    #[cold]
+    fn check_index(&self) -> Result<(), SettingsError> {
+        let width_us = self.index.width_us;
+        let most_us = 1e6 / f64::from(self.tick_hz * MOST_OF_TICK);
+        if width_us > most_us {
+            let problem = Problem::IndexTooLong { width_us, most_us };
+            return Err(SettingsError::new("index.width_us", problem));
+        }
+        Ok(())
     }
 
     #[cold]
@@ -87,19 +98,6 @@ impl CorrectionSettings {
         inside("correction.coupling", self.coupling, 0.0, 20.0)?;
         let per_s = self.coupling_per_s;
         inside("correction.coupling_per_s", per_s, 0.0, 10_000.0)?;
-        Ok(())
-    }
-}
-
-impl IndexSettings {
-    #[cold]
-    fn check(&self, tick_hz: u32) -> Result<(), SettingsError> {
-        let width_us = inside("index.width_us", self.width_us, 0.1, 100.0)?;
-        let most_us = 1e6 / f64::from(tick_hz * MOST_OF_TICK);
-        if width_us > most_us {
-            let problem = Problem::IndexTooLong { width_us, most_us };
-            return Err(SettingsError::new("index.width_us", problem));
-        }
         Ok(())
     }
 }

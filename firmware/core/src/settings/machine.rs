@@ -62,7 +62,7 @@ pub struct PlatformSettings {
     pub gravity_mps2: f64,
     /// Radius of the circle on which the cranks stand, metres, 10 mm to 5 m.
     pub mount_radius_m: f64,
-    /// Limit on the platform's tilt by phase errors, mrad, above 0, up to 100.
+    /// Limit on the platform's tilt by phase errors, mrad, as [`Drift::tilt_limit_mrad`](super::Drift::tilt_limit_mrad).
     pub tilt_limit_mrad: f64,
     /// True to accept commanded phases that tilt or warp the platform beyond its limits.
     pub allow_commanded_tilt: bool,
@@ -136,7 +136,6 @@ impl PlatformSettings {
             10.0,
             5000.0,
         )?;
-        inside("drift.tilt_limit_mrad", self.tilt_limit_mrad, 1e-3, 100.0)?;
         Ok(())
     }
 }

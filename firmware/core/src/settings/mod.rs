@@ -15,6 +15,7 @@ mod slots;
 mod tests;
 mod wiring;
 
+pub use cophase_motion::settings::key::Key;
 pub use cophase_motion::settings::{
     BandSettings, LimitSettings, MAX_BANDS, PulseSettings, inside, tick_cycles, turns,
     turns_at_most,
@@ -23,6 +24,9 @@ pub use host_loss::{HostLossReaction, HostLossSettings};
 pub use machine::{MachineSettings, Platform, PlatformSettings, ShaftSettings};
 pub(crate) use slots::{slot_steps, slot_ticks};
 pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
+
+use cophase_motion::keys;
+use cophase_motion::settings::key::or;
 
 use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
 use crate::mechanism::AnyMechanism;
@@ -34,7 +38,7 @@ use crate::units::MAX_AXES;
 /// Longest name of a machine, bytes of UTF-8.
 pub const NAME_BYTES: usize = 32;
 
-/// Tick rates, Hz. A tick is also a whole number of microseconds.
+/// Tick rates, Hz.
 pub const TICK_HZ: core::ops::RangeInclusive<u32> = 500..=10_000;
 
 /// Settings of one machine's control loop: limits, axes and program.
@@ -46,7 +50,7 @@ pub const TICK_HZ: core::ops::RangeInclusive<u32> = 500..=10_000;
 pub struct Settings {
     /// Name of the machine, for logs; see [`short_name`].
     pub name: heapless::String<NAME_BYTES>,
-    /// Tick rate, Hz: one of [`TICK_HZ`] with a tick of whole microseconds.
+    /// Tick rate, Hz, one of [`TICK_HZ`] with a tick of whole microseconds.
     pub tick_hz: u32,
     /// Cycles of the board's step clock per second; a tick is 2048 to 262,143 whole cycles. It is not part of a settings file: the program
     /// that runs the settings sets it from its board.
@@ -74,9 +78,9 @@ pub struct Settings {
     pub drift: DriftSettings,
     /// Correction of phase errors.
     pub correction: CorrectionSettings,
-    /// Crank phase at which the machine parks, turns, 0 to 1.
+    /// Crank phase at which the machine parks, turns.
     pub park_turns: f64,
-    /// Time for which energised drives settle before anything moves, seconds, 0 to 10.
+    /// Time for which energised drives settle before anything moves, seconds.
     pub settle_s: f64,
     /// True if a brake holds the cranks while the drives are off. A coordinated stop by a fault then ends with the drives
     /// off.
@@ -92,13 +96,41 @@ pub struct Settings {
 /// Reciprocal of the greatest width of the index filter as a part of a tick: one fourth.
 pub const MOST_OF_TICK: u32 = 4;
 
-/// Filter of the index lines.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct IndexSettings {
-    /// Shortest time that a level must last to count, microseconds, 0.1 to 100, at most a quarter of a tick. Shorter
-    /// ones are glitches.
-    pub width_us: f64,
+keys! {
+    /// Filter of the index lines.
+    pub struct IndexSettings in "index" {
+        /// Shortest time for which an index line must keep a level, at most a quarter of a tick. A shorter level is a glitch.
+        width_us: f64 = or(2.0).from(0.1, 100.0),
+    }
+}
+
+keys! {
+    /// Settings of the loop, in the units of a scene.
+    pub struct Control in "control" {
+        /// Control ticks per second. A tick is a whole number of microseconds.
+        tick_hz: u32 = or(2000.0).from(*TICK_HZ.start() as f64, *TICK_HZ.end() as f64)
+            .because("the rates at which the loop runs"),
+        /// Crank phase at which the machine parks. 180 is the bottom of a platform above the cranks.
+        park_deg: f64 = or(180.0).from(0.0, 360.0).because("one turn"),
+        /// Time between switching the drives on and moving.
+        settle_s: f64 = or(0.1).from(0.0, 10.0),
+    }
+}
+
+keys! {
+    /// Limits on phase errors, in the units of a scene.
+    pub struct Drift in "drift" {
+        /// Platform tilt at the worst crank phase.
+        tilt_limit_mrad: f64 = or(3.0).from(1e-3, 100.0),
+        /// Deviation of a crank from the plane through all, from four axes on.
+        warp_limit_deg: f64 = or(3.0).from(1e-3, 90.0),
+        /// Lag that is common to all cranks.
+        common_limit_deg: f64 = or(15.0).from(1e-3, 180.0),
+        /// Largest error of one reading from noise alone. A smaller deviation is no finding.
+        reading_error_deg: f64 = or(0.25).from(0.01, 5.0),
+        /// Delay with which all cranks follow in normal operation. It is subtracted before the limits are checked.
+        lag_us: f64 = or(0.0).from(0.0, 100_000.0),
+    }
 }
 
 /// Kind of drive of an axis.
@@ -188,19 +220,19 @@ impl AxisSettings {
     }
 }
 
-/// Limits on the spatial modes of the measured phase errors.
+/// Limits on the spatial modes of the measured phase errors, in the ranges of [`Drift`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DriftSettings {
-    /// Deviation of a crank from the plane through all cranks, degrees of crank angle, above 0, up to 90. Of shafts without a platform it
+    /// Deviation of a crank from the plane through all cranks, degrees of crank angle. Of shafts without a platform it
     /// limits that plane's own slope, too: they are to have equal phases.
     pub warp_limit_deg: f64,
-    /// Mean lag of all cranks, degrees, above 0, up to 180.
+    /// Mean lag of all cranks, degrees.
     pub common_limit_deg: f64,
-    /// Error of a measured crank phase from noise alone, degrees, 0.01 to 5. A phase error within this and two steps is
+    /// Error of a measured crank phase from noise alone, degrees. A phase error within this and two steps is
     /// not distinguished from zero.
     pub reading_error_deg: f64,
-    /// Time by which all cranks normally lag, seconds, 0 to 0.1. The common lag that it causes at the present speed does
+    /// Time by which all cranks normally lag, seconds. The common lag that it causes at the present speed does
     /// not count against the limit.
     pub lag_s: f64,
 }
@@ -217,6 +249,19 @@ pub struct CorrectionSettings {
     pub coupling: f64,
     /// Integral gain of the cross-coupling, 1/s, 0 to 10,000.
     pub coupling_per_s: f64,
+}
+
+impl DriftSettings {
+    /// Converts `[drift]` of a scene. The limit on tilt is the platform's own.
+    #[cold]
+    pub const fn new(given: &Drift) -> Self {
+        Self {
+            warp_limit_deg: given.warp_limit_deg,
+            common_limit_deg: given.common_limit_deg,
+            reading_error_deg: given.reading_error_deg,
+            lag_s: given.lag_us * 1e-6,
+        }
+    }
 }
 
 impl Default for Settings {
@@ -253,21 +298,12 @@ impl Settings {
                 homing_speed_hz: 0.0,
                 bands: heapless::Vec::new(),
             },
-            pulse: PulseSettings {
-                width_ns: 0.0,
-                dir_setup_ns: 0.0,
-                dir_hold_ns: 0.0,
-            },
-            index: IndexSettings { width_us: 0.0 },
+            pulse: PulseSettings::DEFAULT,
+            index: IndexSettings::DEFAULT,
             axes: heapless::Vec::new(),
             cams: heapless::Vec::new(),
             trims_turns: heapless::Vec::new(),
-            drift: DriftSettings {
-                warp_limit_deg: 0.0,
-                common_limit_deg: 0.0,
-                reading_error_deg: 0.0,
-                lag_s: 0.0,
-            },
+            drift: DriftSettings::new(&Drift::DEFAULT),
             correction: CorrectionSettings::NONE,
             park_turns: 0.0,
             settle_s: 0.0,

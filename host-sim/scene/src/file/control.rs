@@ -1,28 +1,6 @@
-//! Settings of the loop beside its machine: tick, limits, lines, and monitoring.
+//! Settings of the loop beside its machine: limits of the shaft, and corrections. The core has the tables of the others.
 
 use serde::{Deserialize, Serialize};
-
-/// Settings of the loop.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Control {
-    /// Control ticks per second.
-    pub tick_hz: u32,
-    /// Parking phase of the cranks, degrees.
-    pub park_deg: f64,
-    /// Settling time of the drives after they are switched on, s.
-    pub settle_s: f64,
-}
-
-impl Default for Control {
-    fn default() -> Self {
-        Self {
-            tick_hz: 2000,
-            park_deg: 180.0,
-            settle_s: 0.1,
-        }
-    }
-}
 
 /// Limits of the master shaft.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -59,58 +37,6 @@ pub struct Band {
     pub to_hz: f64,
 }
 
-/// Timing of the step lines.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Pulse {
-    /// Shortest time that STEP stays high, and low, ns.
-    pub width_ns: f64,
-    /// Setup time of DIR before STEP, ns.
-    pub dir_setup_ns: f64,
-    /// Hold time of DIR after STEP, ns.
-    pub dir_hold_ns: f64,
-}
-
-impl Default for Pulse {
-    fn default() -> Self {
-        Self {
-            width_ns: 400.0,
-            dir_setup_ns: 500.0,
-            dir_hold_ns: 500.0,
-        }
-    }
-}
-
-/// Filter of the index lines.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Index {
-    /// Shortest duration of a level that counts, µs. Shorter ones are glitches.
-    pub width_us: f64,
-}
-
-impl Default for Index {
-    fn default() -> Self {
-        Self { width_us: 2.0 }
-    }
-}
-
-/// Limits of the phase errors.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Drift {
-    /// Limit of the platform's tilt, mrad.
-    pub tilt_limit_mrad: f64,
-    /// Limit of the warp, degrees: the deviation of a crank from the plane through all.
-    pub warp_limit_deg: f64,
-    /// Limit of the mean lag of all cranks, degrees.
-    pub common_limit_deg: f64,
-    /// Greatest error of a reading by noise, degrees.
-    pub reading_error_deg: f64,
-    /// Delay with which all cranks follow their commands in normal operation, µs.
-    pub lag_us: f64,
-}
-
 /// Corrections of phase errors.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -133,18 +59,6 @@ impl Correction {
     /// Returns true if there is no correction.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
-    }
-}
-
-impl Default for Drift {
-    fn default() -> Self {
-        Self {
-            tilt_limit_mrad: 3.0,
-            warp_limit_deg: 3.0,
-            common_limit_deg: 15.0,
-            reading_error_deg: 0.25,
-            lag_us: 0.0,
-        }
     }
 }
 

@@ -9,6 +9,7 @@ use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
 use crate::built_in::SCENES;
+use crate::keys;
 
 /// Returns the line of a byte, counted from 1.
 pub(super) fn line_at(text: &str, byte: usize) -> usize {
@@ -98,8 +99,11 @@ pub(super) fn bare(key: &str) -> bool {
             .all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte))
 }
 
-/// Returns the form of a key path in the built-in scenes: `load_kg = 8`, `[limits]`, `[[program]]`.
+/// Returns the form of a key path, with the default of its row, or as in the built-in scenes: `load_kg = 8`, `[limits]`, `[[program]]`.
 pub(super) fn example(path: &str) -> Option<String> {
+    if let Some(row) = keys::row(path) {
+        return Some(format!("{} = {}", row.name(), row.default));
+    }
     SCENES.iter().find_map(|scene| {
         let whole = DeValue::Table(DeTable::parse(scene.text).ok()?.into_inner());
         let path_steps: Vec<_> = steps(path).collect();
@@ -174,8 +178,14 @@ pub(super) fn homes_of(key: &str) -> Vec<String> {
     homes.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-/// Returns a plain value of a built-in scene at a key path.
+/// Returns the default of a key's row, or a plain value of a built-in scene at a key path.
 pub(super) fn example_value(path: &str) -> Option<Value> {
+    if let Some(row) = keys::row(path) {
+        return Some(match row.is_whole {
+            true => Value::Integer(row.default as i64),
+            false => Value::Float(row.default),
+        });
+    }
     SCENES.iter().find_map(|scene| {
         let mut value = Value::Table(toml::from_str(scene.text).ok()?);
         for step in steps(path) {
