@@ -38,7 +38,12 @@ impl Controller {
     #[inline(never)]
     pub(super) fn drive(&mut self, moving: bool) {
         let offset = self.move_offset(moving);
-        let command = self.command(moving, offset);
+        let master = if moving {
+            self.state.motion.speed
+        } else {
+            Turns::ZERO
+        };
+        let command = self.command(master, offset);
         self.plan_all(&command);
         if cfg!(feature = "servo") && self.has_servos {
             self.set_points(&command.turns);
@@ -65,26 +70,25 @@ impl Controller {
     }
 
     /// Commands a tick: the turns of all axes, by their followers and with the phase offset.
-    #[inline(always)]
-    fn command(&mut self, moving: bool, offset: Option<OffsetMotion>) -> TickCommand {
-        let master = if moving {
-            self.state.motion.speed
-        } else {
-            Turns::ZERO
+    #[inline(always)] // A returned value of this size would be copied.
+    fn command(&mut self, master: Turns, offset: Option<OffsetMotion>) -> TickCommand {
+        let mut command = TickCommand {
+            turns: TickTurns::by_master(master),
+            offset: None,
         };
-        let mut turns = TickTurns::by_master(master);
-        if moving && self.followers != 0 {
-            self.advance_followers(master, &mut turns);
+        let turns = &mut command.turns;
+        if master != 0 && self.followers != 0 {
+            self.advance_followers(master, turns);
         }
-        let offset = offset.map(|offset| {
+        if let Some(offset) = offset {
             let followed = turns.of(offset.axis);
             turns.set(offset.axis, followed.wrapping_add(offset.turns));
-            (offset, followed)
-        });
-        if turns.own() != 0 {
-            self.advance_leads(master, &turns);
+            command.offset = Some((offset, followed));
         }
-        TickCommand { turns, offset }
+        if turns.own() != 0 {
+            self.advance_leads(master, turns);
+        }
+        command
     }
 
     /// Moves the axes that do not make the master's own turns. Axes that share a plan share its follower.
@@ -106,7 +110,9 @@ impl Controller {
     #[inline(never)]
     fn advance_leads(&mut self, master: Turns, turns: &TickTurns) {
         for (axis, lead) in self.output.telemetry.lead.iter_mut().enumerate() {
-            *lead = lead.wrapping_add(turns.of(axis).wrapping_sub(master));
+            if turns.own() & 1 << axis != 0 {
+                *lead = lead.wrapping_add(turns.of(axis).wrapping_sub(master));
+            }
         }
     }
 
