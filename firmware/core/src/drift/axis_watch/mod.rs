@@ -90,8 +90,11 @@ impl AxisWatch {
             steady_drift: _,
         } = self;
         if slice == 3 {
-            let encoder = encoder.as_ref().map(|encoder| encoder.constants());
-            encoder.hash(hasher);
+            // An option of the constants would be none as well if a flipped bit makes an encoder of memory without one.
+            encoder.is_some().hash(hasher);
+            if let Some(encoder) = encoder {
+                encoder.constants().hash(hasher);
+            }
         }
         traits.hash_slice(slice, home_offset, hasher);
     }
