@@ -5,7 +5,7 @@
 //! - a [`Machine`]: its name, drawing, model levels, and equations of motion;
 //! - a [`Record`](crate::dynamics::plant::Record): its figures in the report.
 //!
-//! To add one, write a folder here, and add its table to [`Scene`] and to the list of [`table`] (`docs/recipes/add-a-machine.md`).
+//! To add one, write a folder here, and add its table to [`Scene`] and to the list of [`tables`] (`docs/recipes/add-a-machine.md`).
 
 pub mod cam;
 pub mod crusher;
