@@ -63,7 +63,7 @@ pub struct Controller {
     check: SettingsCheck,
 }
 
-/// What ticks change in the loop itself. At power-up it is [`LoopState::new`].
+/// State of the loop itself, which ticks change. At power-up it is [`LoopState::new`].
 #[derive(Clone, Debug)]
 #[repr(C)] // as in `Controller`
 struct LoopState {
