@@ -28,7 +28,7 @@ pub struct Checked {
     pub scene: Scene,
     /// Settings of the core, the same as in a settings file for a board.
     pub settings: Settings,
-    /// What the axes turn, and what that moves.
+    /// Machine that the axes turn.
     pub machine: Arc<dyn Machine>,
     /// Model level; `auto` is resolved.
     pub fidelity: Fidelity,

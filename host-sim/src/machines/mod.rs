@@ -1,4 +1,4 @@
-//! Machines: what the axes turn, and what that moves. One folder for each.
+//! Machines: the shafts that the axes turn, and the parts that these move. One folder for each.
 //!
 //! The controller, its drives, sensors and faults are the same for all machines. A machine is:
 //! - a [`Table`]: its table in a scene file, and the settings of the controller for it;
@@ -48,7 +48,9 @@ pub trait Machine: Debug + Send + Sync {
     fn name(&self) -> &'static str;
 
     /// Part that an axis turns, in a word.
-    fn axis_noun(&self) -> &'static str;
+    fn axis_noun(&self) -> &'static str {
+        "shaft"
+    }
 
     /// Parts that the axes move.
     fn moves(&self) -> Moved;
@@ -66,8 +68,10 @@ pub trait Machine: Debug + Send + Sync {
     /// Drawing with its symbols, as SVG text. `scene` is the name of the scene.
     fn draw(&self, scene: &str, axes: &[AxisSettings]) -> String;
 
-    /// Model levels, the lowest first.
-    fn levels(&self) -> &'static [Fidelity];
+    /// Model levels, the lowest first. By default those of a [`Plant`].
+    fn levels(&self) -> &'static [Fidelity] {
+        &[Fidelity::Kinematic, Fidelity::Phased]
+    }
 
     /// Checks that the scene has the data that a model level of this machine needs, beyond those of its equations.
     ///

@@ -12,7 +12,7 @@
 //! a shaft that turns forward, and does not push one back. So it acts as dry friction does, in one direction: against a shaft at
 //! rest it has no more than the applied torque.
 //!
-//! In the controller's settings the crusher is a Scotch yoke of radius max |z″(φ)|, where z is the displacement of the jaw
+//! The length that the controller gets is max |z″(φ)|, where z is the displacement of the jaw
 //! at the point of the rock's force. So the program's amax is the largest acceleration of the jaw at that point.
 //!
 //! Not modelled: the motor's electrical transients, slip of the belt, the weight of the jaw, and a rock force that depends
@@ -109,10 +109,6 @@ impl Machine for Crusher {
         NAME
     }
 
-    fn axis_noun(&self) -> &'static str {
-        "shaft"
-    }
-
     fn moves(&self) -> Moved {
         Moved::Part("jaw")
     }
@@ -125,10 +121,6 @@ impl Machine for Crusher {
 
     fn draw(&self, _: &str, _: &[AxisSettings]) -> String {
         drawing::draw(self)
-    }
-
-    fn levels(&self) -> &'static [Fidelity] {
-        &[Fidelity::Kinematic, Fidelity::Phased]
     }
 
     fn motion(&self, level: Fidelity) -> &'static str {

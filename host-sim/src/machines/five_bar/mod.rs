@@ -9,7 +9,7 @@
 //! [`MAX_CAM_POINTS`](cophase_core::axes::MAX_CAM_POINTS) points, which the inverse kinematics gives. A slower master moves
 //! the hand along the same path.
 //!
-//! A path has no amplitude. In the controller's settings the arm is a Scotch yoke whose radius R is that of a circle as
+//! A path has no amplitude. The length that the controller gets is R, the radius of a circle as
 //! long as the path. So the program's amax is R ω²: the acceleration of a hand that follows this circle in a turn of the
 //! master. The largest acceleration of the actual hand is in the blends.
 //!
@@ -111,10 +111,6 @@ impl Machine for Arm {
 
     fn draw(&self, _: &str, _: &[AxisSettings]) -> String {
         drawing::draw(self)
-    }
-
-    fn levels(&self) -> &'static [Fidelity] {
-        &[Fidelity::Kinematic, Fidelity::Phased]
     }
 
     fn motion(&self, level: Fidelity) -> &'static str {

@@ -12,7 +12,7 @@
 //! (I + Σ G p²) θ″ + Σ G p z″ + C_θ θ′ + K_θ θ = −Σ G R p (cos φ φ″ − sin φ φ′²)
 //! ```
 //!
-//! In the controller's settings the screen is a Scotch yoke whose radius is the *throw* G R N / M. Far above its resonance
+//! The length that the controller gets is the *throw* G R N / M. Far above its resonance
 //! the box moves by the throw, opposite to the blocks, so that its amplitude is throw · ω². Near the resonance it is
 //! larger. There the forbidden band prevents a constant speed.
 //!
@@ -121,10 +121,6 @@ impl Machine for Screen {
         NAME
     }
 
-    fn axis_noun(&self) -> &'static str {
-        "shaft"
-    }
-
     fn moves(&self) -> Moved {
         Moved::Part("box")
     }
@@ -137,10 +133,6 @@ impl Machine for Screen {
 
     fn draw(&self, _: &str, _: &[AxisSettings]) -> String {
         drawing::draw(self)
-    }
-
-    fn levels(&self) -> &'static [Fidelity] {
-        &[Fidelity::Kinematic, Fidelity::Phased]
     }
 
     fn motion(&self, level: Fidelity) -> &'static str {
