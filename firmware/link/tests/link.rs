@@ -7,6 +7,7 @@
 mod support;
 
 use cophase_core::supervisor::{Command, State};
+use cophase_link::frame::MAX_FRAME_BYTES;
 use cophase_link::message::{
     Control, ControlRequest, Event, File, Message, Refusal, ReplyBody, Request, StopKind, VERSION,
 };
@@ -140,6 +141,35 @@ fn control_ends_with_the_connection() {
     let mut next = Host::new(0);
     assert_eq!(
         next.request(&mut hub, &Request::Start),
+        Err(Refusal::NoControl)
+    );
+}
+
+/// If this fails, the first reply after a port was closed within a frame is lost: the receiver takes it for the rest of that frame.
+#[test]
+fn a_frame_that_the_end_of_a_connection_cuts_takes_no_reply_with_it() {
+    let mut hub = hub();
+    let mut host = operator(&mut hub);
+    let mut frame = [0; MAX_FRAME_BYTES];
+    let read = Request::Read {
+        file: File::Settings,
+        offset: 0,
+    };
+    let (_, length) = host.client.request(&read, &mut frame).unwrap();
+    hub.receive(0, &frame[..length]);
+    let mut part = [0; 64];
+    assert_eq!(
+        hub.transmit(0, &mut part),
+        part.len(),
+        "a part of the reply"
+    );
+    for byte in part {
+        assert!(host.client.push(byte).is_none());
+    }
+    hub.disconnect(0);
+    hub.connect(0);
+    assert_eq!(
+        host.request(&mut hub, &Request::Start),
         Err(Refusal::NoControl)
     );
 }

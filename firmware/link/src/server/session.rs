@@ -78,8 +78,10 @@ impl Session {
         self.status_ms = 0;
     }
 
+    /// Drops the bytes that wait. Part of a frame may be on the line already: a zero ends it, so that the next reply is a frame of its own.
     pub(super) fn drop_output(&mut self) {
         self.out.clear();
+        let _ = self.out.push_back(0);
     }
 
     pub(super) fn transmit(&mut self, bytes: &mut [u8]) -> usize {
