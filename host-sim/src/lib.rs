@@ -20,6 +20,7 @@ pub mod machines;
 pub mod mechanism;
 pub mod model_level;
 pub mod operating_range;
+pub mod output;
 pub mod pose;
 pub mod setup;
 pub mod sim;

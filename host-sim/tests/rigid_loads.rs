@@ -3,8 +3,8 @@
 use cophase_scene::file::Fidelity;
 use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::checked::Output;
 use host_sim::fidelity::{answers, check};
+use host_sim::output::Output;
 
 fn scene(axes: usize, more: &str) -> Checked {
     let text = format!(

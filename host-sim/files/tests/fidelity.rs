@@ -4,9 +4,9 @@ use cophase_files::report::{Report, summary};
 use cophase_scene::file::Fidelity;
 use cophase_scene::{library, load};
 use host_sim::checked::Checked;
-use host_sim::checked::Output;
 use host_sim::fidelity::{self, Answers, answers, check};
 use host_sim::model_level::{Bounds, available, questions};
+use host_sim::output::Output;
 use host_sim::sim::simulate;
 
 /// A scene on all its model levels, with the answers of each in the sample.

@@ -2,7 +2,7 @@
 
 use cophase_scene::file::Fidelity;
 
-use super::Output;
+use crate::output::Output;
 
 /// Chosen model level, and the reason.
 #[derive(Clone, Debug)]

@@ -1,10 +1,8 @@
 //! Checked scene, and the settings that it gives the core.
 
 mod choice;
-mod output;
 
 pub use choice::{Choice, Judged};
-pub use output::Output;
 
 use std::sync::Arc;
 

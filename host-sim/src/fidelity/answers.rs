@@ -4,7 +4,7 @@ use cophase_core::supervisor::State;
 use cophase_core::units::PerAxis;
 
 use crate::axes::per_axis;
-use crate::checked::Output;
+use crate::output::Output;
 use crate::pose::Pose;
 use crate::sim::{Moment, Observer};
 

@@ -6,10 +6,10 @@ use cophase_scene::file::{Fidelity, Questions};
 use super::settled::Settled;
 use super::{Answers, sample};
 use crate::checked::Checked;
-use crate::checked::Output;
 use crate::checked::{Choice, Judged};
 use crate::model_level::Bounds;
 use crate::model_level::{STEP_PART, available, is_undisturbed, judge, questions};
+use crate::output::Output;
 use crate::sim::simulate;
 
 /// Part of each tolerance that the difference in a sample may use, if it is to confirm a model level. The other part is for the rest

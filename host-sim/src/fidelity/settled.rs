@@ -10,8 +10,8 @@ use super::Answers;
 use super::check::run;
 use crate::checked::Checked;
 use crate::checked::Judged;
-use crate::checked::Output;
 use crate::model_level::STEP_PART;
+use crate::output::Output;
 use crate::simulated_machine::SimulatedMachine;
 
 /// Limit of halvings. A change that remains after that does not come from the step.

@@ -7,6 +7,7 @@
 //!
 //! To add one, write a folder here, and add its table to [`Scene`] and to the list of [`tables`] (`docs/recipes/add-a-machine.md`).
 
+mod bounds;
 pub mod cam;
 pub mod crusher;
 mod detached;
@@ -15,6 +16,7 @@ pub mod platform;
 pub mod screen;
 mod table;
 
+pub use bounds::{Asked, Bounds, NoBounds};
 pub use detached::DetachedCrank;
 pub use table::{Made, Table};
 
@@ -87,6 +89,17 @@ pub trait Machine: Debug + Send + Sync {
             Fidelity::Kinematic,
             "the scene has no question about torque, so only phases and the motion that follows from them are required",
         )
+    }
+
+    /// Model levels with which the others are compared, the lowest first: the highest for which the scene has data is the *top* level. By
+    /// default it is the highest of all.
+    fn top_levels(&self) -> &'static [Fidelity] {
+        self.levels().last().map_or(&[], std::slice::from_ref)
+    }
+
+    /// Bounds on what the lower model levels leave out. By default there are none.
+    fn bounds(&self, asked: &Asked<'_>) -> Box<dyn Bounds> {
+        Box::new(NoBounds { top: asked.level })
     }
 
     /// Motion that a model level gives the machine, in words.

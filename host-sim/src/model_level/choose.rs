@@ -5,9 +5,9 @@ use cophase_scene::file::{Fidelity, Questions};
 
 use super::Bounds;
 use crate::checked::Checked;
-use crate::checked::Output;
 use crate::checked::{Choice, Judged};
 use crate::dynamics::RESOLUTION;
+use crate::output::Output;
 
 /// Part of each tolerance that the method's step may use.
 pub const STEP_PART: f64 = 0.1;

@@ -2,7 +2,7 @@
 //!
 //! Terms:
 //! - a **model level** is a [`Fidelity`](cophase_scene::file::Fidelity); each computes all that the levels below it compute, and more;
-//! - an **output** is a result of a run ([`Output`](crate::checked::Output)), such as the largest lag or tilt;
+//! - an **output** is a result of a run ([`Output`](crate::output::Output)), such as the largest lag or tilt;
 //! - a **question** is an output with a tolerance, from a scene's `[questions]`;
 //! - a **bound** limits the difference between an output of a model level and that of the top level, by the effects that the level
 //!   neglects.

@@ -4,8 +4,8 @@ use cophase_core::settings::{MAX_BANDS, Transmission};
 use cophase_scene::file::{self, AxisOverrides, Drive, Scene};
 use cophase_scene::{SceneError, in_range};
 
-use crate::checked::Output;
 use crate::dynamics::MOST_STEPS;
+use crate::output::Output;
 
 /// Largest torque, N·m: more than a motor for a platform of 50 kg needs.
 const MOST_FRICTION_NM: f64 = 1000.0;

@@ -11,8 +11,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use cophase_scene::file::MethodName;
 use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::checked::Output;
 use host_sim::fidelity::{Answers, check};
+use host_sim::output::Output;
 use host_sim::simulated_machine::SimulatedMachine;
 
 use super::{machines, number, run};

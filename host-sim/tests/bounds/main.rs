@@ -15,10 +15,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use cophase_scene::file::{Fidelity, MethodName, Questions};
 use cophase_scene::load;
 use host_sim::checked::Checked;
-use host_sim::checked::{Choice, Output};
+use host_sim::checked::Choice;
 use host_sim::dynamics::MOST_STEPS;
 use host_sim::fidelity::{Answers, answered, check};
 use host_sim::model_level::{Bounds, available, questions};
+use host_sim::output::Output;
 use host_sim::sim::simulate;
 use host_sim::simulated_machine::SimulatedMachine;
 

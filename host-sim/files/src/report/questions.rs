@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use cophase_scene::file::Drive;
 use host_sim::checked::Checked;
-use host_sim::checked::{Judged, Output};
+use host_sim::checked::Judged;
 use host_sim::model_level::is_undisturbed;
+use host_sim::output::Output;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::{Event, EventKind};
 

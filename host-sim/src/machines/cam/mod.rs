@@ -1,9 +1,11 @@
 //! Cams with followers: the data of a scene in the terms of their equations, and their drawing.
 
+mod bounds;
 mod drawing;
 mod law;
 mod table;
 
+use bounds::OfFollower;
 pub use law::{Points, law_at, off_law, off_law_of};
 
 use cophase_core::settings::AxisSettings;
@@ -11,7 +13,7 @@ use cophase_methods::problems::{Cam, Law, Links, Shaft};
 use cophase_scene::file::{CamShaft, Damper, Fidelity, LawName};
 use cophase_scene::{Scene, SceneError};
 
-use super::{Machine, Moved};
+use super::{Asked, Bounds, Machine, Moved, NoBounds};
 
 /// Name with its article, for messages.
 const NAME: &str = "a cam shaft";
@@ -108,6 +110,13 @@ impl Machine for CamShafts {
                 Fidelity::Kinematic,
                 "the scene has no masses and springs between cam and pusher, so only phases and the law are required",
             ),
+        }
+    }
+
+    fn bounds(&self, asked: &Asked<'_>) -> Box<dyn Bounds> {
+        match self.follower.links {
+            Some(links) => Box::new(OfFollower::new(self.follower.cam, links, asked.top_rad_s)),
+            None => Box::new(NoBounds { top: asked.level }),
         }
     }
 

@@ -1,5 +1,6 @@
 //! A platform on cranks.
 
+mod bounds;
 mod dynamics;
 mod geometry;
 mod table;
@@ -13,9 +14,10 @@ use cophase_core::settings::AxisSettings;
 use cophase_scene::file::{self, Fidelity, Rods};
 use cophase_scene::{Scene, SceneError};
 
-use super::{Machine, Moved};
-use crate::dynamics::{Dynamics, RotorParts};
+use super::{Asked, Bounds, Machine, Moved, NoBounds};
+use crate::dynamics::{Dynamics, Motor, RotorParts};
 use crate::mechanism::{Mechanism, Mount};
+use bounds::{Cranks, OnCranks};
 
 /// Name, for messages.
 const NAME: &str = "one platform";
@@ -90,6 +92,33 @@ impl Machine for CranksUnderPlatform {
             Fidelity::Phased,
             Fidelity::Elastic,
         ]
+    }
+
+    fn top_levels(&self) -> &'static [Fidelity] {
+        &[Fidelity::Phased, Fidelity::Elastic]
+    }
+
+    fn bounds(&self, asked: &Asked<'_>) -> Box<dyn Bounds> {
+        let none = NoBounds { top: asked.level };
+        let Some((driven, body)) = asked
+            .driven
+            .and_then(|driven| Some((driven, driven.body()?)))
+        else {
+            return Box::new(none);
+        };
+        let motors = driven.motors();
+        // The bounds assume motors whose torque is linear.
+        if (motors.iter()).any(|motor| matches!(motor, Motor::Induction(_))) {
+            return Box::new(none);
+        }
+        let on_cranks = OnCranks {
+            body,
+            motors,
+            frame: driven.frame(),
+            mode: driven.fastest_mode(),
+        };
+        let rods = (self.given.rods, self.given.rod_zeta);
+        Box::new(Cranks::new(&on_cranks, asked, rods))
     }
 
     fn check_data(&self, scene: &Scene, level: Fidelity) -> Result<(), SceneError> {

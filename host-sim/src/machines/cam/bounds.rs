@@ -3,14 +3,14 @@
 //! The chain of masses is linear. So harmonic n of the law reaches the pusher multiplied by the transfer function H(i nω). The error
 //! of the acceleration is then at most the sum of (nω)² |sₙ| |H(i nω) − 1|.
 
-use cophase_methods::problems::{Cam, Links, Shaft};
-use cophase_scene::SceneError;
+use cophase_methods::problems::{Cam, Chain, Links, Shaft};
 use cophase_scene::file::Fidelity;
 use nalgebra::{Matrix3, Vector3};
 use num_complex::Complex;
 
-use crate::checked::Checked;
-use crate::checked::Output;
+use crate::dynamics::Mode;
+use crate::machines::Bounds;
+use crate::output::Output;
 
 /// Number of harmonics of the law. The jerk of a modified sine jumps, so harmonic n of its acceleration falls as 1/n². The harmonics
 /// beyond these are some percent of the peak, which [`TAIL`] allows for.
@@ -25,27 +25,18 @@ const SPEEDS: u32 = 40;
 
 /// Deviation of followers from their law.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Followers {
+pub(super) struct OfFollower {
     /// Deviation of the acceleration, relative to the law's peak at top speed.
     off: f64,
     /// Ratio of the highest speed to the frequency of the slowest mode.
     frequency_ratio: f64,
+    /// Slowest mode of the chain, which dominates its peaks.
+    mode: Mode,
 }
 
-impl Followers {
-    /// Creates the bounds of a scene with cams.
-    ///
-    /// # Errors
-    /// The scene has no masses and springs of followers.
-    pub fn new(checked: &Checked) -> Result<Self, SceneError> {
-        let top = checked.on(Fidelity::Elastic)?;
-        let given = top
-            .machine
-            .follower()
-            .and_then(|follower| Some((follower.cam, follower.links?)));
-        let (cam, (links, shaft)) =
-            given.ok_or_else(|| SceneError::at("cam", "has no followers"))?;
-        let top_rad_s = std::f64::consts::TAU * checked.top_speed_hz();
+impl OfFollower {
+    /// Creates the bounds of a cam and its chain of masses and springs, at speeds of the shaft up to `top_rad_s`.
+    pub fn new(cam: Cam, (links, shaft): (Links, Shaft), top_rad_s: f64) -> Self {
         let accelerations = harmonics(&cam);
         let at_speed = |omega: f64| -> f64 {
             let missed = accelerations.iter().zip(1..).map(|(harmonic, n)| {
@@ -55,16 +46,21 @@ impl Followers {
             missed.sum::<f64>() * (omega / top_rad_s).powi(2)
         };
         let speeds = (1..=SPEEDS).map(|i| top_rad_s * f64::from(i) / f64::from(SPEEDS));
-        let slowest = slowest_rad_s(&links);
-        Ok(Self {
+        let slowest = Chain::of(cam, shaft, &links).modes()[0];
+        Self {
             off: speeds.map(at_speed).fold(0.0, f64::max) / cam.peak_m() + TAIL,
-            frequency_ratio: top_rad_s / slowest,
-        })
+            frequency_ratio: top_rad_s / slowest_rad_s(&links),
+            mode: Mode {
+                omega_rad_s: slowest.omega_rad_s,
+                zeta: slowest.zeta,
+            },
+        }
     }
+}
 
-    /// Returns the bound on the difference between an output of a model level and that of the elastic level. Cams turn as commanded
-    /// on both.
-    pub fn of(&self, model_level: Fidelity, output: Output) -> f64 {
+impl Bounds for OfFollower {
+    /// Cams turn as commanded on all levels.
+    fn of(&self, model_level: Fidelity, output: Output) -> f64 {
         match output {
             Output::Torque | Output::Ground => f64::INFINITY,
             Output::Amax if model_level < Fidelity::Elastic => 100.0 * self.off,
@@ -73,8 +69,11 @@ impl Followers {
         }
     }
 
-    /// Returns a sentence with the numbers from which the bounds follow.
-    pub fn numbers(&self) -> String {
+    fn mode(&self) -> Option<Mode> {
+        Some(self.mode)
+    }
+
+    fn numbers(&self) -> String {
         format!(
             "the cam turns at no more than {:.3} times the follower's lowest natural frequency, which changes the acceleration by at \
              most {:.1} %",

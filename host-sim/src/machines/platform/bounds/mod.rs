@@ -1,14 +1,19 @@
 //! Bounds on the error of each model level of a platform on cranks, relative to the top level, for each output.
 
+mod frame;
+mod linear;
+mod required_torque;
+mod rods;
+
 use std::f64::consts::TAU;
 
-use cophase_scene::file::Fidelity;
+use cophase_scene::file::{Fidelity, Rods};
 
-use super::linear::{Drive, Worst};
-use super::{frame, rods};
-use crate::checked::Output;
+use crate::dynamics::{Body, Frame, Mode, Motor};
+use crate::machines::{Asked, Bounds};
 use crate::mechanism::Mechanism;
-use crate::model_level::bounds::OnCranks;
+use crate::output::Output;
+use linear::{Worst, worst};
 
 /// Factor for effects that the computation neglects: coefficients that change within a turn, and transients.
 ///
@@ -20,9 +25,21 @@ const MARGIN: f64 = 1.5;
 /// for a step.
 const SET_SWINGING: f64 = 2.0;
 
+/// A platform on cranks that torque moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OnCranks<'a> {
+    pub body: &'a Body,
+    /// Motors, one per axis.
+    pub motors: &'a [Motor],
+    /// Frame, if it moves.
+    pub frame: Option<&'a Frame>,
+    /// Fastest mode.
+    pub mode: Mode,
+}
+
 /// Data of a platform on cranks from which the bounds follow.
 #[derive(Clone, Debug)]
-pub struct Cranks {
+pub(super) struct Cranks {
     worst: Worst,
     /// Ratio of the [greatest load](crate::operating_range::OperatingRange::greatest_load) of a motor; 0 if the torque of none is known.
     steady_load: f64,
@@ -42,26 +59,22 @@ pub struct Cranks {
     /// True if all cranks turn in phase, as the linear computation assumes. Up to three cranks may also be apart. With more, the
     /// force of the rods on cranks that are apart changes within a turn, and its effect has no bound here.
     in_phase: bool,
+    /// Fastest mode.
+    mode: Mode,
 }
 
 impl Cranks {
-    /// Creates the bounds of a machine from its worst values.
-    pub fn new(
-        platform: &OnCranks<'_>,
-        drive: &Drive,
-        worst: Worst,
-        steady_load: f64,
-        standing_apart_rad: f64,
-        leads_apart: bool,
-        (elastic, rod_zeta): (bool, f64),
-    ) -> Self {
+    /// Creates the bounds of a platform with these rods and their damping factor.
+    pub fn new(platform: &OnCranks<'_>, asked: &Asked<'_>, (rods, rod_zeta): (Rods, f64)) -> Self {
         let body = platform.body;
         let mechanism = &body.mechanism;
-        let most_s = mechanism.greatest_s();
-        let step_rad = drive.top_rad_s * drive.tick_s;
+        let worst = worst(platform, asked);
+        let step_rad = asked.top_rad_s * asked.tick_s;
+        let has_elastic_rods = rods == Rods::Elastic;
         Self {
             // Corners that are off by ± half the spread tilt the plane of 3 to 6 of them by at most 0.71 of it, and of two by 0.5.
-            tilt_mrad: 0.75e3 * mechanism.crank_radius_m() * most_s / body.mount_radius_m,
+            tilt_mrad: 0.75e3 * mechanism.crank_radius_m() * mechanism.greatest_s()
+                / body.mount_radius_m,
             // The nearest sample is at most half a tick from the peak.
             sampling: mechanism.peak_sharpness() * step_rad * step_rad / 8.0,
             limited: platform
@@ -69,90 +82,31 @@ impl Cranks {
                 .iter()
                 .map(|motor| motor.most_nm(0.0).is_finite())
                 .collect(),
-            in_phase: !leads_apart
-                && (body.axes() <= 3 || standing_apart_rad == 0.0 && worst.spread_rad == 0.0),
-            frame: SET_SWINGING * frame::share(platform, drive),
-            rods: if elastic {
-                SET_SWINGING * rods::share(body, rod_zeta, drive)
+            in_phase: !asked.leads_apart
+                && (body.axes() <= 3 || asked.standing_apart_rad == 0.0 && worst.spread_rad == 0.0),
+            frame: SET_SWINGING * frame::share(platform, asked),
+            rods: if has_elastic_rods {
+                SET_SWINGING * rods::share(body, rod_zeta, asked)
             } else {
                 0.0
             },
-            quasi_static_m: if elastic {
+            quasi_static_m: if has_elastic_rods {
                 0.0
             } else {
-                rods::quasi_static_m(body, rod_zeta, drive)
+                rods::quasi_static_m(body, rod_zeta, asked)
             },
             worst,
-            steady_load,
+            steady_load: asked.steady_load,
+            mode: platform.mode,
         }
-    }
-
-    /// Returns a sentence with the dimensionless numbers and phase errors from which the bounds follow.
-    pub fn numbers(&self) -> String {
-        let worst = &self.worst;
-        let most = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
-        let required = most(&worst.torque_ratio_required);
-        if !required.is_finite() {
-            return "at top speed a motor has no torque left".to_owned();
-        }
-        let lag = if worst.lag_rad.is_finite() {
-            format!("a crank lags by at most {:.2}°", degrees(worst.lag_rad))
-        } else {
-            "no limit of a crank's lag is known".to_owned()
-        };
-        // The torque of a servo without a limit is never used up.
-        let torque = if required == 0.0 {
-            "the scene limits no motor's torque".to_owned()
-        } else {
-            format!(
-                "the motors need {:.0} % of their torque at a steady speed (bounds: {:.0} % with ramps, {:.0} % with oscillations)",
-                100.0 * self.steady_load,
-                100.0 * required,
-                100.0 * most(&worst.torque_ratio)
-            )
-        };
-        format!(
-            "{torque}, the load oscillates at no more than {:.2} times a crank's natural frequency, and {lag}",
-            worst.frequency_ratio
-        )
-    }
-
-    /// Returns the largest distance of the platform from its position on quasi-static rods, m.
-    pub fn quasi_static_m(&self) -> f64 {
-        self.quasi_static_m
     }
 
     /// Returns true if every motor can give the required torque, including oscillation and margin.
-    pub fn keeps_step(&self) -> bool {
+    fn keeps_step(&self) -> bool {
         self.worst
             .torque_ratio
             .iter()
             .all(|used| MARGIN * used < 1.0)
-    }
-
-    /// Returns the bound on the difference between an output of a model level and that of the top level, in the unit of its tolerance.
-    /// It is infinite if the level does not compute the output, or if there is no bound.
-    pub fn of(&self, model_level: Fidelity, output: Output) -> f64 {
-        if output == Output::Slips {
-            return self.slips();
-        }
-        if output == Output::Ground {
-            let knows = model_level == Fidelity::Elastic;
-            return if knows { 0.0 } else { f64::INFINITY };
-        }
-        // A crank that slips can be anywhere, and equal motors that oscillate beyond their torque need not slip equally.
-        if model_level < Fidelity::Phased && !(self.keeps_step() && self.in_phase) {
-            return f64::INFINITY;
-        }
-        match model_level {
-            Fidelity::Kinematic if output == Output::Torque => f64::INFINITY,
-            Fidelity::Auto | Fidelity::Kinematic | Fidelity::QuasiStatic => {
-                self.left_out_below_rigid(output)
-            }
-            Fidelity::Rigid => self.left_out_by_rigid(output) + self.left_out_by_phased(output),
-            Fidelity::Phased => self.left_out_by_phased(output),
-            Fidelity::Elastic => 0.0,
-        }
     }
 
     /// Returns the bound of levels on which cranks do not lag.
@@ -236,6 +190,68 @@ impl Cranks {
         let used = self.worst.torque_ratio.iter().copied().fold(0.0, f64::max);
         let used = (MARGIN * used).clamp(1e-9, 1.0);
         rad * used.asin() / used
+    }
+}
+
+impl Bounds for Cranks {
+    fn of(&self, model_level: Fidelity, output: Output) -> f64 {
+        if output == Output::Slips {
+            return self.slips();
+        }
+        if output == Output::Ground {
+            let knows = model_level == Fidelity::Elastic;
+            return if knows { 0.0 } else { f64::INFINITY };
+        }
+        // A crank that slips can be anywhere, and equal motors that oscillate beyond their torque need not slip equally.
+        if model_level < Fidelity::Phased && !(self.keeps_step() && self.in_phase) {
+            return f64::INFINITY;
+        }
+        match model_level {
+            Fidelity::Kinematic if output == Output::Torque => f64::INFINITY,
+            Fidelity::Auto | Fidelity::Kinematic | Fidelity::QuasiStatic => {
+                self.left_out_below_rigid(output)
+            }
+            Fidelity::Rigid => self.left_out_by_rigid(output) + self.left_out_by_phased(output),
+            Fidelity::Phased => self.left_out_by_phased(output),
+            Fidelity::Elastic => 0.0,
+        }
+    }
+
+    fn mode(&self) -> Option<Mode> {
+        Some(self.mode)
+    }
+
+    fn quasi_static_m(&self) -> f64 {
+        self.quasi_static_m
+    }
+
+    fn numbers(&self) -> String {
+        let worst = &self.worst;
+        let most = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
+        let required = most(&worst.torque_ratio_required);
+        if !required.is_finite() {
+            return "at top speed a motor has no torque left".to_owned();
+        }
+        let lag = if worst.lag_rad.is_finite() {
+            format!("a crank lags by at most {:.2}°", degrees(worst.lag_rad))
+        } else {
+            "no limit of a crank's lag is known".to_owned()
+        };
+        // The torque of a servo without a limit is never used up.
+        let torque = if required == 0.0 {
+            "the scene limits no motor's torque".to_owned()
+        } else {
+            format!(
+                "the motors need {:.0} % of their torque at a steady speed (bounds: {:.0} % with ramps, {:.0} % with oscillations)",
+                100.0 * self.steady_load,
+                100.0 * required,
+                100.0 * most(&worst.torque_ratio)
+            )
+        };
+        format!(
+            "{torque}, the load oscillates at no more than {:.2} times a crank's natural frequency, and {lag}",
+            worst.frequency_ratio
+        )
     }
 }
 
