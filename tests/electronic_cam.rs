@@ -20,8 +20,7 @@ struct Pushers {
 
 impl Observer for Pushers {
     fn tick(&mut self, moment: &Moment<'_>) {
-        let followers = moment.machine.followers().expect("a scene with pushers");
-        let pushers = followers.pushers();
+        let pushers = moment.machine.follower().pushers();
         let of = |axis: usize| (pushers[axis].place_m, pushers[axis].accel_mps2);
         self.ticks.push(std::array::from_fn(of));
     }
@@ -175,7 +174,7 @@ struct Places {
 
 impl Observer for Places {
     fn tick(&mut self, moment: &Moment<'_>) {
-        let pushers = moment.machine.followers().expect("pushers").pushers();
+        let pushers = moment.machine.follower().pushers();
         let of = |axis: usize| (LEAD_M * moment.command_turns[axis], pushers[axis].place_m);
         self.ticks
             .push((moment.master_turns, std::array::from_fn(of)));

@@ -7,8 +7,8 @@ use cophase_core::supervisor::{FaultKind, State};
 use cophase_methods::problems::{Cam, Law};
 use cophase_tests::scene;
 use host_sim::checked::Checked;
+use host_sim::machines::follower::Peaks;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
-use host_sim::simulated_machine::Peaks;
 
 /// Two wrapper pushers (`docs/methods.md`, the elastic follower), run up to 450 turns a minute.
 const SCENE: &str = r#"
@@ -78,15 +78,12 @@ impl Observer for Steady {
         }
         self.turns = moment.master_turns - since - 3.0;
         self.speed_hz = motion.speed.to_num::<f64>() * 2000.0;
-        let followers = moment.machine.followers().expect("a scene for cams");
+        let followers = moment.machine.follower();
         for (worst, peaks) in self.peaks.iter_mut().zip(followers.peaks()) {
             *worst = worst.or(*peaks);
         }
-        let mean = followers.mean();
-        self.places = (
-            self.places.0.min(mean.place_m),
-            self.places.1.max(mean.place_m),
-        );
+        let mean = followers.pose(&[], 0.0, 0.0);
+        self.places = (self.places.0.min(mean.z_m), self.places.1.max(mean.z_m));
         self.accel = (
             self.accel.0.min(mean.accel_mps2),
             self.accel.1.max(mean.accel_mps2),

@@ -28,9 +28,7 @@ impl Observer for Compare {
         // The reference is independent of the core: floating point, and the exact kinematics that `design` uses.
         let share_nm = moment
             .machine
-            .platform
-            .as_ref()
-            .expect("a platform")
+            .follower()
             .torque_nm(alpha, omega, acceleration)
             / AXES as f64;
         let expected_nm = share_nm + self.rotor_inertia_kgm2 * acceleration;

@@ -2,8 +2,8 @@
 
 use cophase_scene::load;
 use host_sim::checked::Checked;
+use host_sim::machines::follower::Peaks;
 use host_sim::sim::simulate;
-use host_sim::simulated_machine::Peaks;
 
 /// Two wrapper pushers (`docs/methods.md`, the elastic follower), at up to 450 turns a minute.
 const SCENE: &str = r#"

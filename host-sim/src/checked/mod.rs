@@ -39,16 +39,10 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Returns true if the cranks carry a platform, which tilts when they are out of phase.
-    pub fn has_platform(&self) -> bool {
-        self.machine.platform().is_some()
-    }
-
-    /// Returns the mechanism under the platform; `None` for a machine without one.
-    pub fn mechanism(&self) -> Option<AnyMechanism> {
-        self.machine
-            .platform()
-            .map(|platform| *platform.mechanism())
+    /// Returns the limit of the tilt of the platform, mrad; `None` for a machine without one.
+    pub fn tilt_limit_mrad(&self) -> Option<f64> {
+        let platform = self.settings.machine.platform()?;
+        Some(platform.tilt_limit_mrad)
     }
 
     /// Returns the law between the speed of the master and the amplitude.

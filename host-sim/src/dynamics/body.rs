@@ -2,6 +2,7 @@
 
 use super::corners::FREEDOMS;
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
+use crate::pose::Pose;
 
 /// Position and motion of a plane: heave in m, tilts in rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,6 +13,31 @@ pub struct PlaneMotion {
     pub rate: [f64; FREEDOMS],
     /// Second time derivatives of `place`.
     pub acceleration: [f64; FREEDOMS],
+}
+
+impl PlaneMotion {
+    /// Pose of a platform, which tilts.
+    pub fn tilted(&self) -> Pose {
+        let [z_m, x, y] = self.place;
+        Pose {
+            z_m,
+            accel_mps2: self.acceleration[0],
+            tilt_x_mrad: x * 1e3,
+            tilt_y_mrad: y * 1e3,
+            ..Pose::default()
+        }
+    }
+
+    /// Pose of a part with one slope, its pitch.
+    pub fn pitched(&self) -> Pose {
+        let [z_m, pitch, _] = self.place;
+        Pose {
+            z_m,
+            accel_mps2: self.acceleration[0],
+            pitch_mrad: pitch * 1e3,
+            ..Pose::default()
+        }
+    }
 }
 
 /// Geometry of a crank at one angle.

@@ -8,7 +8,8 @@ use cophase_methods::friction::{self, Contact, Contacts, DryFriction};
 
 use super::corners::{FREEDOMS, MOST};
 use super::modes::{Bound, Mode};
-use super::{Body, Dynamics, Field, Frame, FrameMotion, Motor, PlaneMotion};
+use super::{Body, Dynamics, Field, Frame, FrameMotion, Motor};
+use crate::pose::Pose;
 
 /// Motors on a machine. Time counts from the start of the control tick.
 #[derive(Clone, Debug)]
@@ -266,11 +267,11 @@ impl Driven {
         (mean(&state[speeds.clone()]), mean(&rates[speeds]))
     }
 
-    /// Position and motion of the platform in a state with these rates. `None` if it follows the shaft.
-    pub fn platform(&self, state: &[f64], rates: &[f64]) -> Option<PlaneMotion> {
+    /// Pose of the part that the shafts move, in a state with these rates. `None` if it follows from the shafts' angles.
+    pub fn pose(&self, state: &[f64], rates: &[f64]) -> Option<Pose> {
         let n = self.positions();
         let (q, v, a) = (&state[..n], &state[n..2 * n], &rates[n..2 * n]);
-        self.machine.moved(q, v, a)
+        self.machine.pose(q, v, a)
     }
 
     /// Position of the platform in a state. `None` if it follows the shaft, or a plant moves it.

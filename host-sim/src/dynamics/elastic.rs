@@ -9,6 +9,7 @@ use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Frame, PlaneMotion};
 use crate::dynamics::Dynamics;
 use crate::dynamics::modes::Bound;
+use crate::pose::Pose;
 
 /// A machine with N angles, the platform's plane, and the frame's plane if it has a frame. Positions are in that order.
 #[derive(Clone, Debug)]
@@ -161,12 +162,16 @@ impl Dynamics for Elastic {
         rods.and(rotors.or(frame.map_or_else(Bound::default, Bound::of_frame)))
     }
 
+    fn is_geometric(&self) -> bool {
+        false
+    }
+
     fn frame(&self) -> Option<&Frame> {
         self.frame.as_ref()
     }
 
-    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> Option<PlaneMotion> {
-        Some(self.plane(q, v, a))
+    fn pose(&self, q: &[f64], v: &[f64], a: &[f64]) -> Option<Pose> {
+        Some(self.plane(q, v, a).tilted())
     }
 
     fn place(&self, q: &[f64]) -> Option<[f64; FREEDOMS]> {

@@ -4,7 +4,8 @@ use std::fmt::Debug;
 
 use super::corners::{FREEDOMS, MOST};
 use super::modes::Bound;
-use super::{Body, Field, Frame, PlaneMotion};
+use super::{Body, Field, Frame};
+use crate::pose::Pose;
 
 /// Equations of motion of the shafts of a machine, and of what they move, on one model level.
 ///
@@ -62,13 +63,15 @@ pub trait Dynamics: CloneDynamics + Debug {
         None
     }
 
-    /// True if the platform has no equations of its own, because its position follows from the cranks.
+    /// True, by default, if no platform has a position of its own in the equations: a tilt follows from the shafts' angles.
     fn is_geometric(&self) -> bool {
-        false
+        true
     }
 
-    /// Position and motion of the part that the shafts move. `None` if it follows one shaft.
-    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> Option<PlaneMotion>;
+    /// Pose of the part that the shafts move, without their warp. `None`, which is the default, if it follows from the shafts' angles.
+    fn pose(&self, _q: &[f64], _v: &[f64], _a: &[f64]) -> Option<Pose> {
+        None
+    }
 
     /// Position of the platform. `None` if it follows the shaft, or if there is no platform.
     fn place(&self, _q: &[f64]) -> Option<[f64; FREEDOMS]> {

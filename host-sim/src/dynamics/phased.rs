@@ -23,6 +23,7 @@ use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Crank, Frame, PlaneMotion};
 use crate::dynamics::Dynamics;
 use crate::dynamics::modes::Bound;
+use crate::pose::Pose;
 
 /// A machine with N angles, and the frame's plane if it has a frame. Positions are in that order.
 #[derive(Clone, Debug)]
@@ -241,8 +242,8 @@ impl Dynamics for Phased {
         self.frame.as_ref()
     }
 
-    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> Option<PlaneMotion> {
-        Some(self.plane(q, v, a))
+    fn pose(&self, q: &[f64], v: &[f64], a: &[f64]) -> Option<Pose> {
+        Some(self.plane(q, v, a).tilted())
     }
 
     fn place(&self, q: &[f64]) -> Option<[f64; FREEDOMS]> {

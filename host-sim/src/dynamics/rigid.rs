@@ -6,7 +6,7 @@
 
 use super::corners::MOST;
 use super::modes::Bound;
-use super::{Body, Dynamics, PlaneMotion};
+use super::{Body, Dynamics};
 
 /// A machine with one angle. The state is `[α, ω]`.
 #[derive(Clone, Debug)]
@@ -82,14 +82,6 @@ impl Dynamics for Rigid {
 
     fn fastest_mode(&self, rotors: Bound) -> Bound {
         rotors
-    }
-
-    fn is_geometric(&self) -> bool {
-        true
-    }
-
-    fn moved(&self, _: &[f64], _: &[f64], _: &[f64]) -> Option<PlaneMotion> {
-        None
     }
 
     fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {

@@ -124,11 +124,7 @@ impl Answers {
     /// Adds the values of a step within a tick. Extremes occur there, and torques jump with the commands of the drives.
     fn within(&mut self, moment: &Moment<'_>) {
         let machine = moment.machine;
-        for accel_mps2 in machine
-            .followers()
-            .into_iter()
-            .flat_map(|it| it.within_mps2())
-        {
+        for accel_mps2 in machine.follower().within_mps2() {
             self.most(Output::Amax, accel_mps2.abs(), true);
         }
         let Some(rotors) = machine.rotors() else {

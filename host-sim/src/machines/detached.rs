@@ -37,8 +37,4 @@ impl Machine for DetachedCrank {
     fn left_out(&self, _: Fidelity) -> String {
         "torque and inertia".to_owned()
     }
-
-    fn turns_by_torque(&self) -> bool {
-        false
-    }
 }

@@ -12,6 +12,7 @@ pub mod cam;
 pub mod crusher;
 mod detached;
 pub mod five_bar;
+pub mod follower;
 pub mod platform;
 pub mod screen;
 mod table;
@@ -27,10 +28,9 @@ use cophase_core::settings::AxisSettings;
 use cophase_scene::file::Fidelity;
 use cophase_scene::{Scene, SceneError};
 
-use crate::dynamics::plant::{OnPlant, Plant};
+use crate::dynamics::plant::{OnPlant, Plant, Record};
 use crate::dynamics::{Dynamics, RotorParts};
-use cam::Follower;
-use platform::Platform;
+use follower::{Follower, Nothing, Peaks, RunStart, Steady};
 
 /// Parts that the axes move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -108,9 +108,20 @@ pub trait Machine: Debug + Send + Sync {
     /// Effects that a model level omits, in words, for readers of the results.
     fn left_out(&self, level: Fidelity) -> String;
 
-    /// True if torque moves the axes on some model level. Axes of other machines are always where commanded.
-    fn turns_by_torque(&self) -> bool {
-        true
+    /// True if torque moves the axes on a model level. Elsewhere they are where commanded.
+    fn moves_by_torque(&self, level: Fidelity) -> bool {
+        level.moves_by_torque()
+    }
+
+    /// What the axes move where they are commanded to be, at the start of a run. On levels on which torque moves them it gives the geometry.
+    ///
+    /// # Errors
+    /// The method or its step does not suit it.
+    fn follower(self: Arc<Self>, _: &RunStart<'_>) -> Result<Box<dyn Follower>, SceneError> {
+        Ok(match self.plant() {
+            Some(plant) => Box::new(Steady(plant)),
+            None => Box::new(Nothing),
+        })
     }
 
     /// Equations of motion on a model level on which torque moves the axes.
@@ -134,17 +145,28 @@ pub trait Machine: Debug + Send + Sync {
         Ok(Box::new(OnPlant::new(inertia_kgm2, friction_nm, plant)))
     }
 
-    /// Platform, if the axes are cranks under one.
-    fn platform(&self) -> Option<&Platform> {
+    /// Radius of the circle on which the axes stand, m. Without a platform it is 1 m, which leaves warp as it is.
+    fn mount_radius_m(&self) -> f64 {
+        1.0
+    }
+
+    /// Largest inertia that the moved part adds to a shaft, kg·m². `None` if it is not known.
+    fn carried_kgm2(&self) -> Option<f64> {
         None
     }
 
-    /// Cam shaft with its follower, if each axis is one.
-    fn follower(&self) -> Option<&Follower> {
+    /// Sentence about the greatest peak values of the axes' own parts in a run on a model level. `None` if the axes have none.
+    fn about_parts(&self, _level: Fidelity, _worst: &Peaks) -> Option<String> {
         None
     }
 
-    /// Equations of the part that the shafts move, if they move one part that is no platform.
+    /// Empty record for the figures of a run. `None` if the machine has no figures of its own.
+    fn record(self: Arc<Self>) -> Option<Box<dyn Record>> {
+        self.plant().map(|plant| plant.record())
+    }
+
+    /// Equations of the part that the shafts move, if they move one part that is no platform. The defaults of [`Self::follower`],
+    /// [`Self::dynamics`] and [`Self::record`] follow from it.
     fn plant(self: Arc<Self>) -> Option<Arc<dyn Plant>> {
         None
     }

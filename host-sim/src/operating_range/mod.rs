@@ -61,7 +61,7 @@ pub struct Load {
 }
 
 impl OperatingRange {
-    /// Operating range of a scene's machine. `None` if it has no platform, or if the torque of no motor is known.
+    /// Operating range of a scene's machine. `None` if no model level of it compares torques, or if the torque of no motor is known.
     ///
     /// # Errors
     /// The machine cannot be created from the numbers of the scene.
@@ -70,7 +70,8 @@ impl OperatingRange {
         Ok(range.filter(|range| range.motors.iter().any(Option::is_some)))
     }
 
-    /// Operating range of a scene's machine, also without motors whose torque is known. `None` if it has no platform.
+    /// Operating range of a scene's machine, also without motors whose torque is known. `None` if no model level of it compares
+    /// torques.
     ///
     /// # Errors
     /// The machine cannot be created from the numbers of the scene.
@@ -80,7 +81,7 @@ impl OperatingRange {
         let motors: Vec<_> = (0..settings.axes.len())
             .map(|i| motor_of(checked, i).filter(|motor| motor.most_nm(0.0).is_finite()))
             .collect();
-        if !checked.has_platform() {
+        if !checked.machine.levels().contains(&Fidelity::QuasiStatic) {
             return Ok(None);
         }
         // Motors are not sized for faults and noise of the load, and some of these cannot occur on this model level.

@@ -17,8 +17,9 @@ use super::off_command::OffCommand;
 use crate::checked::Checked;
 use crate::drives::SimulatedAxis;
 use crate::dynamics::plant::Figure;
+use crate::machines::follower::Peaks;
 use crate::mechanism::SquareLaw;
-use crate::simulated_machine::{Peaks, SimulatedMachine};
+use crate::simulated_machine::SimulatedMachine;
 
 /// Accuracy of amax while the program holds it and the shaft has reached its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -163,14 +164,7 @@ impl Statistics {
             worst_torque_nm: Vec::new(),
             worst_accel_mps2: 0.0,
             frame: None,
-            followers: vec![
-                Peaks::default();
-                if checked.machine.follower().is_some() {
-                    axes
-                } else {
-                    0
-                }
-            ],
+            followers: Vec::new(),
             figures: Vec::new(),
             machine_warnings: Vec::new(),
             coast: Coast::new(checked),
@@ -329,10 +323,10 @@ impl Statistics {
                 );
             }
         }
-        if let Some(followers) = moment.machine.followers() {
-            for (worst, peaks) in self.followers.iter_mut().zip(followers.peaks()) {
-                *worst = worst.or(*peaks);
-            }
+        let peaks = moment.machine.follower().peaks();
+        self.followers.resize(peaks.len(), Peaks::default());
+        for (worst, peaks) in self.followers.iter_mut().zip(peaks) {
+            *worst = worst.or(*peaks);
         }
         self.coast.tick(moment);
         if self.fault_hold.tick(moment) {

@@ -1,6 +1,7 @@
 //! A machine that torque moves, at an instant within a control tick.
 
-use crate::dynamics::{Driven, FrameMotion, PlaneMotion};
+use crate::dynamics::{Driven, FrameMotion};
+use crate::pose::Pose;
 
 /// The machine before one step of a tick. Its commands are those of that tick, even at the beginning.
 #[derive(Clone, Copy, Debug)]
@@ -16,8 +17,8 @@ pub struct Instant<'a> {
 pub struct Forces {
     /// Largest torque of any motor, N·m, without sign.
     pub torque_nm: f64,
-    /// Motion of the platform; none if it follows the shaft.
-    pub platform: Option<PlaneMotion>,
+    /// Pose of the part that the shafts move. `None` if it follows from the shafts' angles.
+    pub pose: Option<Pose>,
     /// Mean speed and acceleration of the cranks, rad/s and rad/s².
     pub cranks: (f64, f64),
 }
@@ -36,7 +37,7 @@ impl Instant<'_> {
             .rates_under(&torques_nm, self.t_s, self.state, &mut rates);
         Forces {
             torque_nm: torques_nm.iter().copied().map(f64::abs).fold(0.0, f64::max),
-            platform: self.driven.platform(self.state, &rates),
+            pose: self.driven.pose(self.state, &rates),
             cranks: self.driven.mean_motion(self.state, &rates),
         }
     }

@@ -46,7 +46,7 @@ fn check_faults(checked: &Checked, model_level: Fidelity) -> Result<(), SceneErr
     let scene = &checked.scene;
     if let Some(i) = scene
         .moving_fault()
-        .filter(|_| !checked.machine.turns_by_torque())
+        .filter(|_| !moves_by_torque_on_any_level(&*checked.machine))
     {
         return Err(SceneError::at(
             format!("fault[{i}].kind"),
@@ -57,7 +57,7 @@ fn check_faults(checked: &Checked, model_level: Fidelity) -> Result<(), SceneErr
             ),
         ));
     }
-    if model_level.moves_by_torque() && checked.machine.turns_by_torque() {
+    if checked.machine.moves_by_torque(model_level) {
         return Ok(()); // `cranks_apart` reports that no crank moves alone on the rigid model level
     }
     let right =
@@ -76,4 +76,9 @@ fn check_faults(checked: &Checked, model_level: Fidelity) -> Result<(), SceneErr
         ));
     }
     Ok(())
+}
+
+fn moves_by_torque_on_any_level(machine: &dyn Machine) -> bool {
+    let levels = machine.levels().iter();
+    levels.copied().any(|level| machine.moves_by_torque(level))
 }

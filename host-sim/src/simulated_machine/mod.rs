@@ -2,15 +2,14 @@
 //!
 //! On the *kinematic* model level every crank is where commanded. The *quasi-static* model level compares the torque that the motion
 //! needs with the torque that each motor has. A stepper slips if more is required of it. On the *rigid*, *phased* and *elastic* model
-//! levels ([`Rotors`]) torque moves the cranks. The position of the platform follows from the phases of the cranks by geometry, except
-//! on the last two levels, where the equations of motion determine it. A scene with cams has [`Followers`] instead, one per axis.
+//! levels ([`Rotors`]) torque moves the cranks. The machine's [`Follower`] moves with the phases of the cranks, by geometry or by equations
+//! of its own, except where the equations of motion determine its pose.
 //!
 //! The two lowest levels neglect the effect of inertia on the motion: a crank lags by whole slips or not at all. They also neglect how
 //! the torque of the other axes changes after one axis has slipped.
 
 mod assembly;
 mod broken;
-mod cam;
 mod faulted_drive;
 mod instant;
 mod level;
@@ -20,7 +19,6 @@ mod sensors;
 mod torque;
 
 pub use broken::{Broken, Cause};
-pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use instant::{Forces, Instant};
 pub use rotors::{DriveCommand, Rotors};
 pub use torque::motor_of;
@@ -36,9 +34,9 @@ use crate::checked::Checked;
 use crate::drives::{
     AtCrank, AxisDrive, Disturbance, Flag, FollowingError, Passages, Played, SimulatedAxis,
 };
-use crate::dynamics::plant::{Record, Recorder, Tick};
-use crate::dynamics::{Corners, FrameMotion, PlaneMotion};
-use crate::machines::platform::Platform;
+use crate::dynamics::plant::{Record, Tick};
+use crate::dynamics::{Corners, FrameMotion};
+use crate::machines::follower::{Follower, RunStart, ShaftTick, Turned};
 use crate::pose::Pose;
 use faulted_drive::{disturb, disturb_rotors};
 
@@ -51,24 +49,25 @@ const FLAG_S: f64 = 20e-6;
 pub struct SimulatedMachine {
     /// Motors and their cranks.
     pub axes: Axes<SimulatedAxis>,
-    /// Platform that the cranks carry; `None` for a machine without one.
-    pub platform: Option<Platform>,
-    /// Places of the axes around the platform; without one, around a circle of 1 m.
+    /// What the axes move where they stand as commanded, and its geometry.
+    follower: Box<dyn Follower>,
+    /// Places of the axes.
     corners: Corners,
+    mount_radius_m: f64,
     /// Time for which an index line stays high, cycles.
     pub index_cycles: u32,
     tick_s: f64,
     tick_cycles: u32,
     torques: bool,
+    ticks: u64,
+    /// Commanded speed of the master in the last tick, rad/s.
     omega_before: f64,
     /// Required torque of each motor, N·m, on the model level that compares torques.
     required_nm: Option<Axes<f64>>,
     /// Equations of motion, if torque moves the cranks.
     rotors: Option<Rotors>,
-    /// Followers, if the axes are cam shafts.
-    followers: Option<Followers>,
-    /// Recorder of the figures, if the shafts move something other than a platform.
-    recorder: Option<Recorder>,
+    /// Figures of the machine's own.
+    record: Option<Box<dyn Record>>,
     /// Motors whose encoders are read, one bit each.
     has_encoder: u8,
 }
@@ -121,7 +120,6 @@ impl SimulatedMachine {
             .with_drive_steps(overrides.and_then(|own| own.drive_steps_per_turn))
         };
         let axes = per_axis(settings.axes.len(), make);
-        let platform = checked.machine.platform().cloned();
         let rotors = torque::rotors(checked, &axes)?;
         let turns: Axes<f64> = axes.iter().map(SimulatedAxis::turns).collect();
         let tick_s = 1.0 / f64::from(settings.tick_hz);
@@ -130,19 +128,25 @@ impl SimulatedMachine {
         Ok(Self {
             has_encoder: (settings.axes.iter().rev())
                 .fold(0, |bits, axis| bits << 1 | u8::from(axis.encoder)),
-            followers: Followers::new(checked, &turns)?,
-            recorder: Arc::clone(&checked.machine).plant().map(Recorder::new),
+            follower: Arc::clone(&checked.machine).follower(&RunStart {
+                level: checked.fidelity,
+                tick_s,
+                chosen: checked.chosen(),
+                turns: &turns,
+                shifts_turns: (settings.axes.iter())
+                    .map(|axis| axis.follower.shift_turns())
+                    .collect(),
+            })?,
+            record: Arc::clone(&checked.machine).record(),
             rotors,
             axes,
-            corners: Corners::new(
-                settings.axes.len(),
-                platform.as_ref().map_or(1.0, Platform::mount_radius_m),
-            ),
-            platform,
+            corners: Corners::new(settings.axes.len(), checked.machine.mount_radius_m()),
+            mount_radius_m: checked.machine.mount_radius_m(),
             index_cycles: flag_cycles.max(2 * settings.index_width_cycles()),
             tick_s,
             tick_cycles,
             torques: checked.fidelity == Fidelity::QuasiStatic,
+            ticks: 0,
             omega_before: 0.0,
             required_nm: None,
         })
@@ -192,65 +196,33 @@ impl SimulatedMachine {
     /// Largest displacement of a point on the mount circle from rest in this motion, µm.
     pub fn frame_um(&self, frame: &FrameMotion) -> f64 {
         let [heave, x, y] = frame.place;
-        let radius_m = self.platform.as_ref().map_or(0.0, Platform::mount_radius_m);
-        (heave.abs() + radius_m * x.hypot(y)) * 1e6
+        (heave.abs() + self.mount_radius_m * x.hypot(y)) * 1e6
     }
 
-    /// Pose of the platform: from its equations of motion if it has any, else by geometry from the cranks. If torque does not move the
-    /// cranks, the geometry uses the commanded speed and acceleration. For pushers, their mean, which does not tilt.
+    /// Pose of the part that the axes move: from its equations of motion if it has any, else from the shafts. If torque does not move the
+    /// shafts, `commanded` has their speed and acceleration.
     pub fn pose(&self, turns: &[f64], command_turns: &[f64], commanded: (f64, f64)) -> Pose {
-        if let Some(followers) = &self.followers {
-            let mean = followers.mean();
-            return Pose {
-                z_m: mean.place_m,
-                accel_mps2: mean.accel_mps2,
-                warp_deg: self.warp_deg(turns, command_turns),
-                ..Pose::default()
-            };
-        }
-        let plane = self.rotors.as_ref().and_then(Rotors::platform);
-        if let (Some(recorder), None) = (&self.recorder, plane) {
-            return recorder.plant.pose(turns, commanded.0, commanded.1);
-        }
+        let pose = self.rotors.as_ref().and_then(Rotors::pose);
         let motion = self.motion().unwrap_or(commanded);
-        self.posed(turns, command_turns, plane, motion)
+        self.posed(turns, command_turns, pose, motion)
     }
 
-    /// Pose of the platform at an instant within the tick, under the forces at that instant.
+    /// Pose at an instant within the tick, under the forces at that instant.
     pub fn pose_within(&self, turns: &[f64], command_turns: &[f64], forces: &Forces) -> Pose {
-        self.posed(turns, command_turns, forces.platform, forces.cranks)
+        self.posed(turns, command_turns, forces.pose, forces.cranks)
     }
 
     fn posed(
         &self,
         turns: &[f64],
         command_turns: &[f64],
-        plane: Option<PlaneMotion>,
+        pose: Option<Pose>,
         (omega_rad_s, acceleration_rad_s2): (f64, f64),
     ) -> Pose {
-        if let Some(plane) = plane {
-            let [z_m, x, y] = plane.place;
-            // The part that a plant moves has one slope, its pitch.
-            let (tilt, pitch) = match self.recorder {
-                Some(_) => ([0.0; 2], x),
-                None => ([x, y], 0.0),
-            };
-            return Pose {
-                z_m,
-                accel_mps2: plane.acceleration[0],
-                tilt_x_mrad: tilt[0] * 1e3,
-                tilt_y_mrad: tilt[1] * 1e3,
-                pitch_mrad: pitch * 1e3,
-                warp_deg: self.warp_deg(turns, command_turns),
-            };
-        }
-        let warp_deg = self.warp_deg(turns, command_turns);
-        match &self.platform {
-            Some(platform) => platform.pose(turns, warp_deg, omega_rad_s, acceleration_rad_s2),
-            None => Pose {
-                warp_deg,
-                ..Pose::default()
-            },
+        let by_shafts = || (self.follower).pose(turns, omega_rad_s, acceleration_rad_s2);
+        Pose {
+            warp_deg: self.warp_deg(turns, command_turns),
+            ..pose.unwrap_or_else(by_shafts)
         }
     }
 
@@ -265,26 +237,16 @@ impl SimulatedMachine {
 
     /// Tilt of the platform, mrad: the magnitude over both directions. It is 0 on a machine without a platform.
     pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
-        let Some(platform) = &self.platform else {
-            return 0.0;
-        };
         match self.rotors.as_ref().and_then(Rotors::place) {
             Some([_, x, y]) => x.hypot(y) * 1e3,
-            None => platform.tilt_mrad(turns),
+            None => self.follower.tilt_mrad(turns),
         }
     }
 
     /// Returns false if [`Self::tilt_mrad`] is certainly not above `mrad`. This check is faster than the tilt itself.
     pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
-        match (&self.platform, &self.rotors) {
-            (None, _) => false,
-            (Some(platform), None) => platform.may_tilt_beyond(mrad, turns),
-            (Some(platform), Some(rotors)) if rotors.is_geometric() => {
-                platform.most_tilt_mrad(turns) > mrad
-            }
-            // The platform has equations of its own.
-            (Some(_), Some(_)) => true,
-        }
+        let is_geometric = self.rotors.as_ref().is_none_or(Rotors::is_geometric);
+        !is_geometric || self.follower.may_tilt_beyond(mrad, turns)
     }
 
     /// Equations of motion of the cranks, if torque moves them.
@@ -292,26 +254,26 @@ impl SimulatedMachine {
         self.rotors.as_ref()
     }
 
-    /// Figures of a machine with its own plant model, if it is one.
+    /// Figures of the machine's own, if it has any.
     pub fn record(&self) -> Option<&dyn Record> {
-        self.recorder.as_ref().map(|recorder| &*recorder.record)
+        self.record.as_deref()
     }
 
-    /// Followers of the cam shafts, if the axes are cam shafts.
-    pub fn followers(&self) -> Option<&Followers> {
-        self.followers.as_ref()
+    /// What the axes move where they stand as commanded.
+    pub fn follower(&self) -> &dyn Follower {
+        &*self.follower
     }
 
     /// Integration method and its steps per tick, if anything is integrated.
     pub fn method(&self) -> Option<(Scheme, u32)> {
         let rotors = self.rotors.as_ref().map(Rotors::method);
-        rotors.or_else(|| self.followers.as_ref()?.method())
+        rotors.or_else(|| self.follower.method())
     }
 
     /// Reason why the equations could not be advanced further, if there is one.
     pub fn broken(&self) -> Option<Broken> {
         let rotors = self.rotors.as_ref().and_then(Rotors::broken);
-        rotors.or_else(|| Some(self.followers.as_ref()?.broken()?.into()))
+        rotors.or_else(|| Some(self.follower.broken()?.into()))
     }
 
     /// Plays one tick, and sets `passages` to the events at the index sensors in it. `master_turns` is the travel of the master in the
@@ -328,125 +290,115 @@ impl SimulatedMachine {
         disturbance: Option<&[Disturbance]>,
         passages: &mut Passages,
     ) {
-        self.turn(
-            played,
-            drives_enabled,
-            master_turns,
-            command_turns,
-            disturbance,
-            passages,
-        );
-        if self.recorder.is_some() {
-            self.record_tick(drives_enabled, master_turns, command_turns);
+        self.ticks += 1;
+        let omega_rad_s = master_turns * std::f64::consts::TAU / self.tick_s;
+        let acceleration_rad_s2 = (omega_rad_s - self.omega_before) / self.tick_s;
+        self.omega_before = omega_rad_s;
+        let master = (omega_rad_s, acceleration_rad_s2);
+        if self.rotors.is_some() {
+            self.turn_by_torque(played, drives_enabled, command_turns, disturbance, passages);
+        } else {
+            let turned = self.turn(played, drives_enabled, master, disturbance, passages);
+            self.follower.play(&ShaftTick {
+                turned: &turned,
+                master_turns,
+                command_turns,
+            });
         }
+        self.record_tick(drives_enabled, master, command_turns);
     }
 
-    /// Records the tick that was played in the figures of a machine with its own plant model.
-    fn record_tick(&mut self, drives_enabled: bool, master_turns: f64, command_turns: &[f64]) {
-        let Some(recorder) = &mut self.recorder else {
+    /// Records the tick that was played in the figures of the machine's own.
+    fn record_tick(&mut self, drives_enabled: bool, master: (f64, f64), command_turns: &[f64]) {
+        let Some(mut record) = self.record.take() else {
             return;
         };
-        let (omega_rad_s, acceleration_rad_s2) = recorder.master(master_turns, self.tick_s);
-        let t_s = recorder.end_s(self.tick_s);
         let turns: Axes<f64> = self.axes.iter().map(SimulatedAxis::turns).collect();
-        let commanded = (omega_rad_s, acceleration_rad_s2);
-        let pose = self.pose(&turns, command_turns, commanded);
-        let tick = Tick {
-            t_s,
+        record.tick(&Tick {
+            // The first tick is played a tick after power-up.
+            t_s: (self.ticks + 1) as f64 * self.tick_s,
             tick_s: self.tick_s,
             drives_enabled,
-            omega_rad_s,
-            acceleration_rad_s2,
+            omega_rad_s: master.0,
+            acceleration_rad_s2: master.1,
             turns: &turns,
             command_turns,
-            pose,
+            pose: self.pose(&turns, command_turns, master),
             state: self.rotors.as_ref().map(Rotors::state),
-        };
-        if let Some(recorder) = &mut self.recorder {
-            recorder.record.tick(&tick);
-        }
+        });
+        self.record = Some(record);
     }
 
-    fn turn(
+    /// Turns the cranks by torque.
+    fn turn_by_torque(
         &mut self,
         played: &Played,
         drives_enabled: bool,
-        master_turns: f64,
         command_turns: &[f64],
         disturbance: Option<&[Disturbance]>,
         passages: &mut Passages,
     ) {
-        let mut plans = played.plans();
-        let (tick_s, count) = (self.tick_s, self.axes.len());
-        if let Some(rotors) = &mut self.rotors {
-            let axes = &mut self.axes;
-            let mut travel = per_axis(count, |i| {
-                axes[i].command(plans.of(i), &played.setpoints[i], command_turns[i])
-            });
-            if let Some(disturbance) = disturbance {
-                disturb(axes, &mut travel, disturbance, tick_s, drives_enabled);
-                disturb_rotors(rotors, axes, disturbance, drives_enabled);
-            }
-            let commands = per_axis(count, |i| {
-                axes[i].slip(travel[i].slip_turns);
-                DriveCommand {
-                    turns: axes[i].field_turns(),
-                    torque_nm: travel[i].torque_nm,
-                }
-            });
-            rotors.play(&commands, drives_enabled);
-            for (i, axis) in axes.iter_mut().enumerate() {
-                let passed = axis.moved(rotors.turns(i), self.tick_cycles, drives_enabled);
-                passages.put(i, passed);
-                if axis.drive().follows_rotor(drives_enabled) {
-                    rotors.clear(i);
-                }
-            }
-            return;
-        }
-        let (mut omega, mut acceleration) = (0.0, 0.0);
-        // Nothing else depends on these two, and divisions are slow.
-        if self.torques || self.followers.is_some() {
-            omega = master_turns * std::f64::consts::TAU / self.tick_s;
-            acceleration = (omega - self.omega_before) / self.tick_s;
-            self.omega_before = omega;
-        }
-        if self.torques {
-            self.compare_torques(omega, acceleration, drives_enabled);
-        }
-        if let Some(disturbance) = disturbance {
-            let axes = &mut self.axes;
-            let mut travel = per_axis(count, |i| axes[i].take(plans.of(i), &played.setpoints[i]));
-            disturb(axes, &mut travel, disturbance, tick_s, drives_enabled);
-            for (i, axis) in axes.iter_mut().enumerate() {
-                let passed = axis.play(&travel[i], played.runs(i), drives_enabled);
-                passages.put(i, passed);
-            }
-            return;
-        }
-        let Some(followers) = &mut self.followers else {
-            for (i, (axis, setpoint)) in self.axes.iter_mut().zip(&played.setpoints).enumerate() {
-                let plan = plans.of(i);
-                let travel = axis.take(plan, setpoint);
-                passages.put(i, axis.play(&travel, plan.runs, drives_enabled));
-            }
+        let Some(rotors) = &mut self.rotors else {
             return;
         };
-        // Cams stand while their drives are off.
+        let mut plans = played.plans();
+        let (tick_s, count) = (self.tick_s, self.axes.len());
+        let axes = &mut self.axes;
+        let mut travel = per_axis(count, |i| {
+            axes[i].command(plans.of(i), &played.setpoints[i], command_turns[i])
+        });
+        if let Some(disturbance) = disturbance {
+            disturb(axes, &mut travel, disturbance, tick_s, drives_enabled);
+            disturb_rotors(rotors, axes, disturbance, drives_enabled);
+        }
+        let commands = per_axis(count, |i| {
+            axes[i].slip(travel[i].slip_turns);
+            DriveCommand {
+                turns: axes[i].field_turns(),
+                torque_nm: travel[i].torque_nm,
+            }
+        });
+        rotors.play(&commands, drives_enabled);
+        for (i, axis) in axes.iter_mut().enumerate() {
+            let passed = axis.moved(rotors.turns(i), self.tick_cycles, drives_enabled);
+            passages.put(i, passed);
+            if axis.drive().follows_rotor(drives_enabled) {
+                rotors.clear(i);
+            }
+        }
+    }
+
+    /// Turns the shafts as commanded, and returns their motion. `master` has the master's speed, rad/s, and acceleration, rad/s².
+    fn turn(
+        &mut self,
+        played: &Played,
+        drives_enabled: bool,
+        master: (f64, f64),
+        disturbance: Option<&[Disturbance]>,
+        passages: &mut Passages,
+    ) -> Axes<Turned> {
+        if self.torques {
+            self.compare_torques(master.0, master.1, drives_enabled);
+        }
+        let mut plans = played.plans();
+        let (tick_s, count) = (self.tick_s, self.axes.len());
+        let axes = &mut self.axes;
+        let mut travel = per_axis(count, |i| axes[i].take(plans.of(i), &played.setpoints[i]));
+        if let Some(disturbance) = disturbance {
+            disturb(axes, &mut travel, disturbance, tick_s, drives_enabled);
+        }
+        // Shafts stand while their drives are off.
         let on = f64::from(u8::from(drives_enabled));
-        let turned = per_axis(self.axes.len(), |i| {
-            let axis = &mut self.axes[i];
+        per_axis(count, |i| {
+            let axis = &mut axes[i];
             let from = axis.turns();
-            let plan = plans.of(i);
-            let travel = axis.take(plan, &played.setpoints[i]);
-            passages.put(i, axis.play(&travel, plan.runs, drives_enabled));
+            passages.put(i, axis.play(&travel[i], played.runs(i), drives_enabled));
             Turned {
                 from,
                 to: axis.turns(),
-                omega_rad_s: omega * axis.ratio() * on,
-                acceleration_rad_s2: acceleration * axis.ratio() * on,
+                omega_rad_s: master.0 * axis.ratio() * on,
+                acceleration_rad_s2: master.1 * axis.ratio() * on,
             }
-        });
-        followers.play(&turned, master_turns, command_turns);
+        })
     }
 }

@@ -17,9 +17,7 @@ impl SimulatedMachine {
         let (mut at_rad, mut nm) = (f64::NAN, 0.0);
         let torques = alphas.map(|alpha| {
             if alpha.to_bits() != at_rad.to_bits() {
-                nm = self.platform.as_ref().map_or(0.0, |platform| {
-                    platform.torque_nm(alpha, omega_rad_s, acceleration_rad_s2)
-                });
+                nm = (self.follower).torque_nm(alpha, omega_rad_s, acceleration_rad_s2);
                 at_rad = alpha;
             }
             nm

@@ -12,7 +12,8 @@ use super::broken::{Broken, Cause};
 use super::instant::Instant;
 use crate::dynamics::plant::State;
 use crate::dynamics::step::{Chosen, in_steps_per_tick};
-use crate::dynamics::{Driven, FREEDOMS, Field, Frame, FrameMotion, PlaneMotion};
+use crate::dynamics::{Driven, FREEDOMS, Field, Frame, FrameMotion};
+use crate::pose::Pose;
 
 /// Command of a drive at the end of a tick: the position at which it would hold its rotor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -284,9 +285,9 @@ impl Rotors {
         &self.end().torques_nm[..self.commanded.len()]
     }
 
-    /// Position and motion of the platform; none if it follows the shaft.
-    pub fn platform(&self) -> Option<PlaneMotion> {
-        self.driven.platform(&self.state, &self.end().rates)
+    /// Pose of the part that the shafts move. `None` if it follows from the shafts' angles.
+    pub fn pose(&self) -> Option<Pose> {
+        self.driven.pose(&self.state, &self.end().rates)
     }
 
     /// Position of the platform: heave in m, tilts in rad. `None` if it follows the shaft, or a plant moves it.

@@ -22,7 +22,7 @@ const COASTING_HZ: f64 = 50.0;
 /// # Errors
 /// Fails if the scene does not set what the model level needs.
 pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors>, SceneError> {
-    if !checked.fidelity.moves_by_torque() || !checked.machine.turns_by_torque() {
+    if !checked.machine.moves_by_torque(checked.fidelity) {
         return Ok(None);
     }
     let settings = &checked.settings;

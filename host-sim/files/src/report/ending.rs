@@ -62,7 +62,10 @@ pub fn ending(checked: &Checked, outcome: &Outcome) -> String {
 /// Returns a sentence about the tilt of a platform that the drives held after a fault.
 pub fn held(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
     let held = &outcome.statistics.fault_hold;
-    let Some(at_stop_mrad) = held.at_stop_mrad.filter(|_| checked.has_platform()) else {
+    let Some(at_stop_mrad) = held
+        .at_stop_mrad
+        .filter(|_| checked.tilt_limit_mrad().is_some())
+    else {
         return Ok(());
     };
     writeln!(
@@ -83,7 +86,7 @@ pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std:
     } else {
         ", until they stood"
     };
-    let tilted = if checked.has_platform() {
+    let tilted = if checked.tilt_limit_mrad().is_some() {
         format!("; the platform tilted by at most {tilt_mrad:.3} mrad then")
     } else {
         String::new()

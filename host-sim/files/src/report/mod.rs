@@ -246,7 +246,8 @@ impl<'a> Report<'a> {
         let axes = &checked.settings.axes;
         let [idle, homing, run, stop, parked, fault] =
             statistics.time_in_state_s.map(|s| round(s, 6));
-        let of_platform = |tilt_mrad: Option<f64>| tilt_mrad.filter(|_| checked.has_platform());
+        let of_platform =
+            |tilt_mrad: Option<f64>| tilt_mrad.filter(|_| checked.tilt_limit_mrad().is_some());
         let motors = MotorFigures::of_all(checked);
         let axis = |i: usize| AxisReport {
             steps: statistics.steps[i],
@@ -314,7 +315,7 @@ impl<'a> Report<'a> {
             phase_spread_worst_deg: statistics.worst_spread_deg,
             phase_spread_rms_deg: statistics.rms_spread_deg,
             tilt_worst_mrad: of_platform(Some(statistics.worst_tilt_mrad)),
-            tilt_limit_mrad: of_platform(Some(checked.scene.drift.tilt_limit_mrad)),
+            tilt_limit_mrad: checked.tilt_limit_mrad(),
             tilt_at_stop_mrad: of_platform(statistics.fault_hold.at_stop_mrad),
             tilt_worst_held_mrad: of_platform(statistics.fault_hold.at_stop_mrad)
                 .map(|_| statistics.fault_hold.worst_mrad),
@@ -335,7 +336,7 @@ impl<'a> Report<'a> {
             amax_top_mps2: statistics.top_amax_mps2,
             accel_worst_mps2: outcome
                 .method
-                .filter(|_| checked.machine.turns_by_torque())
+                .filter(|_| checked.machine.moves_by_torque(checked.fidelity))
                 .map(|_| statistics.worst_accel_mps2),
             machine_figures: statistics.figures.iter().map(Figure::entry).collect(),
             late_deadlines: statistics.late_deadlines,

@@ -120,7 +120,7 @@ pub fn judged(checked: &Checked) -> &[Judged] {
 }
 
 fn quasi_static_rods_um(checked: &Checked) -> Option<f64> {
-    let moves = checked.fidelity >= Fidelity::Phased && checked.has_platform();
+    let moves = checked.fidelity >= Fidelity::Phased;
     let bounds = moves.then(|| Bounds::new(checked).ok()).flatten()?;
     bounds.quasi_static_um()
 }

@@ -3,8 +3,6 @@
 use cophase_core::settings::{DriveKind, Transmission};
 use host_sim::checked::Checked;
 use host_sim::drives::AtCrank;
-use host_sim::mechanism::Mechanism;
-use host_sim::mechanism::turn_search::largest_over_turn;
 use host_sim::operating_range::OperatingRange;
 use serde::Serialize;
 
@@ -46,12 +44,6 @@ impl MotorFigures {
             crank_turns,
         } = axis.gear;
         let own_kgm2 = AtCrank::new(&checked.scene, number).rotor_inertia_kgm2;
-        let platform = settings.machine.platform().zip(checked.mechanism());
-        let load_kgm2 = platform.map(|(platform, mechanism)| {
-            let s = largest_over_turn(|alpha| mechanism.s(alpha).abs()).value;
-            let lever_m = mechanism.crank_radius_m() * s;
-            platform.load_kg / settings.axes.len() as f64 * lever_m * lever_m
-        });
         let acceleration = settings.limits.acceleration_hz_per_s;
         Self {
             gear: [motor_turns, crank_turns],
@@ -62,7 +54,7 @@ impl MotorFigures {
             torque_required_nm: range
                 .map(|range| range.required_nm(number, range.top_hz, acceleration)),
             // Both are those at the crank.
-            inertia_ratio: load_kgm2
+            inertia_ratio: (checked.machine.carried_kgm2())
                 .filter(|_| own_kgm2 > 0.0)
                 .map(|load_kgm2| load_kgm2 / own_kgm2),
         }

@@ -5,9 +5,9 @@ use std::fmt::Write;
 use cophase_scene::file::{Drive, Fidelity};
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::checked::Checked;
+use host_sim::machines::follower::Peaks;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::{Event, EventKind};
-use host_sim::simulated_machine::Peaks;
 
 use super::ending::{coasting, ending, held};
 use super::questions::model;
@@ -107,7 +107,7 @@ fn write_page(
     if let Some(words) = checked.machine.amax_words() {
         writeln!(page, "Here amax is {words}.")?;
     }
-    if statistics.worst_accel_mps2 > 0.0 && checked.has_platform() {
+    if statistics.worst_accel_mps2 > 0.0 && checked.machine.amax_words().is_none() {
         writeln!(
             page,
             "The platform itself accelerated by at most {:.1} g.",
@@ -135,7 +135,7 @@ fn write_page(
             "The cranks were exactly as far apart as commanded, which tilts the platform by up to {commanded_mrad:.3} mrad. Its centre accelerates by less than amax then."
         )?;
     } else if statistics.worst_spread_deg < 1e-6 {
-        let stayed = if checked.has_platform() {
+        let stayed = if checked.tilt_limit_mrad().is_some() {
             "stayed exactly in phase with each other"
         } else {
             "were exactly as far apart as commanded" // cams, and shafts with a ratio, are apart
@@ -146,14 +146,14 @@ fn write_page(
         };
         writeln!(page, "The {axis}s {stayed}{by_model}.")?;
     } else {
-        let tilted = if checked.has_platform() {
-            format!(
-                "; the platform tilted by at most {:.3} mrad of the {} allowed",
-                statistics.worst_tilt_mrad, scene.drift.tilt_limit_mrad
-            )
-        } else {
-            String::new()
-        };
+        let tilted = checked
+            .tilt_limit_mrad()
+            .map_or_else(String::new, |limit_mrad| {
+                format!(
+                    "; the platform tilted by at most {:.3} mrad of the {limit_mrad} allowed",
+                    statistics.worst_tilt_mrad
+                )
+            });
         writeln!(
             page,
             "The {axis}s were at most {:.3}° apart ({:.3}° rms while running){tilted}.",
@@ -187,7 +187,7 @@ fn write_page(
             )?;
         }
     }
-    followers(page, checked, outcome)?;
+    parts(page, checked, outcome)?;
     let figures = statistics.figures.iter();
     for figure in figures.filter(|figure| !figure.sentence.is_empty()) {
         writeln!(page, "{}", figure.sentence)?;
@@ -264,39 +264,13 @@ fn of_master(checked: &Checked) -> &'static str {
     }
 }
 
-/// Returns a line about the worst of the followers.
-fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
-    let statistics = &outcome.statistics.followers;
-    let worst = |of: fn(&Peaks) -> f64| statistics.iter().map(of).fold(0.0, f64::max);
-    match checked.fidelity {
-        _ if statistics.is_empty() => Ok(()),
-        _ if checked
-            .machine
-            .follower()
-            .is_some_and(|follower| follower.screw_lead_m.is_some()) =>
-        {
-            writeln!(
-                page,
-                "The pushers accelerated by at most {:.2} m/s², and those of a mechanical cam shaft by {:.2} m/s². They differ by at most {:.4} mm and \
-             {:.3} m/s².",
-                worst(|peaks| peaks.pusher_mps2),
-                worst(|peaks| peaks.cam_side_mps2),
-                worst(|peaks| peaks.off_m * 1e3),
-                worst(|peaks| peaks.off_mps2),
-            )
-        }
-        Fidelity::Elastic => writeln!(
-            page,
-            "The pushers accelerated by at most {:.1} m/s² and were at most {:.3} mm off their law.",
-            worst(|peaks| peaks.pusher_mps2),
-            worst(|peaks| peaks.off_m * 1e3),
-        ),
-        _ => writeln!(
-            page,
-            "The pushers accelerated by at most {:.1} m/s², as their law has it.",
-            worst(|peaks| peaks.pusher_mps2),
-        ),
-    }
+/// Writes a line about the axes' own parts, if they have any.
+fn parts(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
+    let peaks = outcome.statistics.followers.iter().copied();
+    let sentence = peaks
+        .reduce(Peaks::or)
+        .and_then(|worst| checked.machine.about_parts(checked.fidelity, &worst));
+    sentence.map_or(Ok(()), |sentence| writeln!(page, "{sentence}"))
 }
 
 /// Returns a line with the gains of the cross-coupling, if there is one.

@@ -36,7 +36,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     }
     warnings.extend(lost_unnoticed(checked, outcome));
     let limit_mrad = scene.drift.tilt_limit_mrad;
-    if checked.has_platform() && statistics.worst_tilt_mrad > limit_mrad {
+    if checked.tilt_limit_mrad().is_some() && statistics.worst_tilt_mrad > limit_mrad {
         let commanded_mrad = checked.settings.commanded_tilt_mrad();
         let cause = if commanded_mrad > limit_mrad {
             format!(
@@ -230,7 +230,7 @@ fn unwatched(checked: &Checked) -> Option<String> {
         Knowledge::All => "the platform's plane is the best through the others",
     };
     let axes: Vec<_> = unwatched.iter().map(usize::to_string).collect();
-    let of_platform = if checked.has_platform() {
+    let of_platform = if checked.tilt_limit_mrad().is_some() {
         format!("; {coverage}")
     } else {
         String::new()

@@ -7,7 +7,7 @@ mod shafts;
 
 pub use figure::Figure;
 pub use on_plant::OnPlant;
-pub use record::{CloneRecord, Record, Recorder, State, Tick};
+pub use record::{CloneRecord, Record, State, Tick};
 pub use shafts::Shafts;
 
 use std::fmt::Debug;

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::{Memory, Plant, Shafts};
 use crate::dynamics::modes::Bound;
-use crate::dynamics::{Dynamics, Field, MOST, PlaneMotion};
+use crate::dynamics::{Dynamics, Field, MOST};
+use crate::pose::Pose;
 
 /// Rotors on the shafts of a plant.
 #[derive(Clone, Debug)]
@@ -72,8 +73,8 @@ impl Dynamics for OnPlant {
         rotors.or(Bound::of_mode(self.plant.fastest_mode()))
     }
 
-    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> Option<PlaneMotion> {
-        Some(self.plant.moved(q, v, a))
+    fn pose(&self, q: &[f64], v: &[f64], a: &[f64]) -> Option<Pose> {
+        Some(self.plant.moved(q, v, a).pitched())
     }
 
     fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {

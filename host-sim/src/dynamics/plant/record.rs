@@ -1,11 +1,10 @@
 //! Recording of a plant's run.
 
 use std::fmt::Debug;
-use std::sync::Arc;
 
 use cophase_core::supervisor::FaultKind;
 
-use super::{Figure, Plant};
+use super::Figure;
 use crate::pose::Pose;
 
 /// State of the equations of motion at the end of a tick.
@@ -76,42 +75,5 @@ pub trait Record: CloneRecord + Debug {
     /// Warnings for the report, one sentence each.
     fn warnings(&self) -> Vec<String> {
         Vec::new()
-    }
-}
-
-/// A plant during its run.
-#[derive(Clone, Debug)]
-pub struct Recorder {
-    /// Plant in the simulation.
-    pub plant: Arc<dyn Plant>,
-    /// Record of the run.
-    pub record: Box<dyn Record>,
-    ticks: u64,
-    omega_before: f64,
-}
-
-impl Recorder {
-    /// Creates a recorder at power-up.
-    pub fn new(plant: Arc<dyn Plant>) -> Self {
-        Self {
-            record: plant.record(),
-            plant,
-            ticks: 0,
-            omega_before: 0.0,
-        }
-    }
-
-    /// Motion of the master in the current tick: its speed, rad/s, and acceleration, rad/s².
-    pub fn master(&mut self, turns: f64, tick_s: f64) -> (f64, f64) {
-        let omega = turns * std::f64::consts::TAU / tick_s;
-        let acceleration = (omega - self.omega_before) / tick_s;
-        self.omega_before = omega;
-        (omega, acceleration)
-    }
-
-    /// End of the current tick, s since power-up. Counts the tick. The first one is played a tick after power-up.
-    pub fn end_s(&mut self, tick_s: f64) -> f64 {
-        self.ticks += 1;
-        (self.ticks + 1) as f64 * tick_s
     }
 }

@@ -2,40 +2,40 @@
 
 use core::f64::consts::TAU;
 
-use super::Follower;
+use super::CamShafts;
 use crate::drawing::{Drawing, FIRST, Place, SECOND};
 use crate::ink::{INK, MUTED};
 
 /// Draws a follower as SVG text, with the cam of its law on a base circle whose radius is the stroke. A pusher on a screw has no cam: the
 /// drawing shows its lift over a turn.
-pub fn draw(follower: &Follower) -> String {
-    let stroke = follower.cam.stroke_m;
-    match follower.screw_lead_m {
-        Some(lead_m) => lift(follower, lead_m, stroke),
-        None => cam(follower, stroke),
+pub fn draw(shafts: &CamShafts) -> String {
+    let stroke = shafts.cam.stroke_m;
+    match shafts.screw_lead_m {
+        Some(lead_m) => lift(shafts, lead_m, stroke),
+        None => cam(shafts, stroke),
     }
 }
 
 /// Displacement at a fraction of the turn, m.
-fn displacement(follower: &Follower, part: f64) -> f64 {
-    follower.cam.at_angle(part * TAU).displacement
+fn displacement(shafts: &CamShafts, part: f64) -> f64 {
+    shafts.cam.at_angle(part * TAU).displacement
 }
 
-fn cam(follower: &Follower, stroke: f64) -> String {
+fn cam(shafts: &CamShafts, stroke: f64) -> String {
     const PIECES: u32 = 180;
     // The cam is turned so that its follower is half-way up the rise.
-    let turned = 0.5 * follower.cam.rise_rad / TAU;
+    let turned = 0.5 * shafts.cam.rise_rad / TAU;
     let outline: Vec<Place> = (0..PIECES)
         .map(|i| {
             let part = f64::from(i) / f64::from(PIECES);
-            let radius = stroke + displacement(follower, part + turned);
+            let radius = stroke + displacement(shafts, part + turned);
             let angle = 0.25 * TAU - part * TAU;
             [radius * angle.cos(), radius * angle.sin()]
         })
         .collect();
-    let roller = stroke + displacement(follower, turned);
+    let roller = stroke + displacement(shafts, turned);
     let title = format!("Cam with its follower: H = {:.0} mm", 1e3 * stroke);
-    let top = if follower.links.is_some() { 5.0 } else { 3.2 };
+    let top = if shafts.links.is_some() { 5.0 } else { 3.2 };
     let mut drawing = Drawing::new(
         &title,
         [-3.4 * stroke, -2.2 * stroke],
@@ -54,7 +54,7 @@ fn cam(follower: &Follower, stroke: f64) -> String {
     );
     drawing.pin([0.0, roller], INK);
     let mut height = roller;
-    if follower.links.is_some() {
+    if shafts.links.is_some() {
         for (i, part) in ["shaft", "arm", "link"].into_iter().enumerate() {
             let low = height + 0.55 * stroke;
             drawing.spring([0.0, height], [0.0, low], SECOND);
@@ -87,7 +87,7 @@ fn cam(follower: &Follower, stroke: f64) -> String {
     drawing.render()
 }
 
-fn lift(follower: &Follower, lead_m: f64, stroke: f64) -> String {
+fn lift(shafts: &CamShafts, lead_m: f64, stroke: f64) -> String {
     const PIECES: u32 = 360;
     let title = format!(
         "Electronic cam: H = {:.0} mm on a screw of {:.0} mm a turn",
@@ -102,7 +102,7 @@ fn lift(follower: &Follower, lead_m: f64, stroke: f64) -> String {
     );
     let places: Vec<Place> = (0..=PIECES)
         .map(|i| f64::from(i) / f64::from(PIECES))
-        .map(|part| [part * wide, displacement(follower, part)])
+        .map(|part| [part * wide, displacement(shafts, part)])
         .collect();
     drawing.arrow([0.0, 0.0], [wide + 0.3 * stroke, 0.0], INK);
     drawing.arrow([0.0, 0.0], [0.0, 1.5 * stroke], INK);
@@ -116,7 +116,7 @@ fn lift(follower: &Follower, lead_m: f64, stroke: f64) -> String {
     drawing.line(&places, FIRST, 2.5, false);
     drawing.line(&[[0.0, stroke], [wide, stroke]], MUTED, 1.0, true);
     drawing.label([wide, stroke], (6.0, 0.0), "H", MUTED);
-    let cam = &follower.cam;
+    let cam = &shafts.cam;
     let mut begin = 0.0;
     for (name, angle) in [
         ("rise", cam.rise_rad),

@@ -1,28 +1,35 @@
 //! Cams with followers: the data of a scene in the terms of their equations, and their drawing.
 
 mod bounds;
+mod chain;
 mod drawing;
 mod law;
+mod pushers;
+mod screw;
 mod table;
 
 use bounds::OfFollower;
 pub use law::{Points, law_at, off_law, off_law_of};
+
+use std::sync::Arc;
 
 use cophase_core::settings::AxisSettings;
 use cophase_methods::problems::{Cam, Law, Links, Shaft};
 use cophase_scene::file::{CamShaft, Damper, Fidelity, LawName};
 use cophase_scene::{Scene, SceneError};
 
+use super::follower::{Follower, Peaks, RunStart};
 use super::{Asked, Bounds, Machine, Moved, NoBounds};
+use pushers::Pushers;
 
 /// Name with its article, for messages.
 const NAME: &str = "a cam shaft";
 /// Part that an axis turns.
 const AXIS_NOUN: &str = "cam";
 
-/// Checked cam shaft and its follower.
+/// A cam shaft with its follower on each axis, or a pusher on a screw.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Follower {
+pub struct CamShafts {
     /// Cam, at rest.
     pub cam: Cam,
     /// Elastic links between cam and pusher, and the second end of the first damper; `None` if the scene has none.
@@ -62,12 +69,6 @@ pub const fn damped(damper: Damper) -> Shaft {
     }
 }
 
-/// A cam shaft with its follower on each axis, or a pusher on a screw.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CamShafts {
-    follower: Follower,
-}
-
 impl Machine for CamShafts {
     fn name(&self) -> &'static str {
         NAME
@@ -82,7 +83,7 @@ impl Machine for CamShafts {
     }
 
     fn draw(&self, _: &str, _: &[AxisSettings]) -> String {
-        drawing::draw(&self.follower)
+        drawing::draw(self)
     }
 
     fn levels(&self) -> &'static [Fidelity] {
@@ -90,7 +91,7 @@ impl Machine for CamShafts {
     }
 
     fn check_data(&self, _: &Scene, level: Fidelity) -> Result<(), SceneError> {
-        if level == Fidelity::Elastic && self.follower.links.is_none() {
+        if level == Fidelity::Elastic && self.links.is_none() {
             return Err(SceneError::at(
                 "cam.masses_kg",
                 "missing; fidelity = \"elastic\" needs cam.masses_kg, cam.stiffness_n_per_mm, and cam.zeta or \
@@ -101,7 +102,7 @@ impl Machine for CamShafts {
     }
 
     fn level_without_questions(&self) -> (Fidelity, &'static str) {
-        match self.follower.links {
+        match self.links {
             Some(_) => (
                 Fidelity::Elastic,
                 "the scene gives the followers' masses and springs, so their motion is required",
@@ -114,8 +115,8 @@ impl Machine for CamShafts {
     }
 
     fn bounds(&self, asked: &Asked<'_>) -> Box<dyn Bounds> {
-        match self.follower.links {
-            Some(links) => Box::new(OfFollower::new(self.follower.cam, links, asked.top_rad_s)),
+        match self.links {
+            Some(links) => Box::new(OfFollower::new(self.cam, links, asked.top_rad_s)),
             None => Box::new(NoBounds { top: asked.level }),
         }
     }
@@ -137,11 +138,28 @@ impl Machine for CamShafts {
         .to_owned()
     }
 
-    fn turns_by_torque(&self) -> bool {
+    fn about_parts(&self, level: Fidelity, worst: &Peaks) -> Option<String> {
+        let (pusher_mps2, off_mm) = (worst.pusher_mps2, worst.off_m * 1e3);
+        Some(match (self.screw_lead_m, level) {
+            (Some(_), _) => format!(
+                "The pushers accelerated by at most {pusher_mps2:.2} m/s², and those of a mechanical cam shaft by {:.2} m/s². They differ by at \
+                 most {off_mm:.4} mm and {:.3} m/s².",
+                worst.cam_side_mps2, worst.off_mps2,
+            ),
+            (None, Fidelity::Elastic) => format!(
+                "The pushers accelerated by at most {pusher_mps2:.1} m/s² and were at most {off_mm:.3} mm off their law."
+            ),
+            (None, _) => format!(
+                "The pushers accelerated by at most {pusher_mps2:.1} m/s², as their law has it."
+            ),
+        })
+    }
+
+    fn moves_by_torque(&self, _: Fidelity) -> bool {
         false
     }
 
-    fn follower(&self) -> Option<&Follower> {
-        Some(&self.follower)
+    fn follower(self: Arc<Self>, start: &RunStart<'_>) -> Result<Box<dyn Follower>, SceneError> {
+        Ok(Box::new(Pushers::new(&self, start)?))
     }
 }

@@ -11,7 +11,7 @@ use cophase_methods::problems::{Cam, Links};
 use cophase_scene::file::CamShaft;
 use cophase_scene::{Scene, SceneError, in_range};
 
-use super::{CamShafts, Follower, cam_of, damped};
+use super::{CamShafts, cam_of, damped};
 use crate::machines::table::check_tilt_limit;
 use crate::machines::{Made, Table};
 
@@ -20,8 +20,8 @@ const LAMBDA: f64 = 0.1;
 /// Crank radii that the core accepts, m.
 const RADII_M: (f64, f64) = (1e-4, 0.5);
 
-/// Returns the follower of a scene with cams.
-fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
+/// Returns the cam shafts that a table describes.
+fn cam_shafts(shaft: &CamShaft) -> Result<CamShafts, SceneError> {
     in_range("cam.rise_mm", shaft.rise_mm, 0.1, 1000.0)?;
     in_range("cam.rise_deg", shaft.rise_deg, 5.0, 355.0)?;
     in_range("cam.dwell_deg", shaft.dwell_deg, 0.0, 350.0)?;
@@ -60,7 +60,7 @@ fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
             ),
         ));
     }
-    Ok(Follower {
+    Ok(CamShafts {
         cam,
         links: links(shaft)?.map(|links| (links, damped(shaft.damper))),
         screw_lead_m: shaft.screw_lead_mm.map(|lead_mm| lead_mm / 1e3),
@@ -198,11 +198,8 @@ impl Table for CamShaft {
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
         check_tilt_limit(scene, self.key(), super::AXIS_NOUN)?;
         check_torque(scene)?;
-        let follower = follower(self)?;
+        let shafts = cam_shafts(self)?;
         check_screws(self, scene)?;
-        Ok(Made::shafts(
-            follower.cam.peak_m(),
-            Arc::new(CamShafts { follower }),
-        ))
+        Ok(Made::shafts(shafts.cam.peak_m(), Arc::new(shafts)))
     }
 }

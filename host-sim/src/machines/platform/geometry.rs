@@ -9,6 +9,7 @@ use cophase_scene::units::spread;
 
 use crate::axes::per_axis;
 use crate::dynamics::{Corners, MOST};
+use crate::machines::follower::Follower;
 use crate::mechanism::{AnyMechanism, Configured, Load, Mechanism};
 use crate::pose::Pose;
 
@@ -63,62 +64,9 @@ impl Platform {
         self.mount_radius_m
     }
 
-    /// Torque of all cranks together, N·m.
-    pub fn torque_nm(&self, alpha_rad: f64, omega_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
-        self.mechanism
-            .torque_nm(&self.load, alpha_rad, omega_rad_s, acceleration_rad_s2)
-    }
-
     /// Returns +1 if a crank at phase 0 holds the platform up, −1 if it lowers it.
     fn upwards(&self) -> f64 {
         -self.load.platform.gravity_sign()
-    }
-
-    /// Returns the pose of the platform with the cranks at `turns`, and their warp, at the speed and acceleration of the master.
-    pub fn pose(
-        &self,
-        turns: &[f64],
-        warp_deg: f64,
-        omega_rad_s: f64,
-        acceleration_rad_s2: f64,
-    ) -> Pose {
-        let (mut heights, mut accelerations) = ([0.0; MOST], [0.0; MOST]);
-        for (i, &crank) in turns.iter().enumerate() {
-            // Cranks on one shaft all have the same angle.
-            (heights[i], accelerations[i]) = if i > 0 && crank == turns[i - 1] {
-                (heights[i - 1], accelerations[i - 1])
-            } else {
-                let alpha = crank * std::f64::consts::TAU;
-                let acceleration =
-                    self.mechanism
-                        .x_ddot_mps2(alpha, omega_rad_s, acceleration_rad_s2);
-                (self.upwards() * self.mechanism.x_m(alpha), acceleration)
-            };
-        }
-        let [accel_mps2, _, _] = self.corners.plane(&accelerations[..turns.len()]);
-        let [z_m, tilt_x, tilt_y] = self.corners.plane(&heights[..turns.len()]);
-        Pose {
-            z_m,
-            accel_mps2: self.upwards() * accel_mps2,
-            tilt_x_mrad: tilt_x * 1e3,
-            tilt_y_mrad: tilt_y * 1e3,
-            pitch_mrad: 0.0,
-            warp_deg,
-        }
-    }
-
-    /// Tilt of the plane closest to the corners, mrad: the magnitude over both directions.
-    pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
-        let heights = per_axis(turns.len(), |i| {
-            self.mechanism.x_m(turns[i] * std::f64::consts::TAU)
-        });
-        let [_, x, y] = self.corners.plane(&heights);
-        x.hypot(y) * 1e3
-    }
-
-    /// Returns false if [`Self::tilt_mrad`] is certainly not above `mrad`. This check is faster than the tilt itself.
-    pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
-        self.most_tilt_mrad(turns) > mrad && self.most_tilt_here_mrad(turns) > mrad
     }
 
     /// Upper bound of [`Self::tilt_mrad`] from the slope dx/dα at the angle of one crank. Relative to this crank, a corner rises by the
@@ -145,9 +93,54 @@ impl Platform {
 
     /// Upper bound of [`Self::tilt_mrad`] without a sine. The slope of the plane closest to the corners is at most the difference of the
     /// corners' heights over the mount radius, because the weights of all corners in a slope sum to 0.
-    pub fn most_tilt_mrad(&self, turns: &[f64]) -> f64 {
+    fn most_tilt_mrad(&self, turns: &[f64]) -> f64 {
         let apart_m = spread(turns) * std::f64::consts::TAU * self.most_lever_m;
         apart_m / self.mount_radius_m * 1e3 + ROUNDING_MRAD
+    }
+}
+
+impl Follower for Platform {
+    fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose {
+        let (mut heights, mut accelerations) = ([0.0; MOST], [0.0; MOST]);
+        for (i, &crank) in turns.iter().enumerate() {
+            // Cranks on one shaft all have the same angle.
+            (heights[i], accelerations[i]) = if i > 0 && crank == turns[i - 1] {
+                (heights[i - 1], accelerations[i - 1])
+            } else {
+                let alpha = crank * std::f64::consts::TAU;
+                let acceleration =
+                    self.mechanism
+                        .x_ddot_mps2(alpha, omega_rad_s, acceleration_rad_s2);
+                (self.upwards() * self.mechanism.x_m(alpha), acceleration)
+            };
+        }
+        let [accel_mps2, _, _] = self.corners.plane(&accelerations[..turns.len()]);
+        let [z_m, tilt_x, tilt_y] = self.corners.plane(&heights[..turns.len()]);
+        Pose {
+            z_m,
+            accel_mps2: self.upwards() * accel_mps2,
+            tilt_x_mrad: tilt_x * 1e3,
+            tilt_y_mrad: tilt_y * 1e3,
+            ..Pose::default()
+        }
+    }
+
+    /// Tilt of the plane closest to the corners, mrad: the magnitude over both directions.
+    fn tilt_mrad(&self, turns: &[f64]) -> f64 {
+        let heights = per_axis(turns.len(), |i| {
+            self.mechanism.x_m(turns[i] * std::f64::consts::TAU)
+        });
+        let [_, x, y] = self.corners.plane(&heights);
+        x.hypot(y) * 1e3
+    }
+
+    fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
+        self.most_tilt_mrad(turns) > mrad && self.most_tilt_here_mrad(turns) > mrad
+    }
+
+    fn torque_nm(&self, alpha_rad: f64, omega_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
+        self.mechanism
+            .torque_nm(&self.load, alpha_rad, omega_rad_s, acceleration_rad_s2)
     }
 }
 

@@ -14,8 +14,10 @@ use cophase_core::settings::AxisSettings;
 use cophase_scene::file::{self, Fidelity, Rods};
 use cophase_scene::{Scene, SceneError};
 
+use super::follower::{Follower, RunStart};
 use super::{Asked, Bounds, Machine, Moved, NoBounds};
 use crate::dynamics::{Dynamics, Motor, RotorParts};
+use crate::mechanism::turn_search::largest_over_turn;
 use crate::mechanism::{Mechanism, Mount};
 use bounds::{Cranks, OnCranks};
 
@@ -173,7 +175,19 @@ impl Machine for CranksUnderPlatform {
         self.on_level(level, rotors)
     }
 
-    fn platform(&self) -> Option<&Platform> {
-        Some(&self.platform)
+    fn follower(self: Arc<Self>, _: &RunStart<'_>) -> Result<Box<dyn Follower>, SceneError> {
+        Ok(Box::new(self.platform.clone()))
+    }
+
+    fn mount_radius_m(&self) -> f64 {
+        self.platform.mount_radius_m()
+    }
+
+    fn carried_kgm2(&self) -> Option<f64> {
+        let mechanism = self.platform.mechanism();
+        let s = largest_over_turn(|alpha| mechanism.s(alpha).abs()).value;
+        let lever_m = mechanism.crank_radius_m() * s;
+        let load_kg = self.platform.load().mass_kg;
+        Some(load_kg / self.platform.axes() as f64 * lever_m * lever_m)
     }
 }

@@ -40,9 +40,7 @@ impl ScopeFrame {
                 .map(|band| (band.from_hz, band.to_hz))
                 .collect(),
             gravity_mps2: cophase_scene::units::STANDARD_GRAVITY_MPS2,
-            tilt_limit_mrad: checked
-                .has_platform()
-                .then_some(scene.drift.tilt_limit_mrad),
+            tilt_limit_mrad: checked.tilt_limit_mrad(),
             moved: checked.machine.moves(),
             phase_error_limit_deg: None, // limits are on the modes of all phase errors, not on one
         }

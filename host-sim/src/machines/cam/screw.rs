@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use cophase_core::units::{MAX_AXES, PerAxis};
 use cophase_methods::problems::Cam;
 
-use super::pusher::{Peaks, Pusher};
+use crate::machines::follower::{Peaks, Pusher, ShaftTick};
 
 /// Screws of all axes.
 #[derive(Clone, Debug)]
@@ -45,21 +45,19 @@ impl Screws {
     }
 
     /// Returns the position of a pusher whose axis is at `turns`, m.
-    pub fn place_m(&self, turns: f64) -> f64 {
+    fn place_m(&self, turns: f64) -> f64 {
         self.lead_m * turns
     }
 
-    /// Plays a tick of `tick_s` in which the master travels `master_turns`. At its end `turns` are the positions of the axes, and
-    /// `command_turns` their commanded positions.
+    /// Plays a tick of `tick_s`.
     pub fn play(
         &mut self,
         cam: &Cam,
         tick_s: f64,
-        master_turns: f64,
-        turns: &[f64],
-        command_turns: &[f64],
+        tick: &ShaftTick<'_>,
         (pushers, peaks): (&mut [Pusher], &mut [Peaks]),
     ) {
+        let master_turns = tick.master_turns;
         let between = self.master_turns;
         self.master_turns += master_turns;
         // Speed and acceleration of the master at the instant between this tick and the last.
@@ -67,17 +65,17 @@ impl Screws {
         let alpha = TAU * (master_turns - self.last_turns) / (tick_s * tick_s);
         self.last_turns = master_turns;
         let mut now = [0.0; MAX_AXES];
-        for (now, turns) in now.iter_mut().zip(command_turns) {
+        for (now, turns) in now.iter_mut().zip(tick.command_turns) {
             *now = self.place_m(*turns);
         }
         let [before, last] = self.commanded.unwrap_or([now; 2]);
-        let axes = pushers.iter_mut().zip(peaks).zip(turns).enumerate();
-        for (axis, ((pusher, peaks), turns)) in axes {
+        let axes = pushers.iter_mut().zip(peaks).zip(tick.turned).enumerate();
+        for (axis, ((pusher, peaks), turned)) in axes {
             let shift = self.shifts[axis];
             let lobe = cam.at_angle(TAU * (between + shift));
             let by_law = lobe.acceleration * omega * omega + lobe.velocity * alpha;
             let accel_mps2 = (now[axis] - 2.0 * last[axis] + before[axis]) / (tick_s * tick_s);
-            let place_m = self.place_m(*turns);
+            let place_m = self.place_m(turned.to);
             *pusher = Pusher {
                 place_m,
                 accel_mps2,
