@@ -2,10 +2,10 @@
 //! stalls is stopped and reported.
 
 use cophase_files::trace::{Every, Window};
-use cophase_methods::problems::Crusher;
-use cophase_methods::problems::crusher::Shape;
 use cophase_scene::library;
 use cophase_tests::{Run, record, scene};
+use host_sim::machines::crusher::mains::OnMains;
+use host_sim::machines::crusher::mains::Shape;
 
 /// The scene with each named line replaced by another.
 fn with(changes: &[(&str, &str)]) -> Run {
@@ -34,7 +34,7 @@ fn kinds(run: &Run) -> Vec<String> {
 fn the_speed_varies_as_in_the_periodic_regime() {
     let run = with(&[]);
     assert_eq!(kinds(&run), Vec::<String>::new());
-    let rock = Crusher::SOURCE.with_rock(Shape::SecondHalf, 1310e3);
+    let rock = OnMains::SOURCE.with_rock(Shape::SecondHalf, 1310e3);
     let alone = rock.periodic(0.0, 28.0).unwrap();
     let mean = figure(&run, "speed_mean_rad_s").unwrap();
     let commanded = run.report["speed_top_hz"].as_f64().unwrap() * std::f64::consts::TAU;

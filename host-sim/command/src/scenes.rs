@@ -7,6 +7,7 @@ use cophase_scene::keys;
 use cophase_scene::library::{self, BuiltIn, SCENES};
 use cophase_scene::load;
 use host_sim::checked::Checked;
+use host_sim::machines;
 use host_sim::setup;
 
 use super::output::write_file;
@@ -46,7 +47,7 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
                 .map(|scene| scene.name.len())
                 .max()
                 .unwrap_or(0);
-            let mut machines: Vec<&str> = SCENES.iter().map(BuiltIn::machine).collect();
+            let mut machines: Vec<&str> = SCENES.iter().map(machine_of).collect();
             let mut listed = Vec::new();
             machines.retain(|machine| {
                 let is_new = !listed.contains(machine);
@@ -61,7 +62,7 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
             )?;
             for machine in machines {
                 writeln!(out, "{machine}")?;
-                for built_in in SCENES.iter().filter(|scene| scene.machine() == machine) {
+                for built_in in SCENES.iter().filter(|scene| machine_of(scene) == machine) {
                     let scene = built_in.scene();
                     writeln!(
                         out,
@@ -80,6 +81,15 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
         },
     }
     Ok(Status::Done)
+}
+
+/// Returns the name of a scene's machine, for lists.
+fn machine_of(built_in: &BuiltIn) -> &'static str {
+    let scene = built_in.scene();
+    let mut tables = machines::tables(&scene);
+    tables
+        .next()
+        .map_or("no machine", |table| table.list_name())
 }
 
 /// Returns the error that there is no such scene, with the names of all scenes.

@@ -11,10 +11,11 @@ use cophase_link::header::{FIRST_SEQUENCE, MAGIC, OUTSIDE};
 use cophase_link::layout::{FLASH_ADDRESS, SLOT_A_OFFSET, SLOT_B_OFFSET};
 use cophase_link::uf2::{self, PAGE_BYTES};
 use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
-use cophase_scene::file::{AxisOverrides, CamShaft, Fidelity, Rods, Wiring};
+use cophase_scene::file::{AxisOverrides, Fidelity, Wiring};
 use cophase_scene::input_file::{self, Unreadable};
 use cophase_scene::{Scene, entry};
 use host_sim::checked::Checked;
+use host_sim::machines;
 
 use super::output::write_file;
 use super::{CommandError, Status, scenes};
@@ -140,36 +141,10 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
 /// Returns the keys that a scene sets and that do not affect the control loop.
 fn left_out(scene: &Scene) -> Vec<String> {
     let axes = &scene.axes;
-    let cam = scene.cam.as_ref();
-    let of_cam = |given: fn(&CamShaft) -> bool| cam.is_some_and(given);
     let common = [
-        ("cam.masses_kg", of_cam(|cam| cam.masses_kg.is_some())),
-        (
-            "cam.stiffness_n_per_mm",
-            of_cam(|cam| cam.stiffness_n_per_mm.is_some()),
-        ),
-        (
-            "cam.dampers_ns_per_m",
-            of_cam(|cam| cam.dampers_ns_per_m.is_some()),
-        ),
-        ("cam.zeta", of_cam(|cam| cam.zeta.is_some())),
         ("fidelity", scene.fidelity != Fidelity::Auto),
         ("axes.friction_nm", axes.friction_nm != 0.0),
-        (
-            "machine.tilt_inertia_kgm2",
-            scene
-                .machine
-                .as_ref()
-                .is_some_and(|machine| machine.tilt_inertia_kgm2.is_some()),
-        ),
         ("axes.damping_nms", axes.damping_nms != 0.0),
-        (
-            "machine.rods",
-            scene
-                .machine
-                .as_ref()
-                .is_some_and(|machine| machine.rods != Rods::QuasiStatic),
-        ),
         ("questions", !scene.questions.is_none()),
         ("axes.servo", axes.servo.is_some()),
         ("frame", scene.frame.is_some()),
@@ -195,7 +170,11 @@ fn left_out(scene: &Scene) -> Vec<String> {
         let given = keys.iter().filter(|(_, given)| *given);
         given.map(|(key, _)| (*key).to_owned()).collect()
     };
-    let mut keys = given(&common);
+    let mut keys: Vec<_> = machines::tables(scene)
+        .flat_map(|table| table.simulation_keys())
+        .map(str::to_owned)
+        .collect();
+    keys.extend(given(&common));
     for (i, axis) in scene.axis.iter().enumerate() {
         let own = given(&apart(axis));
         let number = format!("axis {}", axis.number);

@@ -4,18 +4,6 @@ pub use crate::built_in::{BuiltIn, FIRST, SCENES};
 use crate::{Scene, load};
 
 impl BuiltIn {
-    /// Machine of the scene, for lists.
-    pub fn machine(&self) -> &'static str {
-        let scene = self.scene();
-        match (&scene.machine, &scene.cam, scene.other_machine()) {
-            (Some(machine), ..) => machine.mechanism.name(),
-            (_, Some(cam), _) if cam.screw_lead_mm.is_some() => "electronic cam",
-            (_, Some(_), _) => "cam shaft",
-            (.., Some(key)) => key,
-            (None, None, None) => "no machine",
-        }
-    }
-
     /// Returns the scene.
     ///
     /// # Panics

@@ -3,7 +3,7 @@
 //! The controller, its drives, sensors and faults are the same for all machines. A machine is:
 //! - a [`Table`]: its table in a scene file, and the settings of the controller for it;
 //! - a [`Machine`]: its name, drawing, model levels, and equations of motion;
-//! - a [`Record`](crate::dynamics::plant::Record): its figures in the report.
+//! - a [`Record`]: its figures in the report.
 //!
 //! To add one, write a folder here, and add its table to [`Scene`] and to the list of [`tables`] (`docs/recipes/add-a-machine.md`).
 
@@ -29,7 +29,7 @@ use cophase_scene::file::Fidelity;
 use cophase_scene::{Scene, SceneError};
 
 use crate::dynamics::plant::{OnPlant, Plant, Record};
-use crate::dynamics::{Dynamics, RotorParts};
+use crate::dynamics::{Driven, Dynamics, RotorParts};
 use follower::{Follower, Nothing, Peaks, RunStart, Steady};
 
 /// Parts that the axes move.
@@ -143,6 +143,19 @@ pub trait Machine: Debug + Send + Sync {
             friction_nm,
         } = rotors;
         Ok(Box::new(OnPlant::new(inertia_kgm2, friction_nm, plant)))
+    }
+
+    /// Checks that the motors can turn the shafts as commanded. `apart` is the key that sets them apart, if one does. By default they can.
+    ///
+    /// # Errors
+    /// The key that sets the shafts too far apart.
+    fn check_driven(
+        &self,
+        _driven: &Driven,
+        _axes: &[AxisSettings],
+        _apart: Option<&str>,
+    ) -> Result<(), SceneError> {
+        Ok(())
     }
 
     /// Radius of the circle on which the axes stand, m. Without a platform it is 1 m, which leaves warp as it is.

@@ -18,6 +18,16 @@ pub trait Table: Debug {
     /// Its machine's name with the article, for messages: "a screen".
     fn machine_name(&self) -> &'static str;
 
+    /// Name of the machine in lists of scenes. By default it is that of the table.
+    fn list_name(&self) -> &'static str {
+        self.key()
+    }
+
+    /// Keys of the table that it gives, and that concern the simulation alone. By default there are none.
+    fn simulation_keys(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
     /// Supported numbers of axes. The scene's number is checked before [`Self::fill`] and [`Self::make`].
     fn axes(&self) -> RangeInclusive<usize>;
 
@@ -123,4 +133,10 @@ pub fn check_tilt_limit(scene: &Scene, table: &str, axis_noun: &str) -> Result<(
             "is of a platform, and [{table}] has none; drift.warp_limit_deg limits how far {axis_noun}s may be apart, so leave it out"
         ),
     ))
+}
+
+/// Returns the keys that a table gives, of keys with whether it does.
+pub fn given(keys: &[(&'static str, bool)]) -> impl Iterator<Item = &'static str> {
+    let given = keys.iter().filter(|(_, is_given)| *is_given);
+    given.map(|(key, _)| *key)
 }

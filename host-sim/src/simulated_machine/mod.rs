@@ -8,7 +8,6 @@
 //! The two lowest levels neglect the effect of inertia on the motion: a crank lags by whole slips or not at all. They also neglect how
 //! the torque of the other axes changes after one axis has slipped.
 
-mod assembly;
 mod broken;
 mod faulted_drive;
 mod instant;

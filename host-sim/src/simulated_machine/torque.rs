@@ -6,7 +6,6 @@ use cophase_methods::{Needs, Scheme};
 use cophase_scene::SceneError;
 use cophase_scene::file::{Drive, Fidelity};
 
-use super::assembly;
 use super::{DriveCommand, Rotors};
 use crate::checked::Checked;
 use crate::drives::{AtCrank, SimulatedAxis};
@@ -30,7 +29,7 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
         .map(|i| motor(checked, i))
         .collect::<Result<Vec<_>, _>>()?;
     let driven = Driven::new(dynamics(checked)?, motors);
-    assembly::check(checked, &driven)?;
+    (checked.machine).check_driven(&driven, &settings.axes, checked.cranks_apart())?;
     let commanded = axes.iter().map(|axis| DriveCommand {
         turns: axis.turns(),
         torque_nm: 0.0,

@@ -1,7 +1,9 @@
 //! Design of the other machines, against the figures of their sources and independently computed figures.
 
 mod crank_rocker;
+mod crusher_on_mains;
 mod five_bar;
+mod five_bar_arm;
 mod flywheel;
 mod screen;
 

@@ -1,7 +1,7 @@
 //! Figures of the suspended five-bar arm.
 
-use cophase_methods::problems::five_bar::{ForceSensor, GRAVITY_MPS2, Line, Load};
 use host_sim::design::five_bar::{Requirement, design};
+use host_sim::machines::five_bar::arm::{ForceSensor, GRAVITY_MPS2, Line, Load};
 
 use super::Tolerance::Absolute;
 use super::{Figure, ReproducedError, Section};

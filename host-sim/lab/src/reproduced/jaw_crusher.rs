@@ -1,7 +1,7 @@
 //! Figures of the jaw crusher and its flywheel.
 
-use cophase_methods::problems::crusher::{Crusher, Jaw, Shape, Speeds};
 use host_sim::design::flywheel::{Requirement, design};
+use host_sim::machines::crusher::mains::{Jaw, OnMains, Shape, Speeds};
 
 use super::Tolerance::{Absolute, NotReproduced, Relative};
 use super::{Figure, ReproducedError, Section};
@@ -12,8 +12,8 @@ const FILE: &str = "host-sim/methods/tests/crusher.rs";
 /// Slowest speed that the source prints, rad/s.
 const SLOWEST: f64 = 26.118;
 
-fn fitted(shape: Shape) -> Result<(Crusher, Speeds), ReproducedError> {
-    let empty = Crusher::SOURCE;
+fn fitted(shape: Shape) -> Result<(OnMains, Speeds), ReproducedError> {
+    let empty = OnMains::SOURCE;
     let peak_n = empty
         .fitted_peak_n(shape, SLOWEST, 28.0)
         .map_err(ReproducedError::of)?;
@@ -35,17 +35,17 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     })
     .map_err(ReproducedError::of)?;
     let inertia = (0..3600_u32).map(|i| {
-        Crusher::SOURCE
+        OnMains::SOURCE
             .inertia_kgm2(f64::from(i) * std::f64::consts::TAU / 3600.0)
             .0
     });
     let (least, most) = inertia.fold((f64::MAX, f64::MIN), |(least, most), here| {
         (least.min(here), most.max(here))
     });
-    let flywheel = Crusher {
+    let flywheel = OnMains {
         flywheel_kgm2: 40.884,
         jaw: Jaw::NONE,
-        ..Crusher::SOURCE
+        ..OnMains::SOURCE
     };
     let without_rock = flywheel
         .turn(0.0, SLOWEST)

@@ -13,17 +13,13 @@
 //! | [`VanDerPol`] | very stiff, with jumps |
 //! | [`BouncingBall`] | events at ever shorter intervals |
 //! | [`Chain`] | the elastic follower of a cam: a machine of this kind, linear, with a fast mode |
-//! | [`Crusher`] | forces that begin and end within a turn, an inertia that changes with the angle |
-//! | [`FiveBarArm`] | two coupled rotors: an inertia that changes with the angles, contact and friction |
 //! | [`Screen`] | a decision: whether a motor of limited power passes a resonance |
 
 pub mod andrews;
 pub mod bouncing_ball;
 pub mod cam;
 pub mod chain;
-pub mod crusher;
 pub mod den_hartog;
-pub mod five_bar;
 pub mod hires;
 pub mod oscillator;
 pub mod pendulum;
@@ -34,9 +30,7 @@ pub use andrews::Andrews;
 pub use bouncing_ball::BouncingBall;
 pub use cam::{Cam, Law, Motion};
 pub use chain::{Chain, Links, Mode, Shaft};
-pub use crusher::Crusher;
 pub use den_hartog::DenHartog;
-pub use five_bar::FiveBarArm;
 pub use hires::Hires;
 pub use oscillator::Oscillator;
 pub use pendulum::Pendulum;

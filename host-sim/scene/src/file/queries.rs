@@ -5,18 +5,6 @@ use cophase_core::settings::Transmission;
 use super::{AxisOverrides, Drive, FaultAt, FaultName, Lines, Scene};
 
 impl Scene {
-    /// Returns the key of a machine that is neither a platform on cranks nor cams, if the scene has one.
-    pub fn other_machine(&self) -> Option<&'static str> {
-        let given = [
-            ("screen", self.screen.is_some()),
-            ("crusher", self.crusher.is_some()),
-            ("five_bar", self.five_bar.is_some()),
-        ];
-        given
-            .into_iter()
-            .find_map(|(key, is_given)| is_given.then_some(key))
-    }
-
     /// Index of the first fault that moves a crank away from its command.
     pub fn moving_fault(&self) -> Option<usize> {
         self.fault.iter().position(FaultAt::moves_crank)

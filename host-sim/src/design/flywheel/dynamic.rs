@@ -2,12 +2,12 @@
 //!
 //! The equation of motion is integrated over whole turns until a turn ends in the state in which it began. There are two results: a
 //! converged one, and one by the scheme of the source with a few nodes a turn. The source has lost its linkage, so
-//! [`Linkage::SOURCE`](cophase_methods::problems::crusher::Linkage::SOURCE) is an assumed one.
+//! [`Linkage::SOURCE`](crate::machines::crusher::mains::Linkage::SOURCE) is an assumed one.
 
-use cophase_methods::problems::Crusher;
-use cophase_methods::problems::crusher::{Diverged, Speeds};
+use crate::machines::crusher::mains::OnMains;
+use crate::machines::crusher::mains::{Diverged, Speeds};
 
-pub use cophase_methods::problems::crusher::Shape;
+pub use crate::machines::crusher::mains::Shape;
 
 use super::{Design, DesignError};
 use crate::design::range::{OutOfRange, Range};
@@ -72,11 +72,11 @@ pub fn periodic(design: &Design, rock: &Rock) -> Result<Dynamic, DesignError> {
     if !wrong.is_empty() {
         return Err(DesignError::OutOfRange(wrong));
     }
-    let crusher = Crusher {
+    let crusher = OnMains {
         torque_curve: design.curve.coefficients,
         belt_ratio: design.requirement.belt_ratio,
         flywheel_kgm2: design.rim_kgm2(),
-        ..Crusher::SOURCE
+        ..OnMains::SOURCE
     }
     .with_rock(rock.shape, 1e3 * rock.peak_kn);
     let stalls = |_: Diverged| DesignError::Stalls(rock.peak_kn);
@@ -94,9 +94,9 @@ pub fn periodic(design: &Design, rock: &Rock) -> Result<Dynamic, DesignError> {
 }
 
 /// Inertia of the flywheel whose periodic regime has a given irregularity, kg·m². More inertia reduces the irregularity.
-fn required_kgm2(crusher: &Crusher, from_rad_s: f64, limit: f64) -> Result<f64, DesignError> {
+fn required_kgm2(crusher: &OnMains, from_rad_s: f64, limit: f64) -> Result<f64, DesignError> {
     let is_enough = |flywheel_kgm2: f64| {
-        let crusher = Crusher {
+        let crusher = OnMains {
             flywheel_kgm2,
             ..*crusher
         };

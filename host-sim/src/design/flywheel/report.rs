@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use cophase_methods::problems::crusher::Speeds;
+use crate::machines::crusher::mains::Speeds;
 use cophase_scene::digits::four;
 
 use super::{Design, Dynamic};

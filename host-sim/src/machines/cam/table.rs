@@ -12,7 +12,7 @@ use cophase_scene::file::CamShaft;
 use cophase_scene::{Scene, SceneError, in_range};
 
 use super::{CamShafts, cam_of, damped};
-use crate::machines::table::check_tilt_limit;
+use crate::machines::table::{check_tilt_limit, given};
 use crate::machines::{Made, Table};
 
 /// λ of the crank of equal κ: the least that the core accepts.
@@ -185,6 +185,23 @@ impl Table for CamShaft {
 
     fn machine_name(&self) -> &'static str {
         super::NAME
+    }
+
+    fn list_name(&self) -> &'static str {
+        match self.screw_lead_mm {
+            Some(_) => "electronic cam",
+            None => "cam shaft",
+        }
+    }
+
+    fn simulation_keys(&self) -> Vec<&'static str> {
+        let keys = [
+            ("cam.masses_kg", self.masses_kg.is_some()),
+            ("cam.stiffness_n_per_mm", self.stiffness_n_per_mm.is_some()),
+            ("cam.dampers_ns_per_m", self.dampers_ns_per_m.is_some()),
+            ("cam.zeta", self.zeta.is_some()),
+        ];
+        given(&keys).collect()
     }
 
     fn axes(&self) -> RangeInclusive<usize> {

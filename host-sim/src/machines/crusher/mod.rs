@@ -1,7 +1,7 @@
 //! Jaw crusher: one shaft with a flywheel, whose eccentric swings a jaw. The source is a Chinese paper on the dynamic
 //! design of its flywheel.
 //!
-//! Equations and linkage are those of [`cophase_methods::problems::crusher`], which is verified against the source's
+//! Equations and linkage are those of [`mains`], which is verified against the source's
 //! figures. With the shaft angle φ, the inertia J of flywheel and rotor, and that of the jaw Je(φ):
 //!
 //! ```text
@@ -19,6 +19,7 @@
 //! on the jaw's speed.
 
 mod drawing;
+pub mod mains;
 mod record;
 mod table;
 
@@ -27,13 +28,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use cophase_core::settings::AxisSettings;
-use cophase_methods::problems::crusher::{Jaw, Linkage, Load};
 use cophase_scene::file::Fidelity;
 
 use crate::dynamics::PlaneMotion;
 use crate::dynamics::plant::{Plant, Record, Shafts};
 use crate::machines::{Machine, Moved};
 use crate::pose::Pose;
+use mains::{Jaw, Linkage, Load};
 use record::CrusherRecord;
 
 /// Name with its article.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use cophase_methods::problems::crusher::{Jaw, Linkage, Load, Shape};
+use crate::machines::crusher::mains::{Jaw, Linkage, Load, Shape};
 use cophase_scene::file::{CrusherTable, Rock};
 use cophase_scene::{Scene, SceneError, in_range};
 

@@ -1,5 +1,5 @@
-use cophase_methods::problems::Crusher as OnTheMains;
-use cophase_methods::problems::crusher::Shape;
+use crate::machines::crusher::mains::OnMains;
+use crate::machines::crusher::mains::Shape;
 use cophase_methods::{Equations, Scheme, advance};
 
 use super::*;
@@ -22,7 +22,7 @@ fn crusher(peak_n: f64) -> Crusher {
 /// If this fails, the simulated crusher differs from the one that is verified against the published speeds.
 #[test]
 fn the_plant_moves_as_the_published_crusher() {
-    let published = OnTheMains::SOURCE.with_rock(Shape::LinearRise, 1.3e6);
+    let published = OnMains::SOURCE.with_rock(Shape::LinearRise, 1.3e6);
     let (ours, rotors_kgm2) = (crusher(1.3e6), vec![FLYWHEEL_KGM2]);
     for k in 0..360 {
         let (phi, omega) = (TAU * f64::from(k) / 360.0, 20.0 + f64::from(k % 9));

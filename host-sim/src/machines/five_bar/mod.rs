@@ -1,7 +1,7 @@
 //! Suspended five-bar arm: two motors on one axis, whose links move a hand in a plane along a path. The source is a paper
 //! of 2000 on suspended robots.
 //!
-//! The equations are those of [`cophase_methods::problems::five_bar`], plus the inertia of each rotor and the friction of
+//! The equations are those of [`arm`], plus the inertia of each rotor and the friction of
 //! each axis. The two axes are the joints: the angle of joint i is 2π times the turns of axis i.
 //!
 //! The program is a path, and the master's phase is the path's parameter. One turn of the master is the path, there and
@@ -18,6 +18,7 @@
 //!
 //! Not modelled: elastic links and joints, and a tool that swings on its rope.
 
+pub mod arm;
 mod drawing;
 mod path;
 mod record;
@@ -26,8 +27,8 @@ mod table;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use crate::machines::five_bar::arm::{FiveBarArm, HybridLaw, Target};
 use cophase_core::settings::AxisSettings;
-use cophase_methods::problems::five_bar::{FiveBarArm, HybridLaw, Target};
 use cophase_scene::file::Fidelity;
 use nalgebra::{Matrix2, Vector2};
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::machines::five_bar::arm::{Line, TooShort};
 use cophase_core::axes::MAX_CAM_POINTS;
-use cophase_methods::problems::five_bar::{Line, TooShort};
 
 use crate::mechanism::five_bar::{FiveBar, Joints, Unreachable};
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use cophase_methods::problems::five_bar::HybridLaw;
+use crate::machines::five_bar::arm::HybridLaw;
 
 use super::{Arm, both};
 use crate::dynamics::plant::{Figure, Record, Tick};

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use cophase_methods::problems::five_bar::{FiveBarArm, ForceSensor, HybridLaw, Load, Rod, Surface};
+use crate::machines::five_bar::arm::{FiveBarArm, ForceSensor, HybridLaw, Load, Rod, Surface};
 use cophase_scene::file::{Assembly, AxisOverrides, CamTable, ContactTable, FiveBarTable, Plane};
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use cophase_scene::{Scene, SceneError, in_range};

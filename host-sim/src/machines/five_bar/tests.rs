@@ -1,4 +1,4 @@
-use cophase_methods::problems::five_bar::{Load, Surface};
+use crate::machines::five_bar::arm::{Load, Surface};
 use cophase_methods::{Equations, Scheme, advance};
 
 use super::*;
@@ -129,6 +129,6 @@ fn the_path_returns_and_its_velocity_matches_its_position() {
 #[test]
 fn the_default_sensor_is_that_of_the_source() {
     let contact: cophase_scene::file::ContactTable = toml::from_str("force_n = 1").unwrap();
-    let source = cophase_methods::problems::five_bar::ForceSensor::SOURCE;
+    let source = crate::machines::five_bar::arm::ForceSensor::SOURCE;
     assert_eq!(contact.sensor_n, source.full_scale_n);
 }

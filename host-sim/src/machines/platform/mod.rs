@@ -1,5 +1,6 @@
 //! A platform on cranks.
 
+mod assembly;
 mod bounds;
 mod dynamics;
 mod geometry;
@@ -16,7 +17,7 @@ use cophase_scene::{Scene, SceneError};
 
 use super::follower::{Follower, RunStart};
 use super::{Asked, Bounds, Machine, Moved, NoBounds};
-use crate::dynamics::{Dynamics, Motor, RotorParts};
+use crate::dynamics::{Driven, Dynamics, Motor, RotorParts};
 use crate::mechanism::turn_search::largest_over_turn;
 use crate::mechanism::{Mechanism, Mount};
 use bounds::{Cranks, OnCranks};
@@ -177,6 +178,15 @@ impl Machine for CranksUnderPlatform {
 
     fn follower(self: Arc<Self>, _: &RunStart<'_>) -> Result<Box<dyn Follower>, SceneError> {
         Ok(Box::new(self.platform.clone()))
+    }
+
+    fn check_driven(
+        &self,
+        driven: &Driven,
+        axes: &[AxisSettings],
+        apart: Option<&str>,
+    ) -> Result<(), SceneError> {
+        assembly::check(driven, axes, apart)
     }
 
     fn mount_radius_m(&self) -> f64 {

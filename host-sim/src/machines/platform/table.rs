@@ -4,10 +4,11 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use cophase_core::settings::{MachineSettings, PlatformSettings};
-use cophase_scene::file::{self, Drift};
+use cophase_scene::file::{self, Drift, Rods};
 use cophase_scene::{Scene, SceneError};
 
 use super::{CranksUnderPlatform, Platform};
+use crate::machines::table::given;
 use crate::machines::{Made, Table};
 use crate::mechanism::{AnyMechanism, Configured};
 
@@ -37,6 +38,21 @@ impl Table for file::Machine {
 
     fn machine_name(&self) -> &'static str {
         super::NAME
+    }
+
+    fn list_name(&self) -> &'static str {
+        self.mechanism.name()
+    }
+
+    fn simulation_keys(&self) -> Vec<&'static str> {
+        let keys = [
+            (
+                "machine.tilt_inertia_kgm2",
+                self.tilt_inertia_kgm2.is_some(),
+            ),
+            ("machine.rods", self.rods != Rods::QuasiStatic),
+        ];
+        given(&keys).collect()
     }
 
     fn axes(&self) -> RangeInclusive<usize> {

@@ -4,14 +4,15 @@
 //! given here. `host-sim/lab/tests/references.rs` solves all of them again with both.
 
 use cophase_methods::problems::{
-    Andrews, Cam, Chain, Crusher, DenHartog, FiveBarArm, Hires, Law, Oscillator, Screen, Shaft,
-    crusher, five_bar,
+    Andrews, Cam, Chain, DenHartog, Hires, Law, Oscillator, Screen, Shaft,
 };
 use cophase_methods::{Equations, Scheme};
 use host_sim::drives::PullOut;
 use host_sim::dynamics::Chosen;
 use host_sim::dynamics::Dynamics;
 use host_sim::dynamics::{Body, Driven, Field, Motor, Phased, Rigid, Stepper};
+use host_sim::machines::crusher::mains::{OnMains, Shape};
+use host_sim::machines::five_bar::arm::{self, FiveBarArm};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
 use host_sim::simulated_machine::{DriveCommand, Rotors};
@@ -216,8 +217,8 @@ fn screen() -> Problem {
 
 /// Returns the problem of the arm: a free swing on the balancer.
 fn arm() -> Problem {
-    let mut arm = FiveBarArm::assumed(five_bar::GRAVITY_MPS2);
-    arm.load = five_bar::Load::Balancer(9.81);
+    let mut arm = FiveBarArm::assumed(arm::GRAVITY_MPS2);
+    arm.load = arm::Load::Balancer(9.81);
     Problem {
         name: "five-bar arm on its balancer",
         unit: "rad",
@@ -234,7 +235,7 @@ fn arm() -> Problem {
 
 /// Returns the problem of the crusher through the middle of its closing stroke, where the rock's force has no corner.
 fn crusher() -> Problem {
-    let crusher = Crusher::SOURCE.with_rock(crusher::Shape::LinearRise, 1.5e6);
+    let crusher = OnMains::SOURCE.with_rock(Shape::LinearRise, 1.5e6);
     let [from, _] = crusher.linkage.closing_stroke_rad();
     Problem {
         name: "jaw crusher in its rock",

@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
-use cophase_methods::problems::five_bar::Surface;
-use cophase_methods::problems::{Cam, Chain, Crusher, FiveBarArm, Law, Screen, Shaft};
+use cophase_methods::problems::{Cam, Chain, Law, Screen, Shaft};
 use cophase_methods::{Differences, Equations, Scheme};
+use host_sim::machines::crusher::mains::OnMains;
+use host_sim::machines::five_bar::arm::FiveBarArm;
+use host_sim::machines::five_bar::arm::Surface;
 use nalgebra::DMatrix;
 
 use crate::chart::ChartError;
@@ -85,7 +87,7 @@ pub fn all() -> [Linearised; 4] {
         torque_over_rated: 0.0,
     };
     [
-        Linearised::new("jaw crusher", &Crusher::SOURCE, &[0.0, 27.6], &[0, 1]),
+        Linearised::new("jaw crusher", &OnMains::SOURCE, &[0.0, 27.6], &[0, 1]),
         Linearised::new("screen's box", &screen, &[0.0; 6], &[0, 1, 3, 4]),
         Linearised::new("five-bar arm", &arm, &[q[0], q[1], 0.0, 0.0], &[0, 1, 2, 3]),
         Linearised::new("elastic chain", &chain, &[0.0; 6], &[0, 1, 2, 3, 4, 5]),

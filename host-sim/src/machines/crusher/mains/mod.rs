@@ -28,15 +28,15 @@ mod linkage;
 mod load;
 mod turn;
 
-use crate::Equations;
+use cophase_methods::Equations;
 
 pub use linkage::{Jaw, Linkage};
 pub use load::{Load, Shape};
 pub use turn::{Diverged, Speeds, TurnEquations};
 
-/// Crusher with its motor and flywheel; state (φ, ω), rad and rad/s.
+/// OnMains with its motor and flywheel; state (φ, ω), rad and rad/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crusher {
+pub struct OnMains {
     /// Coefficients a, b, c of the motor's torque over the motor's speed, N m and rad/s.
     pub torque_curve: [f64; 3],
     /// Speed of the motor over that of the shaft.
@@ -51,7 +51,7 @@ pub struct Crusher {
     pub load: Load,
 }
 
-impl Crusher {
+impl OnMains {
     /// Dimension of the state.
     pub const DIMENSION: usize = 2;
 
@@ -104,7 +104,7 @@ impl Crusher {
     }
 }
 
-impl Equations for Crusher {
+impl Equations for OnMains {
     fn dimension(&self) -> usize {
         Self::DIMENSION
     }

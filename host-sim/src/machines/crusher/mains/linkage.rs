@@ -3,7 +3,7 @@
 //! The eccentric's axis is the origin, and the toggle's fixed pivot lies on the x axis at g. Let e, l, r be the lengths of eccentric, jaw
 //! and toggle, and φ, θ, ψ their angles. The loop e exp(iφ) + l exp(iθ) = g + r exp(iψ) closes. The derivatives by φ follow from it.
 
-use core::f64::consts::TAU;
+use std::f64::consts::TAU;
 
 /// Lengths, m.
 #[derive(Clone, Copy, Debug, PartialEq)]

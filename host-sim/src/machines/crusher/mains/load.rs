@@ -1,6 +1,6 @@
 //! Force of the rock on the jaw over the closing stroke.
 
-use core::f64::consts::TAU;
+use std::f64::consts::TAU;
 
 use super::Linkage;
 

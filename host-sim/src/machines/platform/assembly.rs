@@ -3,9 +3,9 @@
 
 use std::f64::consts::TAU;
 
+use cophase_core::settings::AxisSettings;
 use cophase_scene::SceneError;
 
-use crate::checked::Checked;
 use crate::dynamics::{Corners, Driven, MOST};
 
 /// Largest deflection of the rods, m. A scene that bends them further is refused, whatever torque the motors
@@ -20,19 +20,19 @@ const PLACES: u32 = 64;
 ///
 /// # Errors
 /// Names the key that sets them apart, the deflection of the rods, and the torque that it takes.
-pub(super) fn check(checked: &Checked, driven: &Driven) -> Result<(), SceneError> {
+pub(super) fn check(
+    driven: &Driven,
+    axes: &[AxisSettings],
+    apart: Option<&str>,
+) -> Result<(), SceneError> {
     let Some(body) = driven.body() else {
         return Ok(());
     };
-    let settings = &checked.settings;
-    let ratios = settings
-        .axes
-        .iter()
-        .map(|axis| axis.follower.constant_ratio());
+    let ratios = axes.iter().map(|axis| axis.follower.constant_ratio());
     let Some(ratios) = ratios.collect::<Option<Vec<_>>>() else {
         return Ok(()); // cam tables are for screws
     };
-    let key = match checked.cranks_apart() {
+    let key = match apart {
         Some("ratio") => "ratio",
         Some("offset_deg") => "offset_deg",
         _ => return Ok(()),
@@ -45,7 +45,7 @@ pub(super) fn check(checked: &Checked, driven: &Driven) -> Result<(), SceneError
         let master = f64::from(place) / f64::from(PLACES);
         let mut heights = [0.0; MOST];
         let mut levers = [0.0; MOST];
-        for (i, (ratio, axis)) in ratios.iter().zip(&settings.axes).enumerate() {
+        for (i, (ratio, axis)) in ratios.iter().zip(axes).enumerate() {
             let crank = body.crank((master * ratio + axis.offset_turns) * TAU);
             (heights[i], levers[i]) = (crank.height_m, crank.lever_m);
         }

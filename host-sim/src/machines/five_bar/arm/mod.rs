@@ -22,7 +22,7 @@ mod hybrid;
 mod line;
 mod load;
 
-use crate::Equations;
+use cophase_methods::Equations;
 
 pub use hybrid::{ForceSensor, HybridLaw, Target};
 pub use line::{Line, TooShort};

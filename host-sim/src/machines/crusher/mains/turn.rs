@@ -1,10 +1,10 @@
 //! One turn of the shaft, and the periodic regime; converged, and by the source's scheme.
 
-use core::f64::consts::TAU;
+use std::f64::consts::TAU;
 
-use crate::{Equations, NotMeasured, Scheme};
+use cophase_methods::{Equations, NotMeasured, Scheme};
 
-use super::{Crusher, Load, Shape};
+use super::{Load, OnMains, Shape};
 
 /// Steps of the fourth-order method in each piece of a turn. The beginning and the end of the rock's force cut the turn into pieces.
 const STEPS: u32 = 240;
@@ -79,7 +79,7 @@ impl Speeds {
 /// Within a piece of the turn the rock acts all the time or not at all, so that the rates are smooth.
 #[derive(Clone, Copy, Debug)]
 pub struct TurnEquations {
-    crusher: Crusher,
+    crusher: OnMains,
     /// Piece that the rates are for, rad.
     piece_rad: [f64; 2],
 }
@@ -101,7 +101,7 @@ impl Equations for TurnEquations {
     }
 }
 
-impl Crusher {
+impl OnMains {
     /// The same crusher with rock of a shape and a peak force, N.
     #[must_use]
     pub fn with_rock(&self, shape: Shape, peak_n: f64) -> Self {

@@ -4,8 +4,8 @@
 
 use std::f64::consts::TAU;
 
-use cophase_methods::problems::Crusher;
-use cophase_methods::problems::crusher::{Jaw, Shape, Speeds};
+use host_sim::machines::crusher::mains::OnMains;
+use host_sim::machines::crusher::mains::{Jaw, Shape, Speeds};
 
 /// Slowest speed that the source prints, and the speed with which it starts, rad/s.
 const SLOWEST: f64 = 26.118;
@@ -21,8 +21,8 @@ fn assert_near(what: &str, ours: f64, theirs: f64, tolerance: f64) {
 }
 
 /// The crusher with rock that slows its periodic regime to the published slowest speed.
-fn fitted(shape: Shape) -> (Crusher, Speeds) {
-    let empty = Crusher::SOURCE;
+fn fitted(shape: Shape) -> (OnMains, Speeds) {
+    let empty = OnMains::SOURCE;
     let peak_n = empty.fitted_peak_n(shape, SLOWEST, 28.0).expect("it turns");
     let crusher = empty.with_rock(shape, peak_n);
     let speeds = crusher.periodic(0.0, 28.0).expect("it turns");
@@ -34,7 +34,7 @@ fn fitted(shape: Shape) -> (Crusher, Speeds) {
 /// rad/s.
 #[test]
 fn equivalent_inertia_has_the_published_range() {
-    let crusher = Crusher::SOURCE;
+    let crusher = OnMains::SOURCE;
     let turn = (0..3600).map(|i| crusher.inertia_kgm2(TAU * f64::from(i) / 3600.0).0);
     let (least, most) = turn.fold((f64::MAX, f64::MIN), |(least, most), inertia| {
         (least.min(inertia), most.max(inertia))
@@ -43,7 +43,7 @@ fn equivalent_inertia_has_the_published_range() {
     assert_near("largest", most, 40.940, 5e-4);
     for shape in Shape::ALL {
         let (with_jaw, speeds) = fitted(shape);
-        let without = Crusher {
+        let without = OnMains {
             flywheel_kgm2: 40.884,
             jaw: Jaw::NONE,
             ..with_jaw
@@ -64,9 +64,9 @@ fn equivalent_inertia_has_the_published_range() {
 fn inertia_slope_equals_its_finite_difference() {
     for i in 0..72 {
         let (phi, h) = (TAU * f64::from(i) / 72.0, 1e-4);
-        let at = |phi| Crusher::SOURCE.inertia_kgm2(phi).0;
+        let at = |phi| OnMains::SOURCE.inertia_kgm2(phi).0;
         let difference = (at(phi + h) - at(phi - h)) / (2.0 * h);
-        let slope = Crusher::SOURCE.inertia_kgm2(phi).1;
+        let slope = OnMains::SOURCE.inertia_kgm2(phi).1;
         assert!((slope - difference).abs() < 1e-8, "{slope} {difference}");
     }
 }
@@ -75,10 +75,10 @@ fn inertia_slope_equals_its_finite_difference() {
 /// the fastest speed.
 #[test]
 fn a_turn_without_rock_does_not_restore_the_speed() {
-    let flywheel = Crusher {
+    let flywheel = OnMains {
         flywheel_kgm2: 40.884,
         jaw: Jaw::NONE,
-        ..Crusher::SOURCE
+        ..OnMains::SOURCE
     };
     let end = flywheel.turn(0.0, SLOWEST).expect("it turns").end_rad_s();
     assert_near("after a turn without rock", end, 28.250, 1e-3);
@@ -86,9 +86,9 @@ fn a_turn_without_rock_does_not_restore_the_speed() {
 }
 
 /// One turn from the published start, with rock that slows it to the published slowest speed.
-fn one_turn(shape: Shape, start_rad: f64) -> (Crusher, Speeds) {
+fn one_turn(shape: Shape, start_rad: f64) -> (OnMains, Speeds) {
     let turn = |peak_n: f64| {
-        let crusher = Crusher::SOURCE.with_rock(shape, peak_n);
+        let crusher = OnMains::SOURCE.with_rock(shape, peak_n);
         (crusher, crusher.turn(start_rad, START).expect("it turns"))
     };
     let (mut low, mut high) = (1.2e6, 1.7e6);
@@ -228,7 +228,7 @@ fn extremes_are_not_where_the_torques_are_equal() {
 /// change.
 #[test]
 fn too_much_rock_stops_the_shaft() {
-    let stalled = Crusher::SOURCE
+    let stalled = OnMains::SOURCE
         .with_rock(Shape::Constant, 2e7)
         .periodic(0.0, 28.0);
     let message = stalled.expect_err("20 MN is too much").to_string();

@@ -1,10 +1,10 @@
 //! Equations of the five-bar arm, against virtual work of its four bodies, and its energy.
 
-use cophase_methods::problems::FiveBarArm;
-use cophase_methods::problems::five_bar::{
+use cophase_methods::{Equations, Scheme};
+use host_sim::machines::five_bar::arm::FiveBarArm;
+use host_sim::machines::five_bar::arm::{
     ForceSensor, GRAVITY_MPS2, HybridLaw, Line, Load, Surface, Target,
 };
-use cophase_methods::{Equations, Scheme};
 
 /// Position and angle of one body.
 type Pose = ([f64; 2], f64);
