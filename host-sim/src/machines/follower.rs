@@ -6,6 +6,7 @@ use std::sync::Arc;
 use cophase_methods::{Scheme, StepError};
 use cophase_scene::file::Fidelity;
 
+use crate::drives::SimulatedAxis;
 use crate::dynamics::Chosen;
 use crate::dynamics::plant::Plant;
 use crate::pose::Pose;
@@ -97,25 +98,18 @@ pub struct RunStart<'a> {
 /// Motion of the shafts in a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct ShaftTick<'a> {
-    /// Motion of each shaft.
-    pub turned: &'a [Turned],
+    /// Axes, at the end of the tick.
+    pub axes: &'a [SimulatedAxis],
+    /// True if the drives are on. Shafts stand while they are off.
+    pub drives_enabled: bool,
+    /// Commanded speed of the master at the end of the tick, rad/s.
+    pub omega_rad_s: f64,
+    /// Commanded acceleration of the master, rad/s².
+    pub acceleration_rad_s2: f64,
     /// Travel of the master, turns.
     pub master_turns: f64,
     /// Commanded positions at the end of the tick, turns.
     pub command_turns: &'a [f64],
-}
-
-/// Motion of a shaft in a tick.
-#[derive(Clone, Copy, Debug)]
-pub struct Turned {
-    /// Turns since power-up, before the tick.
-    pub from: f64,
-    /// Turns since power-up, after the tick.
-    pub to: f64,
-    /// Requested speed at the end of the tick, rad/s.
-    pub omega_rad_s: f64,
-    /// Requested acceleration, rad/s².
-    pub acceleration_rad_s2: f64,
 }
 
 /// Motion of an axis's own part.

@@ -35,7 +35,7 @@ use crate::drives::{
 };
 use crate::dynamics::plant::{Record, Tick};
 use crate::dynamics::{Corners, FrameMotion};
-use crate::machines::follower::{Follower, RunStart, ShaftTick, Turned};
+use crate::machines::follower::{Follower, RunStart, ShaftTick};
 use crate::pose::Pose;
 use faulted_drive::{disturb, disturb_rotors};
 
@@ -297,9 +297,12 @@ impl SimulatedMachine {
         if self.rotors.is_some() {
             self.turn_by_torque(played, drives_enabled, command_turns, disturbance, passages);
         } else {
-            let turned = self.turn(played, drives_enabled, master, disturbance, passages);
+            self.turn(played, drives_enabled, master, disturbance, passages);
             self.follower.play(&ShaftTick {
-                turned: &turned,
+                axes: &self.axes,
+                drives_enabled,
+                omega_rad_s,
+                acceleration_rad_s2,
                 master_turns,
                 command_turns,
             });
@@ -367,7 +370,7 @@ impl SimulatedMachine {
         }
     }
 
-    /// Turns the shafts as commanded, and returns their motion. `master` has the master's speed, rad/s, and acceleration, rad/s².
+    /// Turns the shafts as commanded. `master` has the master's speed, rad/s, and acceleration, rad/s².
     fn turn(
         &mut self,
         played: &Played,
@@ -375,29 +378,25 @@ impl SimulatedMachine {
         master: (f64, f64),
         disturbance: Option<&[Disturbance]>,
         passages: &mut Passages,
-    ) -> Axes<Turned> {
+    ) {
         if self.torques {
             self.compare_torques(master.0, master.1, drives_enabled);
         }
         let mut plans = played.plans();
         let (tick_s, count) = (self.tick_s, self.axes.len());
         let axes = &mut self.axes;
-        let mut travel = per_axis(count, |i| axes[i].take(plans.of(i), &played.setpoints[i]));
-        if let Some(disturbance) = disturbance {
-            disturb(axes, &mut travel, disturbance, tick_s, drives_enabled);
-        }
-        // Shafts stand while their drives are off.
-        let on = f64::from(u8::from(drives_enabled));
-        per_axis(count, |i| {
-            let axis = &mut axes[i];
-            let from = axis.turns();
-            passages.put(i, axis.play(&travel[i], played.runs(i), drives_enabled));
-            Turned {
-                from,
-                to: axis.turns(),
-                omega_rad_s: master.0 * axis.ratio() * on,
-                acceleration_rad_s2: master.1 * axis.ratio() * on,
+        let Some(disturbance) = disturbance else {
+            for (i, (axis, setpoint)) in axes.iter_mut().zip(&played.setpoints).enumerate() {
+                let plan = plans.of(i);
+                let travel = axis.take(plan, setpoint);
+                passages.put(i, axis.play(&travel, plan.runs, drives_enabled));
             }
-        })
+            return;
+        };
+        let mut travel = per_axis(count, |i| axes[i].take(plans.of(i), &played.setpoints[i]));
+        disturb(axes, &mut travel, disturbance, tick_s, drives_enabled);
+        for (i, (axis, travel)) in axes.iter_mut().zip(&travel).enumerate() {
+            passages.put(i, axis.play(travel, played.runs(i), drives_enabled));
+        }
     }
 }

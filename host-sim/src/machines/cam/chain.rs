@@ -6,9 +6,10 @@ use cophase_core::units::MAX_AXES;
 use cophase_methods::problems::Chain;
 use cophase_methods::{Equations, Method, Scheme, StepError};
 
+use super::pushers::Turned;
 use crate::dynamics::Chosen;
 use crate::dynamics::step::{MOST_STEPS, in_words};
-use crate::machines::follower::{Peaks, Pusher, Turned};
+use crate::machines::follower::{Peaks, Pusher};
 
 /// Largest phase advance of the slowest mode per step of exact discretisation, rad. A peak of the pusher lies within half a step of a
 /// sample, where its cosine is 1 − (0.05/2)²/2, an error of 0.03 %. The cam side follows the cam's motion directly, which the method

@@ -13,11 +13,24 @@ use cophase_scene::file::Fidelity;
 use super::CamShafts;
 use super::chain::Elastic;
 use super::screw::Screws;
-use crate::machines::follower::{Follower, Peaks, Pusher, RunStart, ShaftTick, Turned};
+use crate::machines::follower::{Follower, Peaks, Pusher, RunStart, ShaftTick};
 use crate::pose::Pose;
 
 /// Samples per tick where nothing is integrated.
 const SAMPLES: u32 = 16;
+
+/// Motion of a cam in a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Turned {
+    /// Turns since power-up, before the tick.
+    pub from: f64,
+    /// Turns since power-up, after the tick.
+    pub to: f64,
+    /// Commanded speed at the end of the tick, rad/s.
+    pub omega_rad_s: f64,
+    /// Commanded acceleration, rad/s².
+    pub acceleration_rad_s2: f64,
+}
 
 /// What moves a pusher.
 #[derive(Clone, Debug)]
@@ -37,6 +50,8 @@ pub(super) struct Pushers {
     moved_by: MovedBy,
     pushers: [Pusher; MAX_AXES],
     peaks: [Peaks; MAX_AXES],
+    /// Last motion of each cam.
+    turned: [Turned; MAX_AXES],
     /// Mean acceleration of the pushers at each sample within the tick, m/s².
     within_mps2: Vec<f64>,
     axes: usize,
@@ -73,15 +88,47 @@ impl Pushers {
             }
             _ => MovedBy::Law,
         };
+        let mut turned = [Turned::default(); MAX_AXES];
+        for (turned, turns) in turned.iter_mut().zip(start.turns) {
+            turned.to = *turns;
+        }
         Ok(Self {
             cam,
             moved_by,
             pushers,
+            turned,
             peaks: [Peaks::default(); MAX_AXES],
             within_mps2: Vec::new(),
             axes: start.turns.len(),
             tick_s: start.tick_s,
         })
+    }
+
+    /// Plays a tick in which the cams have turned.
+    fn follow(&mut self) {
+        let samples = self.chain().map_or(SAMPLES, |elastic| elastic.steps);
+        self.within_mps2.clear();
+        self.within_mps2.resize(samples as usize, 0.0);
+        let share = 1.0 / self.axes as f64;
+        let axes = self.pushers[..self.axes].iter_mut().zip(&mut self.peaks);
+        for (axis, ((pusher, peaks), turned)) in axes.zip(&self.turned).enumerate() {
+            *peaks = Peaks::default();
+            let mut observe = |at: u32, pusher: &Pusher| {
+                self.within_mps2[at as usize] += share * pusher.accel_mps2;
+            };
+            match &mut self.moved_by {
+                MovedBy::Chain(elastic) if elastic.broken.is_none() => {
+                    match elastic.play(axis, turned, self.tick_s, &mut observe) {
+                        Ok(played) => (*pusher, *peaks) = played,
+                        Err(error) => elastic.broken = Some(error),
+                    }
+                }
+                MovedBy::Chain(_) => {}
+                MovedBy::Law | MovedBy::Screw(_) => {
+                    (*pusher, *peaks) = by_law(&self.cam, turned, self.tick_s, &mut observe);
+                }
+            }
+        }
     }
 
     fn mean(&self, of: fn(&Pusher) -> f64) -> f64 {
@@ -109,29 +156,16 @@ impl Follower for Pushers {
             self.within_mps2 = vec![self.mean(|pusher| pusher.accel_mps2)];
             return;
         }
-        let samples = self.chain().map_or(SAMPLES, |elastic| elastic.steps);
-        self.within_mps2.clear();
-        self.within_mps2.resize(samples as usize, 0.0);
-        let share = 1.0 / self.axes as f64;
-        let axes = self.pushers.iter_mut().zip(&mut self.peaks).enumerate();
-        for ((axis, (pusher, peaks)), turned) in axes.zip(tick.turned) {
-            *peaks = Peaks::default();
-            let mut observe = |at: u32, pusher: &Pusher| {
-                self.within_mps2[at as usize] += share * pusher.accel_mps2;
+        let on = f64::from(u8::from(tick.drives_enabled));
+        for (turned, cam) in self.turned.iter_mut().zip(tick.axes) {
+            *turned = Turned {
+                from: turned.to,
+                to: cam.turns(),
+                omega_rad_s: tick.omega_rad_s * cam.ratio() * on,
+                acceleration_rad_s2: tick.acceleration_rad_s2 * cam.ratio() * on,
             };
-            match &mut self.moved_by {
-                MovedBy::Chain(elastic) if elastic.broken.is_none() => {
-                    match elastic.play(axis, turned, self.tick_s, &mut observe) {
-                        Ok(played) => (*pusher, *peaks) = played,
-                        Err(error) => elastic.broken = Some(error),
-                    }
-                }
-                MovedBy::Chain(_) => {}
-                MovedBy::Law | MovedBy::Screw(_) => {
-                    (*pusher, *peaks) = by_law(&self.cam, turned, self.tick_s, &mut observe);
-                }
-            }
         }
+        self.follow();
     }
 
     /// The mean of the pushers, which does not tilt.
@@ -220,6 +254,7 @@ mod tests {
             moved_by: MovedBy::Chain(Box::new(elastic)),
             pushers: [Pusher::default(); MAX_AXES],
             peaks: [Peaks::default(); MAX_AXES],
+            turned: [Turned::default(); MAX_AXES],
             within_mps2: Vec::new(),
             axes: 2,
             tick_s,
@@ -232,11 +267,8 @@ mod tests {
                 omega_rad_s: 47.1,
                 acceleration_rad_s2: 0.0,
             };
-            pushers.play(&ShaftTick {
-                turned: &[turned; 2],
-                master_turns: 0.0,
-                command_turns: &[],
-            });
+            pushers.turned[..2].fill(turned);
+            pushers.follow();
         }
         assert!(matches!(
             pushers.broken(),

@@ -69,13 +69,13 @@ impl Screws {
             *now = self.place_m(*turns);
         }
         let [before, last] = self.commanded.unwrap_or([now; 2]);
-        let axes = pushers.iter_mut().zip(peaks).zip(tick.turned).enumerate();
-        for (axis, ((pusher, peaks), turned)) in axes {
+        let axes = pushers.iter_mut().zip(peaks).zip(tick.axes).enumerate();
+        for (axis, ((pusher, peaks), screw)) in axes {
             let shift = self.shifts[axis];
             let lobe = cam.at_angle(TAU * (between + shift));
             let by_law = lobe.acceleration * omega * omega + lobe.velocity * alpha;
             let accel_mps2 = (now[axis] - 2.0 * last[axis] + before[axis]) / (tick_s * tick_s);
-            let place_m = self.place_m(turned.to);
+            let place_m = self.place_m(screw.turns());
             *pusher = Pusher {
                 place_m,
                 accel_mps2,
