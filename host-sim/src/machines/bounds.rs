@@ -28,9 +28,9 @@ pub trait Bounds: Debug + Send + Sync {
     fn numbers(&self) -> String;
 }
 
-/// A scene on its machine's top model level, as bounds need it.
+/// Duty of a machine on its top model level: the fastest motion that a scene commands, and the motors that have to follow it.
 #[derive(Clone, Debug)]
-pub struct Asked<'a> {
+pub struct Duty<'a> {
     /// The top model level.
     pub level: Fidelity,
     /// Shafts with their motors, if torque moves them on this level.

@@ -2,8 +2,9 @@
 //!
 //! The controller, its drives, sensors and faults are the same for all machines. A machine is:
 //! - a [`Table`]: its table in a scene file, and the settings of the controller for it;
-//! - a [`Machine`]: its name, drawing, model levels, and equations of motion;
-//! - a [`Record`]: its figures in the report.
+//! - a [`Machine`]: its name, drawing and model levels;
+//! - a [`Follower`], what its shafts move where they are commanded to be, or [`Dynamics`], the equations of motion under torque;
+//! - [`Bounds`] on what its lower model levels leave out, and a [`Record`], its figures in the report, if it has any.
 //!
 //! To add one, write a folder here, and add its table to [`Scene`] and to the list of [`tables`] (`docs/recipes/add-a-machine.md`).
 
@@ -17,7 +18,7 @@ pub mod platform;
 pub mod screen;
 mod table;
 
-pub use bounds::{Asked, Bounds, NoBounds};
+pub use bounds::{Bounds, Duty, NoBounds};
 pub use detached::DetachedCrank;
 pub use table::{Made, Table};
 
@@ -98,8 +99,8 @@ pub trait Machine: Debug + Send + Sync {
     }
 
     /// Bounds on what the lower model levels leave out. By default there are none.
-    fn bounds(&self, asked: &Asked<'_>) -> Box<dyn Bounds> {
-        Box::new(NoBounds { top: asked.level })
+    fn bounds(&self, duty: &Duty<'_>) -> Box<dyn Bounds> {
+        Box::new(NoBounds { top: duty.level })
     }
 
     /// Motion that a model level gives the machine, in words.

@@ -10,7 +10,7 @@ use cophase_scene::file::Fidelity;
 
 use crate::checked::Checked;
 use crate::dynamics::Mode;
-use crate::machines::{self, Asked};
+use crate::machines::{self, Duty};
 use crate::operating_range::OperatingRange;
 use crate::output::Output;
 use crate::simulated_machine::{Rotors, SimulatedMachine};
@@ -35,9 +35,9 @@ impl Bounds {
         let top = top(checked)?;
         let machine = SimulatedMachine::new(&top)?;
         let driven = machine.rotors().map(Rotors::driven);
-        let of_machine = top.machine.bounds(&Asked {
+        let of_machine = top.machine.bounds(&Duty {
             driven,
-            ..asked(&top)?
+            ..duty(&top)?
         });
         let imposed = match of_machine.mode() {
             Some(mode) if !top.chosen().is_open() => imposed(&top, &machine, mode),
@@ -107,7 +107,7 @@ fn top(checked: &Checked) -> Result<Checked, SceneError> {
 }
 
 /// Returns what the bounds have to know of a scene, except for its motors.
-fn asked(top: &Checked) -> Result<Asked<'static>, SceneError> {
+fn duty(top: &Checked) -> Result<Duty<'static>, SceneError> {
     let settings = &top.settings;
     let standing = (0..settings.axes.len()).map(|i| {
         let overrides = top.overrides(i);
@@ -119,7 +119,7 @@ fn asked(top: &Checked) -> Result<Asked<'static>, SceneError> {
         (least.min(rad), most.max(rad))
     });
     let load = OperatingRange::new(top)?.and_then(|range| range.greatest_load());
-    Ok(Asked {
+    Ok(Duty {
         level: top.fidelity,
         driven: None,
         top_rad_s: std::f64::consts::TAU * top.top_speed_hz(),

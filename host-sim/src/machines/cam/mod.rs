@@ -19,7 +19,7 @@ use cophase_scene::file::{CamShaft, Damper, Fidelity, LawName};
 use cophase_scene::{Scene, SceneError};
 
 use super::follower::{Follower, Peaks, RunStart};
-use super::{Asked, Bounds, Machine, Moved, NoBounds};
+use super::{Bounds, Duty, Machine, Moved, NoBounds};
 use pushers::Pushers;
 
 /// Name with its article, for messages.
@@ -114,10 +114,10 @@ impl Machine for CamShafts {
         }
     }
 
-    fn bounds(&self, asked: &Asked<'_>) -> Box<dyn Bounds> {
+    fn bounds(&self, duty: &Duty<'_>) -> Box<dyn Bounds> {
         match self.links {
-            Some(links) => Box::new(OfFollower::new(self.cam, links, asked.top_rad_s)),
-            None => Box::new(NoBounds { top: asked.level }),
+            Some(links) => Box::new(OfFollower::new(self.cam, links, duty.top_rad_s)),
+            None => Box::new(NoBounds { top: duty.level }),
         }
     }
 

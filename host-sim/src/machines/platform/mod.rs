@@ -16,7 +16,7 @@ use cophase_scene::file::{self, Fidelity, Rods};
 use cophase_scene::{Scene, SceneError};
 
 use super::follower::{Follower, RunStart};
-use super::{Asked, Bounds, Machine, Moved, NoBounds};
+use super::{Bounds, Duty, Machine, Moved, NoBounds};
 use crate::dynamics::{Driven, Dynamics, Motor, RotorParts};
 use crate::mechanism::turn_search::largest_over_turn;
 use crate::mechanism::{Mechanism, Mount};
@@ -101,9 +101,9 @@ impl Machine for CranksUnderPlatform {
         &[Fidelity::Phased, Fidelity::Elastic]
     }
 
-    fn bounds(&self, asked: &Asked<'_>) -> Box<dyn Bounds> {
-        let none = NoBounds { top: asked.level };
-        let Some((driven, body)) = asked
+    fn bounds(&self, duty: &Duty<'_>) -> Box<dyn Bounds> {
+        let none = NoBounds { top: duty.level };
+        let Some((driven, body)) = duty
             .driven
             .and_then(|driven| Some((driven, driven.body()?)))
         else {
@@ -121,7 +121,7 @@ impl Machine for CranksUnderPlatform {
             mode: driven.fastest_mode(),
         };
         let rods = (self.given.rods, self.given.rod_zeta);
-        Box::new(Cranks::new(&on_cranks, asked, rods))
+        Box::new(Cranks::new(&on_cranks, duty, rods))
     }
 
     fn check_data(&self, scene: &Scene, level: Fidelity) -> Result<(), SceneError> {

@@ -1,6 +1,6 @@
 //! Suspended five-bar arm: two coupled rotors whose hand carries a tool, hangs on a balancer and presses against a surface.
 //!
-//! From a paper of 2000 on suspended robots (Uddin and others), which is appended to the source of [`Screen`](super::Screen). Two motors
+//! From a paper of 2000 on suspended robots (Uddin and others), which is appended to the source of [`Screen`](cophase_methods::problems::Screen). Two motors
 //! on one axis turn links 1 and 2. Links 3 and 4 close a parallelogram, so that link 3 stays parallel to link 1, and link 4 to link 2.
 //! Let q₁ and q₂ be the angles of links 1 and 2 from the x axis, and b = m₃ l₂ l_c3 + m₄ l₁ l_c4:
 //!

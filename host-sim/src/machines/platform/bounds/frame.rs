@@ -15,14 +15,14 @@ use num_complex::Complex;
 use super::OnCranks;
 use super::required_torque::{HARMONICS, harmonics_of_h};
 use crate::dynamics::Layer;
-use crate::machines::Asked;
+use crate::machines::Duty;
 use crate::mechanism::Mechanism;
 
 const SPEEDS: u32 = 400;
 
 /// Returns the largest acceleration of the frame at any steady speed up to the top speed, relative to amax at the top speed. It is an
 /// upper bound, the sum over harmonics; 0 without a frame.
-pub fn share(platform: &OnCranks<'_>, asked: &Asked<'_>) -> f64 {
+pub fn share(platform: &OnCranks<'_>, duty: &Duty<'_>) -> f64 {
     let Some(frame) = platform.frame else {
         return 0.0;
     };
@@ -40,9 +40,9 @@ pub fn share(platform: &OnCranks<'_>, asked: &Asked<'_>) -> f64 {
             );
             harmonic * answer
         });
-        parts.sum::<f64>() * (omega / asked.top_rad_s).powi(2) / mechanism.greatest_h()
+        parts.sum::<f64>() * (omega / duty.top_rad_s).powi(2) / mechanism.greatest_h()
     };
-    let even = (1..=SPEEDS).map(|i| asked.top_rad_s * f64::from(i) / f64::from(SPEEDS));
+    let even = (1..=SPEEDS).map(|i| duty.top_rad_s * f64::from(i) / f64::from(SPEEDS));
     let met = modes_rad_s(
         &frame.suspended,
         frame.foundation.as_ref(),
@@ -51,7 +51,7 @@ pub fn share(platform: &OnCranks<'_>, asked: &Asked<'_>) -> f64 {
     let met = met
         .into_iter()
         .flat_map(|mode| (1..=HARMONICS).map(move |n| mode / n as f64))
-        .filter(|&omega| omega < asked.top_rad_s);
+        .filter(|&omega| omega < duty.top_rad_s);
     even.chain(met).map(at_speed).fold(0.0, f64::max)
 }
 

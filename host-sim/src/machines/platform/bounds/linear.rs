@@ -23,7 +23,7 @@ use num_complex::Complex;
 use super::OnCranks;
 use super::required_torque::{HARMONICS, RequiredTorque, SAMPLES};
 use crate::dynamics::{Body, Motor};
-use crate::machines::Asked;
+use crate::machines::Duty;
 use crate::mechanism::Mechanism;
 
 /// Number of speeds that are compared, beside those of resonances.
@@ -121,8 +121,8 @@ const PLACES: [(f64, f64); 6] = [
     (1.0, 1.0),
 ];
 
-/// Computes the worst values of a machine with a asked.
-pub fn worst(platform: &OnCranks<'_>, asked: &Asked<'_>) -> Worst {
+/// Computes the worst values of a machine with a duty.
+pub fn worst(platform: &OnCranks<'_>, duty: &Duty<'_>) -> Worst {
     let body = platform.body;
     let required = RequiredTorque::by(body);
     let axes = body.axes();
@@ -131,32 +131,32 @@ pub fn worst(platform: &OnCranks<'_>, asked: &Asked<'_>) -> Worst {
         torque_ratio_required: vec![0.0; axes],
         ..Worst::default()
     };
-    for omega in speeds(platform, asked, &required) {
+    for omega in speeds(platform, duty, &required) {
         let cranks: Vec<Crank> = (0..axes)
-            .map(|i| crank(platform, asked, &required, i, omega))
+            .map(|i| crank(platform, duty, &required, i, omega))
             .collect();
-        at_speed(&cranks, platform, asked, &mut worst);
+        at_speed(&cranks, platform, duty, &mut worst);
     }
-    let greatest_nm = greatest_nm(body, asked.top_rad_s);
+    let greatest_nm = greatest_nm(body, duty.top_rad_s);
     worst.torque /= greatest_nm;
     let mechanism = &body.mechanism;
     let lever_m = mechanism.crank_radius_m() * required.lever_squared.sqrt();
     let share_kg = body.load.mass_kg / axes as f64;
     worst.torque_of_amax =
-        (share_kg * lever_m * mechanism.amax_mps2(asked.top_rad_s) / greatest_nm).max(1.0);
+        (share_kg * lever_m * mechanism.amax_mps2(duty.top_rad_s) / greatest_nm).max(1.0);
     worst.spring_per_rad /= greatest_nm;
-    let swing = swing(platform, asked, &required);
+    let swing = swing(platform, duty, &required);
     let lever = mechanism.crank_radius_m() * mechanism.greatest_s();
-    worst.amax += 2.0 * swing.rad_s / asked.top_rad_s
-        + lever * swing.rad_s2 / mechanism.amax_mps2(asked.top_rad_s);
+    worst.amax += 2.0 * swing.rad_s / duty.top_rad_s
+        + lever * swing.rad_s2 / mechanism.amax_mps2(duty.top_rad_s);
     let heaviest = body.rotors_kgm2.iter().copied().fold(0.0, f64::max);
     worst.torque += (heaviest + load_inertia_kgm2(body, &required)) * swing.rad_s2 / greatest_nm;
-    worst.frequency_ratio = frequency_ratio(platform, asked, &required);
+    worst.frequency_ratio = frequency_ratio(platform, duty, &required);
     worst
 }
 
 /// Adds the values at one speed.
-fn at_speed(cranks: &[Crank], platform: &OnCranks<'_>, asked: &Asked<'_>, worst: &mut Worst) {
+fn at_speed(cranks: &[Crank], platform: &OnCranks<'_>, duty: &Duty<'_>, worst: &mut Worst) {
     for (i, crank) in cranks.iter().enumerate() {
         let mut lag = crank.standing_rad().abs();
         let following = crank.following_rad.abs();
@@ -172,7 +172,7 @@ fn at_speed(cranks: &[Crank], platform: &OnCranks<'_>, asked: &Asked<'_>, worst:
             torque += crank.inertia.1 * radians * radians * moved;
         }
         worst.lag_rad = worst.lag_rad.max(lag + following);
-        let at_top = (crank.omega_rad_s / (asked.top_rad_s * asked.ratios[i])).powi(2);
+        let at_top = (crank.omega_rad_s / (duty.top_rad_s * duty.ratios[i])).powi(2);
         worst.amax = worst.amax.max(amax * at_top);
         worst.torque = worst.torque.max(torque);
         worst.spring_per_rad = worst.spring_per_rad.max(crank.stiffness.1);
@@ -192,7 +192,7 @@ fn at_speed(cranks: &[Crank], platform: &OnCranks<'_>, asked: &Asked<'_>, worst:
             worst.spread_rad =
                 worst
                     .spread_rad
-                    .max(apart_rad((i, one), (j, other), platform, asked));
+                    .max(apart_rad((i, one), (j, other), platform, duty));
         }
     }
 }
@@ -202,17 +202,17 @@ fn apart_rad(
     (i, one): (usize, &Crank),
     (j, other): (usize, &Crank),
     platform: &OnCranks<'_>,
-    asked: &Asked<'_>,
+    duty: &Duty<'_>,
 ) -> f64 {
     let standing_rad = |crank: &Crank| crank.standing_rad() + crank.following_rad;
     let standing = bounded((standing_rad(one) - standing_rad(other)).abs());
-    if asked.ratios[i] != asked.ratios[j] || asked.offsets[i] != asked.offsets[j] {
+    if duty.ratios[i] != duty.ratios[j] || duty.offsets[i] != duty.offsets[j] {
         let all = |crank: &Crank| (1..=HARMONICS).map(|n| crank.moved_rad(n)).sum::<f64>();
         return standing + all(one) + all(other);
     }
     let body = platform.body;
     let alike = platform.motors[i] == platform.motors[j]
-        && asked.has_feed_forward[i] == asked.has_feed_forward[j]
+        && duty.has_feed_forward[i] == duty.has_feed_forward[j]
         && body.rotors_kgm2[i] == body.rotors_kgm2[j];
     if alike {
         return standing;
@@ -232,27 +232,27 @@ fn bounded(value: f64) -> f64 {
 
 fn crank(
     platform: &OnCranks<'_>,
-    asked: &Asked<'_>,
+    duty: &Duty<'_>,
     required: &RequiredTorque,
     i: usize,
     master_rad_s: f64,
 ) -> Crank {
     let body = platform.body;
     let motor = &platform.motors[i];
-    let omega = master_rad_s * asked.ratios[i];
+    let omega = master_rad_s * duty.ratios[i];
     let share = 1.0 / body.axes() as f64;
     let (softest, stiffest) = motor.stiffness_nm(omega);
     let slope = required.slope_nm(omega) * share;
     let load = load_inertia_kgm2(body, required);
     let rotor = body.rotors_kgm2[i];
-    let has_feed_forward = asked.has_feed_forward[i];
+    let has_feed_forward = duty.has_feed_forward[i];
     let mut torque_nm = [Complex::ZERO; HARMONICS + 1];
     // While the speed changes, rotor and load require more torque. Feed-forward supplies it, except for what the hold of a tick leaves
     // and for friction. A torque that begins suddenly causes an oscillation of at most twice the static deflection.
-    let inertia = (rotor + load) * asked.ratios[i].abs();
-    let ramp_nm = inertia * asked.acceleration_rad_s2;
+    let inertia = (rotor + load) * duty.ratios[i].abs();
+    let ramp_nm = inertia * duty.acceleration_rad_s2;
     let at_once_nm = if has_feed_forward {
-        (inertia * asked.jerk_rad_s3 * asked.tick_s).min(ramp_nm)
+        (inertia * duty.jerk_rad_s3 * duty.tick_s).min(ramp_nm)
     } else {
         ramp_nm
     };
@@ -260,7 +260,7 @@ fn crank(
     let mut required_nm = body.friction_nm[i] + ramp_nm + at_once_nm;
     for (n, torque) in torque_nm.iter_mut().enumerate().skip(1) {
         let left = if has_feed_forward {
-            (n as f64 * omega * asked.tick_s).min(1.0)
+            (n as f64 * omega * duty.tick_s).min(1.0)
         } else {
             1.0
         };
@@ -312,18 +312,18 @@ struct Swing {
 /// Returns the greatest oscillation of any crank. Feed-forward holds the torque of a tick, so it is up to a tick early. Without it,
 /// motor and crank oscillate at their own frequency. Without full velocity feed-forward, the following error grows with speed, so
 /// the speed on a ramp differs from its command. The oscillation at the end of the ramp is at most twice that difference.
-fn swing(platform: &OnCranks<'_>, asked: &Asked<'_>, required: &RequiredTorque) -> Swing {
+fn swing(platform: &OnCranks<'_>, duty: &Duty<'_>, required: &RequiredTorque) -> Swing {
     let body = platform.body;
     let load = load_inertia_kgm2(body, required);
     let motors = platform.motors.iter().enumerate();
     motors.fold(Swing::default(), |most, (i, motor)| {
-        let acceleration = asked.acceleration_rad_s2 * asked.ratios[i].abs();
-        let jerk = asked.jerk_rad_s3 * asked.ratios[i].abs();
-        let stiffness = motor.stiffness_nm(asked.top_rad_s);
+        let acceleration = duty.acceleration_rad_s2 * duty.ratios[i].abs();
+        let jerk = duty.jerk_rad_s3 * duty.ratios[i].abs();
+        let stiffness = motor.stiffness_nm(duty.top_rad_s);
         let slowest = (stiffness.0 / (body.rotors_kgm2[i] + load)).sqrt();
         let fastest = (stiffness.1 / body.rotors_kgm2[i]).sqrt();
-        let late_s = if asked.has_feed_forward[i] {
-            asked.tick_s
+        let late_s = if duty.has_feed_forward[i] {
+            duty.tick_s
         } else {
             2.0 / slowest
         };
@@ -339,27 +339,27 @@ fn swing(platform: &OnCranks<'_>, asked: &Asked<'_>, required: &RequiredTorque) 
 
 /// Returns the speeds of the master that are compared: evenly spaced up to the top speed, and those at which a harmonic meets an end
 /// of the range of resonances of motor and crank.
-fn speeds(platform: &OnCranks<'_>, asked: &Asked<'_>, required: &RequiredTorque) -> Vec<f64> {
+fn speeds(platform: &OnCranks<'_>, duty: &Duty<'_>, required: &RequiredTorque) -> Vec<f64> {
     let mut speeds: Vec<f64> = (1..=SPEEDS)
-        .map(|i| asked.top_rad_s * f64::from(i) / f64::from(SPEEDS))
+        .map(|i| duty.top_rad_s * f64::from(i) / f64::from(SPEEDS))
         .collect();
     let body = platform.body;
     for (i, motor) in platform.motors.iter().enumerate() {
         for inertia in [0.0, load_inertia_kgm2(body, required)] {
             let resonance = (motor.stiffest_nm() / (body.rotors_kgm2[i] + inertia)).sqrt();
-            let met = (1..=HARMONICS).map(|n| resonance / n as f64 / asked.ratios[i]);
-            speeds.extend(met.filter(|&omega| omega < asked.top_rad_s));
+            let met = (1..=HARMONICS).map(|n| resonance / n as f64 / duty.ratios[i]);
+            speeds.extend(met.filter(|&omega| omega < duty.top_rad_s));
         }
     }
     speeds
 }
 
-fn frequency_ratio(platform: &OnCranks<'_>, asked: &Asked<'_>, required: &RequiredTorque) -> f64 {
+fn frequency_ratio(platform: &OnCranks<'_>, duty: &Duty<'_>, required: &RequiredTorque) -> f64 {
     let body = platform.body;
     let load = load_inertia_kgm2(body, required);
     let ratio = |(i, motor): (usize, &Motor)| {
         let resonance = (motor.stiffness_nm(0.0).0 / (body.rotors_kgm2[i] + load)).sqrt();
-        2.0 * asked.top_rad_s * asked.ratios[i] / resonance
+        2.0 * duty.top_rad_s * duty.ratios[i] / resonance
     };
     platform
         .motors

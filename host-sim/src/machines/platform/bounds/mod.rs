@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use cophase_scene::file::{Fidelity, Rods};
 
 use crate::dynamics::{Body, Frame, Mode, Motor};
-use crate::machines::{Asked, Bounds};
+use crate::machines::{Bounds, Duty};
 use crate::mechanism::Mechanism;
 use crate::output::Output;
 use linear::{Worst, worst};
@@ -65,11 +65,11 @@ pub(super) struct Cranks {
 
 impl Cranks {
     /// Creates the bounds of a platform with these rods and their damping factor.
-    pub fn new(platform: &OnCranks<'_>, asked: &Asked<'_>, (rods, rod_zeta): (Rods, f64)) -> Self {
+    pub fn new(platform: &OnCranks<'_>, duty: &Duty<'_>, (rods, rod_zeta): (Rods, f64)) -> Self {
         let body = platform.body;
         let mechanism = &body.mechanism;
-        let worst = worst(platform, asked);
-        let step_rad = asked.top_rad_s * asked.tick_s;
+        let worst = worst(platform, duty);
+        let step_rad = duty.top_rad_s * duty.tick_s;
         let has_elastic_rods = rods == Rods::Elastic;
         Self {
             // Corners that are off by ± half the spread tilt the plane of 3 to 6 of them by at most 0.71 of it, and of two by 0.5.
@@ -82,21 +82,21 @@ impl Cranks {
                 .iter()
                 .map(|motor| motor.most_nm(0.0).is_finite())
                 .collect(),
-            in_phase: !asked.leads_apart
-                && (body.axes() <= 3 || asked.standing_apart_rad == 0.0 && worst.spread_rad == 0.0),
-            frame: SET_SWINGING * frame::share(platform, asked),
+            in_phase: !duty.leads_apart
+                && (body.axes() <= 3 || duty.standing_apart_rad == 0.0 && worst.spread_rad == 0.0),
+            frame: SET_SWINGING * frame::share(platform, duty),
             rods: if has_elastic_rods {
-                SET_SWINGING * rods::share(body, rod_zeta, asked)
+                SET_SWINGING * rods::share(body, rod_zeta, duty)
             } else {
                 0.0
             },
             quasi_static_m: if has_elastic_rods {
                 0.0
             } else {
-                rods::quasi_static_m(body, rod_zeta, asked)
+                rods::quasi_static_m(body, rod_zeta, duty)
             },
             worst,
-            steady_load: asked.steady_load,
+            steady_load: duty.steady_load,
             mode: platform.mode,
         }
     }

@@ -17,14 +17,14 @@ use num_complex::Complex;
 
 use super::required_torque::{HARMONICS, harmonics_of_h};
 use crate::dynamics::Body;
-use crate::machines::Asked;
+use crate::machines::Duty;
 use crate::mechanism::Mechanism;
 
 /// Number of speeds that are compared, up to the top speed.
 const SPEEDS: u32 = 100;
 
 /// Returns the largest change of the platform's acceleration by elastic rods, relative to amax at the top speed.
-pub fn share(body: &Body, zeta: f64, asked: &Asked<'_>) -> f64 {
+pub fn share(body: &Body, zeta: f64, duty: &Duty<'_>) -> f64 {
     let mode = heave_rad_s(body);
     let harmonics = harmonics_of_h(body);
     let at_speed = |omega: f64| -> f64 {
@@ -34,22 +34,22 @@ pub fn share(body: &Body, zeta: f64, asked: &Asked<'_>) -> f64 {
             let follows = spring / (spring - ratio * ratio);
             harmonic * (follows - 1.0).norm()
         });
-        parts.sum::<f64>() * (omega / asked.top_rad_s).powi(2) / body.mechanism.greatest_h()
+        parts.sum::<f64>() * (omega / duty.top_rad_s).powi(2) / body.mechanism.greatest_h()
     };
-    let even = (1..=SPEEDS).map(|i| asked.top_rad_s * f64::from(i) / f64::from(SPEEDS));
+    let even = (1..=SPEEDS).map(|i| duty.top_rad_s * f64::from(i) / f64::from(SPEEDS));
     let met = (1..=HARMONICS)
         .map(|n| mode / n as f64)
-        .filter(|&omega| omega < asked.top_rad_s);
+        .filter(|&omega| omega < duty.top_rad_s);
     even.chain(met).map(at_speed).fold(0.0, f64::max)
 }
 
 /// Returns the largest distance of the platform from its position on quasi-static rods, at any steady speed up to the top, m.
-pub fn quasi_static_m(body: &Body, zeta: f64, asked: &Asked<'_>) -> f64 {
+pub fn quasi_static_m(body: &Body, zeta: f64, duty: &Duty<'_>) -> f64 {
     let mode = heave_rad_s(body);
     let (mut first, mut second) = (0.0, 0.0);
-    let amax = body.mechanism.crank_radius_m() * asked.top_rad_s.powi(2);
+    let amax = body.mechanism.crank_radius_m() * duty.top_rad_s.powi(2);
     for (harmonic, n) in harmonics_of_h(body).iter().zip(1_u8..) {
-        let radians = f64::from(n) * asked.top_rad_s;
+        let radians = f64::from(n) * duty.top_rad_s;
         first += amax * harmonic * radians;
         second += amax * harmonic * radians * radians;
     }
