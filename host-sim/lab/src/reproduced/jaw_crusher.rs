@@ -66,8 +66,8 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     let selected = "the distance of the pivots was selected for these six speeds: no prediction";
     Ok(Section {
         title: "Jaw crusher",
-        source: "Chinese paper on its flywheel. The links are lost; their assumptions are in `host-sim/methods/src/problems/crusher/mod.rs`.",
-        command: "cargo test -p host-sim -p cophase-methods --test machines --test crusher -- --nocapture",
+        source: "Chinese paper on its flywheel. The links are lost; their assumptions are in `host-sim/src/machines/crusher/mains/mod.rs`.",
+        command: "cargo test -p host-sim --test machines -- --nocapture",
         figures: vec![
             Figure::new(
                 1,
