@@ -69,7 +69,7 @@ fn reversed(checked: &Checked, axis: usize) -> bool {
 
 /// True if the axis has pulses. The counts of a servo make no edges.
 fn has_pulses(checked: &Checked, axis: usize) -> bool {
-    checked.scene.drive(axis).takes_pulses()
+    checked.scene.drive(axis).kind().takes_pulses()
 }
 
 fn steps_per_turn(checked: &Checked, axis: usize) -> f64 {

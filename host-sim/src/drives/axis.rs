@@ -23,6 +23,7 @@ use super::drive::AxisDrive;
 use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
 use super::played::Plan;
+use super::pull_out::PullOut;
 use super::pulse_counter::PulseCounter;
 
 /// One motor with its crank.
@@ -39,6 +40,8 @@ pub struct SimulatedAxis {
     /// Inertia of the motor at the crank.
     rotor_inertia_kgm2: f64,
     friction_nm: f64,
+    /// Torque that a stepper can give at each speed.
+    pull_out: PullOut,
     ratio: f64,
     /// Commanded phase at step 0, turns.
     home_turns: f64,
@@ -137,6 +140,7 @@ impl SimulatedAxis {
             motor_turns: motor.motor_turns,
             rotor_inertia_kgm2: motor.rotor_inertia_kgm2,
             friction_nm,
+            pull_out: motor.pull_out.clone(),
             ratio,
             home_turns,
             origin_turns: home_turns + start_turns,
@@ -169,7 +173,7 @@ impl SimulatedAxis {
 
     /// Steps that the drive has counted since power-up, in its own sense; none if it takes no pulses.
     pub fn counted_steps(&self) -> Option<i64> {
-        let takes_pulses = self.drive.takes_pulses();
+        let takes_pulses = self.drive.kind().takes_pulses();
         takes_pulses.then(|| self.pulses.counted())
     }
 
@@ -203,10 +207,10 @@ impl SimulatedAxis {
     /// crank.
     pub fn load(&mut self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) -> f64 {
         let needed = self.required_nm(share_nm, acceleration_rad_s2, speed_hz);
-        let AxisDrive::Stepper { pull_out, .. } = &self.drive else {
+        if !self.drive.kind().is_open_loop() {
             return needed;
-        };
-        let most = pull_out.torque_nm(speed_hz * self.ratio);
+        }
+        let most = self.pull_out.torque_nm(speed_hz * self.ratio);
         let used = needed.abs() / most;
         if self.torque_used.is_none_or(|(worst, _)| used > worst) {
             self.torque_used = Some((used, speed_hz * self.ratio));
@@ -238,7 +242,7 @@ impl SimulatedAxis {
         command_turns: f64,
     ) -> Travel {
         let before = self.commanded_turns;
-        let torque_nm = if self.drive.takes_pulses() {
+        let torque_nm = if self.drive.kind().takes_pulses() {
             self.pulses.count(plan.runs, &mut plan.tally);
             let counted = self.pulses.counted() as f64;
             let commanded = (command_turns - self.home_turns) * self.steps_per_turn();
@@ -256,7 +260,7 @@ impl SimulatedAxis {
     #[inline]
     pub fn take(&mut self, plan: &mut Plan<'_>, setpoint: &Setpoint) -> Travel {
         let before = self.commanded_turns;
-        if self.drive.takes_pulses() {
+        if self.drive.kind().takes_pulses() {
             self.pulses.count(plan.runs, &mut plan.tally);
             let counted = self.pulses.counted() as f64;
             self.commanded_turns = self.steps_per_turn.turns_of(counted);
@@ -310,9 +314,7 @@ impl SimulatedAxis {
         self.travelled_turns = turns - self.origin_turns;
         let behind_turns = self.field_travel_turns() - self.travelled_turns;
         self.count_lost_cycles(behind_turns);
-        if let Some(error) = self.drive.following_error() {
-            error.update(behind_turns, energised);
-        }
+        self.drive.monitor(behind_turns, energised);
         if self.drive.follows_rotor(energised) {
             self.cleared_turns = self.commanded_turns - (self.travelled_turns + self.slipped_turns);
         }
@@ -417,9 +419,7 @@ impl SimulatedAxis {
             self.slipped_turns += travel.slip_turns;
             self.travelled_turns = self.field_travel_turns() - self.dropped_turns;
         }
-        if let Some(error) = self.drive.following_error() {
-            error.update(self.dropped_turns, energised);
-        }
+        self.drive.monitor(self.dropped_turns, energised);
         self.pass(before, Turning::By(runs, travel.commanded_turns))
     }
 
@@ -440,7 +440,8 @@ impl SimulatedAxis {
             Turning::By(runs, turns) => {
                 let cycles = runs.iter().map(|run| run.cycles()).sum();
                 let off_steps = (after - before - turns) * self.steps_per_turn();
-                let by_pulses = self.drive.takes_pulses() && off_steps.abs() < ROUNDING_STEPS;
+                let by_pulses =
+                    self.drive.kind().takes_pulses() && off_steps.abs() < ROUNDING_STEPS;
                 (cycles, by_pulses.then_some(runs))
             }
         };

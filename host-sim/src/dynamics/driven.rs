@@ -8,7 +8,8 @@ use cophase_methods::friction::{self, Contact, Contacts, DryFriction};
 
 use super::corners::{FREEDOMS, MOST};
 use super::modes::{Bound, Mode};
-use super::{Body, Dynamics, Field, Frame, FrameMotion, Motor};
+use super::{Body, Dynamics, Frame, FrameMotion};
+use crate::drives::{Field, Motor};
 use crate::pose::Pose;
 
 /// Motors on a machine. Time counts from the start of the control tick.

@@ -4,7 +4,8 @@ use std::fmt::Debug;
 
 use super::corners::{FREEDOMS, MOST};
 use super::modes::Bound;
-use super::{Body, Field, Frame};
+use super::{Body, Frame};
+use crate::drives::Field;
 use crate::pose::Pose;
 
 /// Equations of motion of the shafts of a machine, and of what they move, on one model level.

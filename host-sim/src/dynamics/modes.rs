@@ -6,7 +6,8 @@
 //! root of the largest eigenvalue of D⁻¹ K. Its decay rate is at most that of D⁻¹ C. The largest
 //! eigenvalue of a sum of stiffnesses is at most the sum of their largest eigenvalues.
 
-use super::{Body, FREEDOMS, Frame, Layer, Motor};
+use super::{Body, FREEDOMS, Frame, Layer};
+use crate::drives::Motor;
 
 /// An oscillation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

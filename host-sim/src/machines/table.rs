@@ -96,7 +96,7 @@ impl Made {
                 ),
             ));
         }
-        if let Some(i) = (0..scene.axes.count).find(|&i| !scene.drive(i).takes_pulses()) {
+        if let Some(i) = (0..scene.axes.count).find(|&i| !scene.drive(i).kind().takes_pulses()) {
             return Err(SceneError::at(
                 "axes.drive",
                 format!(

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use cophase_core::settings::DriveKind;
 use cophase_methods::Scheme;
 use cophase_methods::accuracy::LONGEST_H_OMEGA;
 use cophase_scene::SceneError;
@@ -136,7 +135,7 @@ fn duty(top: &Checked) -> Result<Duty<'static>, SceneError> {
         has_feed_forward: settings
             .axes
             .iter()
-            .map(|axis| axis.drive == DriveKind::Servo)
+            .map(|axis| !axis.drive.takes_pulses())
             .collect(),
         standing_apart_rad: most - least,
         leads_apart: matches!(top.cranks_apart(), Some("ratio" | "offset_deg")),

@@ -10,15 +10,15 @@ use std::f64::consts::TAU;
 
 use cophase_core::program::EntrySettings;
 use cophase_core::pulse::PulseTiming;
-use cophase_core::settings::{DriveKind, Settings};
+use cophase_core::settings::Settings;
 use cophase_link::board::{self, Board, Rp2040, Unfit};
 use cophase_scene::SceneError;
 use cophase_scene::file::Fidelity;
 
 use crate::checked::Checked;
-use crate::dynamics::Motor;
+use crate::drives::{AtCrank, Motor};
 use crate::mechanism::SquareLaw;
-use crate::simulated_machine::{SimulatedMachine, motor_of};
+use crate::simulated_machine::SimulatedMachine;
 
 /// Speed up to which the board's limit is searched, rev/s. A board that has no limit below it counts as one without a limit.
 const FASTEST_HZ: f64 = 1e4;
@@ -79,7 +79,9 @@ impl OperatingRange {
         let settings = &checked.settings;
         let axes = settings.axes.iter();
         let motors: Vec<_> = (0..settings.axes.len())
-            .map(|i| motor_of(checked, i).filter(|motor| motor.most_nm(0.0).is_finite()))
+            .map(|i| {
+                AtCrank::motor(&checked.scene, i).filter(|motor| motor.most_nm(0.0).is_finite())
+            })
             .collect();
         if !checked.machine.levels().contains(&Fidelity::QuasiStatic) {
             return Ok(None);
@@ -146,7 +148,7 @@ impl OperatingRange {
 
     /// Returns true if STEP and DIR command an axis.
     pub fn takes_pulses(&self, axis: usize) -> bool {
-        self.settings.axes[axis].drive != DriveKind::Servo
+        self.settings.axes[axis].drive.takes_pulses()
     }
 
     /// Step rate of an axis at a speed, steps/s.

@@ -4,9 +4,7 @@
 //! model level all cranks are on one shaft.
 
 use cophase_scene::SceneError;
-use cophase_scene::file::{
-    Axes, Drive, FaultAt, FaultName, Lines, MIN_ENABLE_LOSS_US, Noise, Scene,
-};
+use cophase_scene::file::{Axes, FaultAt, FaultName, Lines, MIN_ENABLE_LOSS_US, Noise, Scene};
 use cophase_scene::in_range;
 
 /// Keys of a `[[fault]]` that a kind takes, beside `at_s` and `kind`.
@@ -190,7 +188,7 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
     let Some(axis) = fault.axis else {
         return Ok(());
     };
-    let takes_pulses = |axis| scene.drive(axis).takes_pulses();
+    let takes_pulses = |axis| scene.drive(axis).kind().takes_pulses();
     let wrong = |key: &str, problem: String| Err(SceneError::at(at(i, key), problem));
     match fault.kind {
         FaultName::SwappedWiring if fault.with == Some(axis) => wrong(
@@ -206,7 +204,7 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
                 "one of the two takes pulses and the other setpoints, whose lines fit no other; give two of a kind".to_owned(),
             )
         }
-        FaultName::LostSteps if scene.drive(axis) != Drive::Stepper => wrong(
+        FaultName::LostSteps if !scene.drive(axis).kind().is_open_loop() => wrong(
             "axis",
             format!("axis {axis} is a servo, which has no steps for \"lost-steps\" to lose; give a stepper's"),
         ),

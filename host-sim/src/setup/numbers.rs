@@ -1,9 +1,10 @@
 //! Checks of a scene's values that the core does not have, or has in another form.
 
 use cophase_core::settings::{MAX_BANDS, Transmission};
-use cophase_scene::file::{self, AxisOverrides, Drive, Scene};
+use cophase_scene::file::{self, AxisOverrides, Scene};
 use cophase_scene::{SceneError, in_range};
 
+use crate::drives::{DriveModel, check_keys};
 use crate::dynamics::MOST_STEPS;
 use crate::output::Output;
 
@@ -50,7 +51,7 @@ pub(super) fn check_overrides(
     };
     in_range(&key("drive_steps_per_turn"), f64::from(steps), 4.0, 1e6)?;
     let has_crank = scene.cam.is_none() && overrides.cam.is_none();
-    if has_crank && scene.drive(overrides.number).takes_pulses() {
+    if has_crank && scene.drive(overrides.number).kind().takes_pulses() {
         return Ok(());
     }
     Err(SceneError::at(
@@ -114,14 +115,7 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
             in_range("axes.servo.following_error_deg", window_deg, 0.01, 180.0)?;
         }
     }
-    let is_induction = |number: usize| scene.drive(number) == Drive::Induction;
     if let Some(motor) = &axes.induction {
-        if !(0..axes.count).any(is_induction) {
-            return Err(SceneError::at(
-                "axes.induction",
-                "describes induction motors, and no axis here has drive = \"induction\"; leave it out",
-            ));
-        }
         in_range("axes.induction.rated_nm", motor.rated_nm, 1e-3, 1e6)?;
         in_range(
             "axes.induction.rated_slip_hz",
@@ -262,45 +256,17 @@ pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Checks that keys of steppers and servos have an effect.
+/// Checks that keys of drives have an effect.
 pub(super) fn check_drives(scene: &Scene) -> Result<(), SceneError> {
     let axes = &scene.axes;
-    let is_servo = |number: usize| matches!(scene.drive(number), Drive::Servo | Drive::PulseServo);
-    if axes.servo.is_some() && !(0..axes.count).any(is_servo) {
-        let problem = "is the position loop of a servo, and no axis here is one; leave it out, or give drive = \"servo\" or \"pulse-servo\"";
-        return Err(SceneError::at("axes.servo", problem));
-    }
-    let is_stepper = |number: usize| scene.drive(number) == Drive::Stepper;
-    if !(0..axes.count).any(is_stepper) {
-        let keys = [
-            (
-                "axes.pull_out",
-                !axes.pull_out.is_empty(),
-                "the torque at which a stepper loses its step",
-            ),
-            (
-                "axes.damping_nms",
-                axes.damping_nms != 0.0,
-                "what a stepper's drive damps",
-            ),
-            (
-                "axes.full_steps_per_turn",
-                axes.full_steps_per_turn != file::default_full_steps(),
-                "the number of a stepper's full steps",
-            ),
-        ];
-        if let Some((key, _, what)) = keys.into_iter().find(|(_, given, _)| *given) {
-            let problem = format!("is {what}, and no axis here is a stepper; leave it out");
-            return Err(SceneError::at(key, problem));
-        }
-    }
+    check_keys(scene)?;
     for (entry, own) in scene.axis.iter().enumerate() {
         if own.pull_out_scale == 1.0 {
             continue;
         }
         let problem = if axes.pull_out.is_empty() {
             "scales nothing: axes.pull_out is missing; give the motors' torque as [[speed_hz, torque_nm], …]"
-        } else if !is_stepper(own.number) {
+        } else if !DriveModel::of(scene.drive(own.number)).uses("axes.pull_out") {
             "scales the torque at which a stepper loses its step, and this axis is a servo; leave it out"
         } else {
             continue;
@@ -312,7 +278,7 @@ pub(super) fn check_drives(scene: &Scene) -> Result<(), SceneError> {
         return Ok(());
     }
     let mut steps = (0..axes.count)
-        .filter(|&number| is_stepper(number))
+        .filter(|&number| scene.drive(number).kind().is_open_loop())
         .map(|number| scene.steps_per_turn(number));
     match steps.find(|steps| steps % axes.full_steps_per_turn != 0) {
         Some(steps) => Err(SceneError::at(

@@ -4,11 +4,11 @@
 use cophase_core::axes::{CamSettings, MAX_CAMS};
 use cophase_core::program::{CAPACITY, EntrySettings};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, LimitSettings,
-    MAX_BANDS, MachineSettings, Settings, short_name,
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, LimitSettings, MAX_BANDS,
+    MachineSettings, Settings, short_name,
 };
 use cophase_link::board::{Board, Rp2040};
-use cophase_scene::file::{AxisOverrides, Drive, Scene};
+use cophase_scene::file::{AxisOverrides, Scene};
 
 use super::cam_table;
 
@@ -74,11 +74,7 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
     let own = |pick: fn(&AxisOverrides) -> Option<f64>| overrides.and_then(pick);
     let has_index = overrides.and_then(|own| own.index).unwrap_or(axes.index);
     let index_deg = own(|a| a.index_deg).unwrap_or(axes.index_deg);
-    let drive = match scene.drive(number) {
-        Drive::Stepper => DriveKind::Stepper,
-        Drive::Servo => DriveKind::Servo,
-        Drive::PulseServo | Drive::Induction => DriveKind::PulseServo,
-    };
+    let drive = scene.drive(number).kind();
     let steps_per_turn = scene.steps_per_turn(number);
     AxisSettings {
         drive,
@@ -95,9 +91,10 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
         index_width_turns: axes.index_width_deg / 360.0,
         index_delay_s: axes.index_delay_us * 1e-6,
         encoder: axes.encoder,
-        cycle_steps: match drive {
-            DriveKind::Stepper => cycle_steps(steps_per_turn, axes.full_steps_per_turn),
-            DriveKind::Servo | DriveKind::PulseServo => 0,
+        cycle_steps: if drive.is_open_loop() {
+            cycle_steps(steps_per_turn, axes.full_steps_per_turn)
+        } else {
+            0
         },
         trim_limit_turns: axes.trim_limit_deg / 360.0,
         trim_rate_hz: axes.trim_rate_deg_per_s / 360.0,

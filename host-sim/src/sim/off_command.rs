@@ -7,11 +7,11 @@
 //! it began ends at such a shaft.
 
 use cophase_core::supervisor::State;
-use cophase_scene::file::Drive;
 
 use super::Moment;
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
+use crate::drives::AtCrank;
 
 /// Monitor of the shafts' errors.
 #[derive(Clone, Debug)]
@@ -51,18 +51,13 @@ impl OffCommand {
     pub fn new(checked: &Checked) -> Self {
         let axes = &checked.scene.axes;
         let lag_s = |i: usize| {
-            let servo = axes.servo.map_or(0.0, |servo| {
-                (1.0 - servo.velocity_feed_forward) / servo.position_gain_per_s
-            });
-            let converter = axes
-                .induction
-                .map_or(0.0, |motor| 1.0 / motor.position_gain_per_s);
-            match checked.scene.drive(i) {
-                _ if !checked.fidelity.moves_by_torque() => 0.0,
-                Drive::Stepper => 0.0,
-                Drive::Servo | Drive::PulseServo => servo,
-                Drive::Induction => converter,
-            }
+            let motor = checked
+                .fidelity
+                .moves_by_torque()
+                .then(|| AtCrank::motor(&checked.scene, i));
+            motor
+                .flatten()
+                .map_or(0.0, |motor| motor.following_error_rad(1.0))
         };
         let none = || per_axis(axes.count, |_| 0.0);
         Self {

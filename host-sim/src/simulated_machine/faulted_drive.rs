@@ -70,7 +70,7 @@ fn disturbed(
     let (own, lines) = (&axes[i], &axes[disturbance.from]);
     // A drive converts pulses to travel by its own resolution, whichever axis they are for. A drive that is
     // mounted in the other sense reverses them.
-    let scale = if own.drive().takes_pulses() {
+    let scale = if own.drive().kind().takes_pulses() {
         lines.steps_per_turn() / own.drive_steps_per_turn()
     } else {
         1.0

@@ -20,18 +20,17 @@ mod torque;
 pub use broken::{Broken, Cause};
 pub use instant::{Forces, Instant};
 pub use rotors::{DriveCommand, Rotors};
-pub use torque::motor_of;
 
 use std::sync::Arc;
 
 use cophase_methods::Scheme;
 use cophase_scene::SceneError;
-use cophase_scene::file::{Drive, Fidelity};
+use cophase_scene::file::Fidelity;
 
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
 use crate::drives::{
-    AtCrank, AxisDrive, Disturbance, Flag, FollowingError, Passages, Played, SimulatedAxis,
+    AtCrank, AxisDrive, Disturbance, DriveModel, Flag, Passages, Played, SimulatedAxis,
 };
 use crate::dynamics::plant::{Record, Tick};
 use crate::dynamics::{Corners, FrameMotion};
@@ -79,27 +78,13 @@ impl SimulatedMachine {
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
         let settings = &checked.settings;
         let in_common = &checked.scene.axes;
-        let following_error =
-            |window_deg: Option<f64>| FollowingError::new(window_deg.map(|deg| deg / 360.0));
-        let servo = following_error(in_common.servo.and_then(|servo| servo.following_error_deg));
-        let converter = following_error(
-            in_common
-                .induction
-                .and_then(|motor| motor.following_error_deg),
-        );
         let make = |i: usize| {
             let overrides = checked.overrides(i);
             let own = &settings.axes[i];
             let motor = AtCrank::new(&checked.scene, i);
-            let drive = match checked.scene.drive(i) {
-                Drive::Stepper => AxisDrive::Stepper {
-                    pull_out: motor.pull_out.clone(),
-                    cycle_steps: own.cycle_steps,
-                },
-                Drive::Servo => AxisDrive::Servo(servo),
-                Drive::PulseServo => AxisDrive::PulseServo(servo),
-                Drive::Induction => AxisDrive::PulseServo(converter),
-            };
+            let window_deg = (DriveModel::of(checked.scene.drive(i)).window_deg)(in_common);
+            let window_turns = window_deg.map(|deg| deg / 360.0);
+            let drive = AxisDrive::new(own.drive, own.cycle_steps, window_turns);
             let start_turns = overrides.map_or(0.0, |own| own.start_deg / 360.0);
             let friction_nm = overrides
                 .and_then(|own| own.friction_nm)

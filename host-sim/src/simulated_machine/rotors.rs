@@ -10,9 +10,10 @@ use cophase_methods::{Method, Scheme, advance};
 
 use super::broken::{Broken, Cause};
 use super::instant::Instant;
+use crate::drives::Field;
 use crate::dynamics::plant::State;
 use crate::dynamics::step::{Chosen, in_steps_per_tick};
-use crate::dynamics::{Driven, FREEDOMS, Field, Frame, FrameMotion};
+use crate::dynamics::{Driven, FREEDOMS, Frame, FrameMotion};
 use crate::pose::Pose;
 
 /// Command of a drive at the end of a tick: the position at which it would hold its rotor.

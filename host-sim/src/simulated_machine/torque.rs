@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use cophase_methods::{Needs, Scheme};
 use cophase_scene::SceneError;
-use cophase_scene::file::{Drive, Fidelity};
+use cophase_scene::file::Fidelity;
 
 use super::{DriveCommand, Rotors};
 use crate::checked::Checked;
-use crate::drives::{AtCrank, SimulatedAxis};
-use crate::dynamics::{Driven, Dynamics, Induction, Motor, RotorParts, Servo, Stepper};
+use crate::drives::{AtCrank, DriveModel, Motor, SimulatedAxis};
+use crate::dynamics::{Driven, Dynamics, RotorParts};
 
 /// Speed limit of a crank: this multiple of the largest speed of its machine, plus `COASTING_HZ`, rev/s, which a load may
 /// drive it to. A faster crank has run away (`Broken`).
@@ -102,64 +102,15 @@ fn friction_nm(checked: &Checked) -> Vec<f64> {
     (0..checked.settings.axes.len()).map(friction).collect()
 }
 
-/// Returns the motor of axis `i` at its crank, if the scene sets its torque.
-pub fn motor_of(checked: &Checked, i: usize) -> Option<Motor> {
-    motor(checked, i).ok()
-}
-
 fn motor(checked: &Checked, i: usize) -> Result<Motor, SceneError> {
-    let at_crank = AtCrank::new(&checked.scene, i);
-    let needed = |key: &str, what: &str| {
+    AtCrank::motor(&checked.scene, i).ok_or_else(|| {
+        let (key, what) = DriveModel::of(checked.scene.drive(i)).needs;
         SceneError::at(
-            format!("axes.{key}"),
+            key,
             format!(
                 "missing; fidelity = \"{}\" moves rotors by torque, so give {what}, or let fidelity be \"kinematic\"",
                 checked.fidelity.name()
             ),
         )
-    };
-    match checked.scene.drive(i) {
-        Drive::Stepper => {
-            if checked.scene.axes.pull_out.is_empty() {
-                return Err(needed(
-                    "pull_out",
-                    "the motors' pull-out torque as [[speed_hz, torque_nm], …]",
-                ));
-            }
-            Ok(Motor::Stepper(Stepper {
-                pull_out: at_crank.pull_out,
-                cycles_per_turn: at_crank.cycles_per_turn,
-                damping_nms: at_crank.damping_nms,
-            }))
-        }
-        Drive::Servo | Drive::PulseServo => {
-            let servo = at_crank.servo.ok_or_else(|| {
-                needed(
-                    "servo",
-                    "the drives' gains as [axes.servo] with position_gain_per_s and velocity_gain_nms",
-                )
-            })?;
-            Ok(Motor::Servo(Servo {
-                position_gain_per_s: servo.position_gain_per_s,
-                velocity_gain_nms: servo.velocity_gain_nms,
-                integral_s: servo.integral_s,
-                limit_nm: servo.limit_nm.unwrap_or(f64::INFINITY),
-                velocity_feed_forward: servo.velocity_feed_forward,
-            }))
-        }
-        Drive::Induction => {
-            let motor = at_crank.induction.ok_or_else(|| {
-                needed(
-                    "induction",
-                    "the motors as [axes.induction] with rated_nm, rated_slip_hz, breakdown_ratio and position_gain_per_s",
-                )
-            })?;
-            Ok(Motor::Induction(Induction::new(
-                motor.rated_nm,
-                motor.rated_slip_hz * std::f64::consts::TAU,
-                motor.breakdown_ratio,
-                motor.position_gain_per_s,
-            )))
-        }
-    }
+    })
 }

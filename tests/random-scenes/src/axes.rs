@@ -1,9 +1,11 @@
 //! `[axes]` and `[[axis]]`.
 
+use cophase_core::settings::DriveKind;
 use cophase_link::board::{Board, Rp2040};
 use cophase_motion::pulse::PulseTiming;
 use cophase_motion::settings::PulseSettings;
 use cophase_scene::file::{Axes, AxisOverrides, CamTable, Drive, Fidelity, Limits, Pulse};
+use host_sim::drives::DriveModel;
 
 use crate::basis::{Basis, Kind};
 use crate::source::Source;
@@ -18,23 +20,17 @@ pub fn drive(source: &mut Source, kind: Kind, fidelity: Fidelity) -> Drive {
         _ if fidelity == Fidelity::QuasiStatic => Drive::Stepper,
         // Setpoints are for cranks, not for screws.
         Kind::Screws => source.one_of(&[Drive::Stepper, Drive::PulseServo]),
-        _ => source.one_of(&[
-            Drive::Stepper,
-            Drive::Stepper,
-            Drive::Servo,
-            Drive::PulseServo,
-            Drive::Induction,
-        ]),
+        _ => source.one_of(&[&[Drive::Stepper], DriveModel::DRIVES].concat()),
     }
 }
 
 /// Drive of the axes that have one of their own.
 pub fn other_drive(source: &mut Source, common: Drive) -> Option<Drive> {
-    let others = match common {
-        Drive::Stepper | Drive::Servo => [Drive::PulseServo, Drive::PulseServo],
-        Drive::PulseServo | Drive::Induction => [Drive::Stepper, Drive::Stepper],
+    let other = match common.kind() {
+        DriveKind::Stepper | DriveKind::Servo => Drive::PulseServo,
+        DriveKind::PulseServo => Drive::Stepper,
     };
-    source.maybe(10, |source| source.one_of(&others))
+    source.maybe(10, |source| source.one_of(&[other]))
 }
 
 /// Crank turns per master turn. Cranks under a platform turn once with the master, and screws follow tables.
@@ -84,7 +80,7 @@ pub fn axes(
         drive: basis.drive,
         steps_per_turn,
         // Refused where no axis is a stepper.
-        full_steps_per_turn: if basis.has_drive(Drive::Stepper) {
+        full_steps_per_turn: if basis.uses("axes.full_steps_per_turn") {
             full_steps_per_turn
         } else {
             200
@@ -126,8 +122,10 @@ fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> 
     let least = (STEPS.0 / basis.motor_turns()).max(STEPS.0).ceil();
     let most = (STEPS.1 / basis.motor_turns()).min(STEPS.1).max(least);
     let timing = PulseTiming::new(&settings, Rp2040::CLOCK_HZ, basis.tick_hz);
-    let has_pulses =
-        basis.drive.takes_pulses() || basis.other_drive.is_some_and(Drive::takes_pulses);
+    let has_pulses = [Some(basis.drive), basis.other_drive]
+        .into_iter()
+        .flatten()
+        .any(|drive| drive.kind().takes_pulses());
     let fits = |steps: u32| {
         let counts = PulseTiming::check_counts(steps, motor_hz, basis.tick_hz).is_ok();
         let pulses = timing
@@ -140,7 +138,7 @@ fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> 
     while !fits(steps) && steps > least {
         steps = (steps * 2 / 3).max(least);
     }
-    if !basis.has_drive(Drive::Stepper) {
+    if !basis.uses("axes.full_steps_per_turn") {
         return (full_steps, steps);
     }
     // A stepper has whole microsteps.
@@ -178,7 +176,7 @@ fn one(
     let drive = basis
         .other_drive
         .filter(|_| number > 0 && source.percent(60));
-    let is_stepper = drive.unwrap_or(basis.drive) == Drive::Stepper;
+    let is_stepper = drive.unwrap_or(basis.drive).kind().is_open_loop();
     let trim_deg = source.number(-axes.trim_limit_deg, axes.trim_limit_deg);
     let own_friction = source.usual((1e-3, 1.0), (0.0, 1000.0));
     let start_deg = source.usual((1e-3, 3.0), (-180.0, 180.0));

@@ -1,6 +1,7 @@
 //! Values that several tables of a scene depend on.
 
 use cophase_scene::file::{Drive, Fidelity};
+use host_sim::drives::DriveModel;
 use host_sim::mechanism::{AnyMechanism, Mechanism};
 
 use crate::source::Source;
@@ -74,9 +75,10 @@ impl Basis {
         self.fidelity == Fidelity::Rigid
     }
 
-    /// True if an axis has this drive.
-    pub(crate) fn has_drive(&self, drive: Drive) -> bool {
-        self.drive == drive || self.other_drive == Some(drive)
+    /// True if a key of drives acts on an axis.
+    pub(crate) fn uses(&self, key: &str) -> bool {
+        let mut drives = [Some(self.drive), self.other_drive].into_iter().flatten();
+        drives.any(|drive| DriveModel::of(drive).uses(key))
     }
 
     /// Greatest acceleration at the greatest speed, m/s².

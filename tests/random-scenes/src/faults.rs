@@ -157,7 +157,7 @@ impl Machine<'_> {
     /// An axis that can have a fault of this kind, if there is one.
     fn axis(&self, source: &mut Source, kind: FaultName) -> Option<usize> {
         let can = |axis: &usize| match kind {
-            FaultName::LostSteps => self.drive(*axis) == Drive::Stepper,
+            FaultName::LostSteps => self.drive(*axis).kind().is_open_loop(),
             FaultName::StepFifoUnderrun => self.takes_pulses(*axis),
             FaultName::EncoderGlitch => self.basis.has_encoder,
             FaultName::IndexMissing | FaultName::IndexExtra => {
@@ -181,6 +181,6 @@ impl Machine<'_> {
     }
 
     fn takes_pulses(&self, axis: usize) -> bool {
-        self.drive(axis).takes_pulses()
+        self.drive(axis).kind().takes_pulses()
     }
 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use cophase_scene::file::{Drive, InductionDrive, Limits, ServoDrive};
+use cophase_scene::file::{InductionDrive, Limits, ServoDrive};
 use host_sim::mechanism::Mechanism;
 
 use crate::basis::{Basis, Kind};
@@ -78,7 +78,7 @@ fn at_crank(source: &mut Source, basis: &Basis, limits: &Limits, cycles: f64) ->
     let load_kgm2 = share_kg * lever_m * lever_m;
     let top_mps2 = basis.most_amax_mps2();
     let load_nm = share_kg * lever_m * (0.6 * top_mps2 + 9.81);
-    let has_stepper = basis.has_drive(Drive::Stepper);
+    let has_stepper = basis.uses("axes.pull_out");
     // The rotor is so heavy that a few steps are enough to follow its oscillation.
     let plenty = if source.percent(80) {
         source.log_between(1.5, 20.0)
@@ -125,10 +125,11 @@ fn at_crank(source: &mut Source, basis: &Basis, limits: &Limits, cycles: f64) ->
         } else {
             Vec::new()
         },
-        servo: (basis.has_drive(Drive::Servo) || basis.has_drive(Drive::PulseServo))
+        servo: basis
+            .uses("axes.servo")
             .then(|| servo(source, basis, rotor_inertia_kgm2, most_nm)),
         induction: basis
-            .has_drive(Drive::Induction)
+            .uses("axes.induction")
             .then(|| induction(source, basis, rotor_inertia_kgm2, most_nm)),
     }
 }

@@ -16,7 +16,7 @@ use crate::problem::{Problem, SettingsError};
 use crate::program::{AmplitudeOverride, Program};
 use crate::pulse::{Planner, PulseTiming, StepRates};
 use crate::servo::{Coupling, FeedForward, servo_part};
-use crate::settings::{AxisSettings, DriveKind, Settings, turns};
+use crate::settings::{AxisSettings, Settings, turns};
 use crate::shaft::{Shaft, ShaftLimits};
 use crate::signals::Output;
 use crate::supervisor::{JOG_S, Supervisor};
@@ -115,7 +115,7 @@ impl Controller {
                 return Err(SettingsError::new("axes.index", Problem::IndexOnCam).on_entry(i));
             }
             let bounds = follower.bounds(&settings.master_bounds(), &self.cams);
-            let is_servo = axis.drive == DriveKind::Servo || axis.encoder;
+            let is_servo = !axis.drive.takes_pulses() || axis.encoder;
             if is_servo && !cfg!(feature = "servo") {
                 return Err(SettingsError::new("axes.drive", Problem::ServoNotBuilt).on_entry(i));
             }
@@ -194,16 +194,14 @@ fn feed_forward(
             let problem = Problem::TooFastForTick { turns_per_tick };
             Err(SettingsError::new("axes.ratio", problem))
         }
-        DriveKind::Servo => {
-            PulseTiming::check_counts(counts, motor_hz, tick_hz).map_err(SettingsError::from)
-        }
-        DriveKind::Stepper | DriveKind::PulseServo => timing
+        kind if kind.takes_pulses() => timing
             .check_rate(counts, motor_hz, tick_hz)
             .map_err(SettingsError::from),
+        _ => PulseTiming::check_counts(counts, motor_hz, tick_hz).map_err(SettingsError::from),
     };
     let master_hz = settings.limits.speed_hz;
     checked.map_err(|error| axis.follower.too_fast(error, master_hz, speed_hz))?;
-    if axis.drive != DriveKind::Servo {
+    if axis.drive.takes_pulses() {
         return Ok(None);
     }
     FeedForward::new(
@@ -221,7 +219,7 @@ fn feed_forward(
 /// Returns the cross-coupling of servos, if the settings request it. Every axis must then be a servo with an encoder.
 #[cold]
 fn coupling(settings: &Settings) -> Result<Option<Coupling>, SettingsError> {
-    let measured = |axis: &AxisSettings| axis.drive == DriveKind::Servo && axis.encoder;
+    let measured = |axis: &AxisSettings| !axis.drive.takes_pulses() && axis.encoder;
     let coupling = Coupling::new(settings);
     if coupling.is_some() && !settings.axes.iter().all(measured) {
         let key = "correction.coupling";

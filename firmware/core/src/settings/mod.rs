@@ -146,6 +146,18 @@ pub enum DriveKind {
     PulseServo,
 }
 
+impl DriveKind {
+    /// True if STEP and DIR command the drive, and not setpoints.
+    pub const fn takes_pulses(self) -> bool {
+        !matches!(self, Self::Servo)
+    }
+
+    /// True if the drive does not measure its rotor. It loses whole electrical cycles, and has no alarm for a rotor that does not follow.
+    pub const fn is_open_loop(self) -> bool {
+        matches!(self, Self::Stepper)
+    }
+}
+
 /// Belt or gearbox between a motor and its crank: turns of both that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

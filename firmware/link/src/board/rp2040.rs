@@ -4,7 +4,7 @@
 //! was measured, in all ticks of a search (`tests/emulator/run deadlines`). The bound adds them as if all came at their greatest in one
 //! tick. `docs/firmware.md` has the table.
 
-use cophase_core::settings::{AxisSettings, DriveKind, Settings};
+use cophase_core::settings::{AxisSettings, Settings};
 
 use super::{Board, Unfit};
 
@@ -74,7 +74,7 @@ impl Board for Rp2040 {
     const LEAST_LEAD_US: u32 = 10;
 
     fn check_axis(number: usize, axis: &AxisSettings) -> Result<(), Unfit> {
-        if axis.drive == DriveKind::Servo {
+        if !axis.drive.takes_pulses() {
             return Err(Unfit::Servo(number));
         }
         if axis.encoder {

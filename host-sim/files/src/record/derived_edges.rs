@@ -10,7 +10,7 @@
 use cophase_core::axes::{AnyFollower, Cams, Follower};
 use cophase_core::phase_offset::PhaseOffsets;
 use cophase_core::pulse::{Planner, PulseTiming, Runs, StepRates, StepsPerTurn};
-use cophase_core::settings::{DriveKind, Settings};
+use cophase_core::settings::Settings;
 use cophase_core::units::{ONE_TURN, Turns};
 use cophase_link::sample::{Sample, flags};
 
@@ -87,7 +87,7 @@ impl Derivation {
         let axis = |axis: &cophase_core::settings::AxisSettings| Axis {
             planner: Planner::new(timing, axis.steps_per_crank_turn()),
             follower: axis.follower.follower(&cams),
-            takes_pulses: axis.drive != DriveKind::Servo,
+            takes_pulses: axis.drive.takes_pulses(),
             steps_per_turn: axis.steps_per_crank_turn(),
             steps: 0,
             slot: Slot::default(),

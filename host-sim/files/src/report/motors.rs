@@ -1,6 +1,6 @@
 //! Figures by which a motor and its gear are chosen: electrical cycle at the crank, step rate, torque at the motor, inertia ratio.
 
-use cophase_core::settings::{DriveKind, Transmission};
+use cophase_core::settings::Transmission;
 use host_sim::checked::Checked;
 use host_sim::drives::AtCrank;
 use host_sim::operating_range::OperatingRange;
@@ -47,7 +47,9 @@ impl MotorFigures {
         let acceleration = settings.limits.acceleration_hz_per_s;
         Self {
             gear: [motor_turns, crank_turns],
-            electrical_cycle_deg: (axis.drive == DriveKind::Stepper)
+            electrical_cycle_deg: axis
+                .drive
+                .is_open_loop()
                 .then(|| axis.cycle_turns() * 360.0),
             step_rate_max_hz: settings.axis_bounds(axis).speed
                 * axis.steps_per_crank_turn().to_f64(),

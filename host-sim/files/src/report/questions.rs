@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use cophase_scene::file::Drive;
 use host_sim::checked::Checked;
 use host_sim::checked::Judged;
 use host_sim::model_level::is_undisturbed;
@@ -79,7 +78,7 @@ fn slipped_off(checked: &Checked, outcome: &Outcome, all: usize) -> String {
     };
     if axes
         .clone()
-        .any(|axis| checked.scene.drive(axis) != Drive::Stepper)
+        .any(|axis| !checked.settings.axes[axis].drive.is_open_loop())
     {
         return String::new();
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use cophase_scene::file::{Drive, Fidelity};
+use cophase_scene::file::Fidelity;
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::checked::Checked;
 use host_sim::machines::follower::Peaks;
@@ -293,9 +293,9 @@ pub fn coupling(checked: &Checked) -> Option<String> {
 
 fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
     let statistics = &outcome.statistics;
-    let what = match checked.scene.axes.drive {
-        Drive::Stepper => "steps",
-        Drive::Servo | Drive::PulseServo | Drive::Induction => "counts",
+    let what = match checked.scene.axes.drive.kind().is_open_loop() {
+        true => "steps",
+        false => "counts",
     };
     let alike = statistics.steps.windows(2).all(|pair| pair[0] == pair[1]);
     if alike {

@@ -3,8 +3,9 @@
 
 use cophase_core::drift::{Knowledge, Mount};
 use cophase_core::supervisor::State;
-use cophase_scene::file::{CommandAt, CommandName, Drive, FaultAt, FaultName};
+use cophase_scene::file::{CommandAt, CommandName, FaultAt, FaultName};
 use host_sim::checked::Checked;
+use host_sim::drives::DriveModel;
 use host_sim::operating_range::{Load, OperatingRange};
 use host_sim::sim::Outcome;
 use host_sim::sim::events::StoppedBy;
@@ -138,11 +139,7 @@ fn lacking(checked: &Checked) -> Option<String> {
         format!(
             "The motors lack torque: that of axis {axis} needs {ratio:.1} times what it has. Lower the program's speed or the load, \
              or take stronger motors ({}).",
-            match checked.scene.drive(axis) {
-                Drive::Stepper => "axes.pull_out",
-                Drive::Servo | Drive::PulseServo => "axes.servo.limit_nm",
-                Drive::Induction => "axes.induction",
-            }
+            DriveModel::of(checked.scene.drive(axis)).torque_key
         )
     })
 }
@@ -180,7 +177,7 @@ fn beyond_pull_out(checked: &Checked) -> Option<String> {
         Some(axis.follower.constant_ratio()? * axis.gear.ratio())
     };
     let steppers = (0..checked.scene.axes.count)
-        .filter(|&axis| checked.scene.drive(axis) == Drive::Stepper)
+        .filter(|&axis| checked.settings.axes[axis].drive.is_open_loop())
         .filter_map(motor_turns);
     let ratio = steppers.map(f64::abs).reduce(f64::max)?;
     let top_hz = checked.top_speed_hz() * ratio;

@@ -7,7 +7,6 @@ use std::io::{Seek, Write};
 
 use cophase_core::program::EntrySettings;
 use cophase_core::pulse::Run;
-use cophase_core::settings::DriveKind;
 use cophase_scene::Scene;
 use host_sim::checked::Checked;
 use host_sim::faults::Planned;
@@ -90,7 +89,7 @@ impl Window {
             }
         }
         let axes = checked.settings.axes.iter();
-        let pulsed = axes.filter(|axis| axis.drive != DriveKind::Servo);
+        let pulsed = axes.filter(|axis| axis.drive.takes_pulses());
         let edges_a_turn = pulsed.map(|axis| {
             let ratio = axis.follower.constant_ratio().unwrap_or(1.0).abs();
             2.0 * ratio * axis.steps_per_crank_turn().to_f64()

@@ -23,7 +23,8 @@
 //! value. A stepper's rotor is at most a quarter of an electrical cycle from its commanded position, or it loses the cycle. So e is
 //! larger by two of these quarters, one ahead and one behind.
 
-use cophase_scene::file::{Drive, FaultAt, FaultName, Limits, Scene};
+use cophase_scene::file::{FaultAt, FaultName, Limits, Scene};
+use host_sim::drives::DriveModel;
 
 use super::geometry::Geometry;
 use super::watch::Place;
@@ -97,8 +98,7 @@ fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, beyond_limi
 /// or the same as for a stepper if it has no window.
 fn lag_turns(scene: &Scene) -> f64 {
     let axes = &scene.axes;
-    let servo = axes.servo.filter(|_| axes.drive != Drive::Stepper);
-    match servo.and_then(|servo| servo.following_error_deg) {
+    match (DriveModel::of(axes.drive).window_deg)(axes) {
         Some(window_deg) => 2.0 * window_deg / 360.0,
         None => 2.0 / f64::from(axes.full_steps_per_turn) / scene.gear(0).ratio(),
     }

@@ -2,7 +2,7 @@
 //!
 //! The enable line decides whether the drives hold. The state that the controller reports does not.
 
-use cophase_scene::file::{Drive, FaultAt, FaultName, Scene};
+use cophase_scene::file::{FaultAt, FaultName, Scene};
 use host_sim::sim::Moment;
 
 use super::bound;
@@ -94,7 +94,7 @@ fn at_rest_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, rest_s: f6
         ),
         // A stuck stepper that is released at rest goes to the nearest pole of its field. That is half an electrical cycle, or two full
         // steps, at most.
-        FaultName::Stuck if scene.drive(axis) == Drive::Stepper => {
+        FaultName::Stuck if scene.drive(axis).kind().is_open_loop() => {
             let is_let_go = left_s.is_some_and(|left_s| left_s > 0.0);
             let motor_turns = scene.gear(axis).ratio();
             let pole_turns = 2.0 / f64::from(scene.axes.full_steps_per_turn) / motor_turns;
@@ -168,7 +168,7 @@ mod tests {
         let mut stuck = FaultAt::new(1.0, FaultName::Stuck);
         assert_eq!(turns(&stuck, 1.2), 0.0);
         stuck.for_s = Some(0.5);
-        assert_eq!(scene.drive(0), Drive::Stepper);
+        assert!(scene.drive(0).kind().is_open_loop());
         assert!((turns(&stuck, 1.2) - 3.6 / 360.0).abs() < 1e-12);
         assert_eq!(turns(&stuck, 1.6), 0.0);
     }

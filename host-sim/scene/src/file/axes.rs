@@ -1,5 +1,6 @@
 //! `[axes]` and `[[axis]]`: the motors.
 
+use cophase_core::settings::DriveKind;
 use serde::{Deserialize, Serialize};
 
 use super::lengths::{pair, pairs, some_pair};
@@ -128,9 +129,13 @@ pub enum Drive {
 }
 
 impl Drive {
-    /// Returns true if STEP and DIR command the drive.
-    pub const fn takes_pulses(self) -> bool {
-        matches!(self, Self::Stepper | Self::PulseServo | Self::Induction)
+    /// Returns what the drive is to the controller.
+    pub const fn kind(self) -> DriveKind {
+        match self {
+            Self::Stepper => DriveKind::Stepper,
+            Self::Servo => DriveKind::Servo,
+            Self::PulseServo | Self::Induction => DriveKind::PulseServo,
+        }
     }
 }
 

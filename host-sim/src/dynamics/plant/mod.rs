@@ -12,7 +12,8 @@ pub use shafts::Shafts;
 
 use std::fmt::Debug;
 
-use super::{Field, MOST, Mode, PlaneMotion};
+use super::{MOST, Mode, PlaneMotion};
+use crate::drives::Field;
 use crate::pose::Pose;
 
 /// Values that a drive law keeps from tick to tick.

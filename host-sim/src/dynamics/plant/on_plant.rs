@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::{Memory, Plant, Shafts};
+use crate::drives::Field;
 use crate::dynamics::modes::Bound;
-use crate::dynamics::{Dynamics, Field, MOST};
+use crate::dynamics::{Dynamics, MOST};
 use crate::pose::Pose;
 
 /// Rotors on the shafts of a plant.

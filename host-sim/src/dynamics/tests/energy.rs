@@ -14,7 +14,8 @@ use cophase_methods::Scheme;
 use cophase_methods::drift::Ends;
 
 use super::body;
-use crate::dynamics::{Driven, Dynamics, Motor, Phased, Rigid, Servo};
+use crate::drives::{Motor, Servo};
+use crate::dynamics::{Driven, Dynamics, Phased, Rigid};
 use crate::mechanism::Platform;
 
 const TURNS: f64 = 10_000.0;

@@ -3,7 +3,8 @@
 use cophase_methods::{Scheme, advance};
 
 use super::body;
-use crate::dynamics::{Driven, Field, Induction, Motor, Rigid};
+use crate::drives::{Field, Induction, Motor};
+use crate::dynamics::{Driven, Rigid};
 use crate::mechanism::Platform;
 
 /// Motor of 15 kW at 970 of 1000 rpm, breakdown at twice the rated torque.

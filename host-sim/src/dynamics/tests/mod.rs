@@ -273,7 +273,8 @@ fn dampers_take_energy() {
 /// If this fails, the machine drops on its suspension at switch-on, or its rest position is not an equilibrium.
 #[test]
 fn a_machine_at_rest_stays_at_rest() {
-    use super::{Driven, Motor, Servo};
+    use super::Driven;
+    use crate::drives::{Motor, Servo};
     use cophase_methods::Equations;
     // At a dead centre no motor torque is needed to hold it.
     let servo = Motor::Servo(Servo {

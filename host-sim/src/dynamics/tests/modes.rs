@@ -5,7 +5,8 @@ use nalgebra::DMatrix;
 use proptest::prelude::*;
 
 use super::{body, frame};
-use crate::dynamics::{Driven, Dynamics, Elastic, Motor, Phased, Servo};
+use crate::drives::{Motor, Servo};
+use crate::dynamics::{Driven, Dynamics, Elastic, Phased};
 use crate::mechanism::Platform;
 
 /// Spring of 1000 N·m/rad, nearly undamped.

@@ -3,7 +3,8 @@
 use cophase_methods::{Equations, Scheme, advance};
 
 use super::body;
-use crate::dynamics::{Driven, Motor, Rigid, Servo};
+use crate::drives::{Motor, Servo};
+use crate::dynamics::{Driven, Rigid};
 use crate::mechanism::Platform;
 
 /// Total inertia of the body's four rotors, kg·m², and weight of its platform.

@@ -88,7 +88,7 @@ fn check_screws(shaft: &CamShaft, scene: &Scene) -> Result<(), SceneError> {
             ),
         ));
     }
-    match (0..scene.axes.count).find(|&number| !scene.drive(number).takes_pulses()) {
+    match (0..scene.axes.count).find(|&number| !scene.drive(number).kind().takes_pulses()) {
         None => Ok(()),
         Some(number) => Err(SceneError::at(
             "axes.drive",

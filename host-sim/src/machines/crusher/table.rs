@@ -50,7 +50,6 @@ fn crusher(table: &CrusherTable, scene: &Scene) -> Result<Crusher, SceneError> {
         force_m: table.force_mm / 1e3,
     };
     check_turns(table)?;
-    let motor = AtCrank::new(scene, 0);
     Ok(Crusher {
         linkage,
         jaw: Jaw {
@@ -60,11 +59,10 @@ fn crusher(table: &CrusherTable, scene: &Scene) -> Result<Crusher, SceneError> {
         },
         load: Load::new(shape(table.rock), 1e3 * table.rock_kn, &linkage),
         fed_rad: from * TAU..to * TAU,
-        flywheel_kgm2: motor.rotor_inertia_kgm2,
-        motor_nm: motor
-            .induction
-            .map(|motor| motor.breakdown_ratio * motor.rated_nm)
-            .or(motor.servo.and_then(|servo| servo.limit_nm)),
+        flywheel_kgm2: AtCrank::new(scene, 0).rotor_inertia_kgm2,
+        motor_nm: AtCrank::motor(scene, 0)
+            .map(|motor| motor.most_nm(0.0))
+            .filter(|most_nm| most_nm.is_finite()),
     })
 }
 

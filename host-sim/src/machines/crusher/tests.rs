@@ -3,8 +3,9 @@ use crate::machines::crusher::mains::Shape;
 use cophase_methods::{Equations, Scheme, advance};
 
 use super::*;
+use crate::drives::{Induction, Motor};
+use crate::dynamics::Driven;
 use crate::dynamics::plant::OnPlant;
-use crate::dynamics::{Driven, Induction, Motor};
 
 const FLYWHEEL_KGM2: f64 = 40.79;
 

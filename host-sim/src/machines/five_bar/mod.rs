@@ -32,8 +32,9 @@ use cophase_core::settings::AxisSettings;
 use cophase_scene::file::Fidelity;
 use nalgebra::{Matrix2, Vector2};
 
+use crate::drives::Field;
 use crate::dynamics::plant::{Memory, Plant, Record, Shafts};
-use crate::dynamics::{Field, MOST, Mode, PlaneMotion};
+use crate::dynamics::{MOST, Mode, PlaneMotion};
 use crate::machines::{Machine, Moved};
 use crate::pose::Pose;
 

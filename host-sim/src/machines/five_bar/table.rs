@@ -177,7 +177,7 @@ fn arm(
             below_m,
         },
     };
-    let limits_nm = (0..scene.axes.count).filter_map(|i| AtCrank::new(scene, i).servo?.limit_nm);
+    let limits_nm = (0..scene.axes.count).filter_map(|i| AtCrank::motor(scene, i)?.limit_nm());
     let limit_nm = limits_nm.reduce(f64::min);
     Arm {
         arm: FiveBarArm {

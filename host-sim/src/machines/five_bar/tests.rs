@@ -2,8 +2,9 @@ use crate::machines::five_bar::arm::{Load, Surface};
 use cophase_methods::{Equations, Scheme, advance};
 
 use super::*;
+use crate::drives::{Motor, Servo};
+use crate::dynamics::Driven;
 use crate::dynamics::plant::OnPlant;
-use crate::dynamics::{Driven, Motor, Servo};
 
 fn arm(gravity_mps2: f64) -> Arm {
     let path = Path::new(&[[0.0, 0.3], [0.2, 0.3]], 0.02, 0.5).unwrap();

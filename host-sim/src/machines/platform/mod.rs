@@ -17,7 +17,8 @@ use cophase_scene::{Scene, SceneError};
 
 use super::follower::{Follower, RunStart};
 use super::{Bounds, Duty, Machine, Moved, NoBounds};
-use crate::dynamics::{Driven, Dynamics, Motor, RotorParts};
+use crate::drives::Motor;
+use crate::dynamics::{Driven, Dynamics, RotorParts};
 use crate::mechanism::turn_search::largest_over_turn;
 use crate::mechanism::{Mechanism, Mount};
 use bounds::{Cranks, OnCranks};
@@ -110,8 +111,7 @@ impl Machine for CranksUnderPlatform {
             return Box::new(none);
         };
         let motors = driven.motors();
-        // The bounds assume motors whose torque is linear.
-        if (motors.iter()).any(|motor| matches!(motor, Motor::Induction(_))) {
+        if !motors.iter().all(Motor::is_linear) {
             return Box::new(none);
         }
         let on_cranks = OnCranks {

@@ -8,7 +8,7 @@ use cophase_scene::file::{Band, ScreenTable};
 use cophase_scene::{Scene, SceneError, in_range};
 
 use super::{Screen, Sufficient};
-use crate::drives::{AtCrank, PullOut};
+use crate::drives::{AtCrank, DriveModel, PullOut};
 use crate::machines::{Made, Table};
 
 fn screen(table: &ScreenTable, scene: &Scene) -> Result<Screen, SceneError> {
@@ -58,17 +58,14 @@ fn screen(table: &ScreenTable, scene: &Scene) -> Result<Screen, SceneError> {
         sufficient: Sufficient::default(),
     };
     PullOut::new(&axes.pull_out)?;
-    let motors: Vec<_> = (0..axes.count).map(|i| AtCrank::new(scene, i)).collect();
+    let motors = (0..axes.count).filter_map(|i| AtCrank::motor(scene, i));
+    let motors: Vec<_> = motors.collect();
     // The weakest counts.
     let motor_nm = |speed_hz: f64| {
-        let torque_nm = |motor: &AtCrank| {
-            if axes.pull_out.is_empty() {
-                motor.servo?.limit_nm
-            } else {
-                Some(motor.pull_out.torque_nm(speed_hz))
-            }
-        };
-        motors.iter().filter_map(torque_nm).reduce(f64::min)
+        let most_nm = motors.iter().map(|motor| motor.most_nm(speed_hz * TAU));
+        most_nm
+            .filter(|most_nm| most_nm.is_finite())
+            .reduce(f64::min)
     };
     let needed = screen.resonances().into_iter().map(|resonance| Sufficient {
         enough_nm: resonance.enough_nm,
@@ -87,11 +84,7 @@ fn check_torque(table: &ScreenTable, screen: &Screen, scene: &Scene) -> Result<(
     let enough_nm = screen.sufficient.enough_nm;
     match screen.sufficient.motor_nm {
         Some(motor_nm) if motor_nm < enough_nm && !table.allow_capture => {
-            let key = if scene.axes.pull_out.is_empty() {
-                "axes.servo.limit_nm"
-            } else {
-                "axes.pull_out"
-            };
+            let key = DriveModel::of(scene.axes.drive).torque_key;
             Err(SceneError::at(
                 key,
                 format!(

@@ -5,8 +5,9 @@ use cophase_methods::{Equations, Scheme, advance};
 use num_complex::Complex;
 
 use super::*;
+use crate::drives::{Motor, Servo};
+use crate::dynamics::Driven;
 use crate::dynamics::plant::OnPlant;
-use crate::dynamics::{Driven, Motor, Servo};
 
 /// Screen of the source, with several shafts in place of one.
 fn screen(places_m: &[f64]) -> Screen {

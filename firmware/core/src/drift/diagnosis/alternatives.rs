@@ -59,7 +59,7 @@ fn alike(
         // A crank that slips slowly on its shaft walks, as a sensor does that moves on its bracket.
         Kind::Drift => &[Kind::Slip],
         // A servo drive may raise its alarm because its motor does not follow.
-        Kind::DriveAlarm if drive != DriveKind::Stepper => &[Kind::Stuck],
+        Kind::DriveAlarm if !drive.is_open_loop() => &[Kind::Stuck],
         Kind::HomingRangeExceeded => &[
             Kind::LostSteps,
             Kind::Slip,

@@ -4,8 +4,9 @@
 //! the definitions. Of the controller's reports, only the names are judged.
 
 use cophase_core::supervisor::{FaultKind, State};
-use cophase_scene::file::{AxisOverrides, Drive, FaultAt, FaultName, Scene, ServoDrive};
+use cophase_scene::file::{AxisOverrides, FaultAt, FaultName, Scene};
 use host_sim::axes::{Axes, per_axis};
+use host_sim::drives::DriveModel;
 
 use super::bound;
 use super::geometry::Geometry;
@@ -179,7 +180,10 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
         fault,
         Circumstances {
             has_encoder: scene.axes.encoder,
-            is_stepper: scene.drive(fault.axis.unwrap_or_default()) == Drive::Stepper,
+            is_stepper: scene
+                .drive(fault.axis.unwrap_or_default())
+                .kind()
+                .is_open_loop(),
             watches_following_error: watches_following_error(scene, fault),
             in_homing: injected.state == State::Homing || stood,
             is_beyond_limit: observation.beyond_limit.is_some(),
@@ -208,9 +212,8 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
 
 /// Returns true if the drive of a fault's axis raises its alarm when its motor does not follow.
 fn watches_following_error(scene: &Scene, fault: &FaultAt) -> bool {
-    let has_window = |servo: ServoDrive| servo.following_error_deg.is_some();
-    scene.axes.servo.is_some_and(has_window)
-        && scene.drive(fault.axis.unwrap_or_default()) != Drive::Stepper
+    let drive = scene.drive(fault.axis.unwrap_or_default());
+    (DriveModel::of(drive).window_deg)(&scene.axes).is_some()
 }
 
 /// Returns true if the two axes of a swap differ in one of their own settings.

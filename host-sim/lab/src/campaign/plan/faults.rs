@@ -1,7 +1,7 @@
 //! Faults of cases. The kind is drawn first, each with equal probability, then the machine, then the size and the time of the fault.
 
 use cophase_scene::Scene;
-use cophase_scene::file::{Drive, FaultAt, FaultName, Lines};
+use cophase_scene::file::{FaultAt, FaultName, Lines};
 
 use super::machines::Driven;
 use super::stream::{Stream, rounded};
@@ -175,13 +175,13 @@ fn at_s(stream: &mut Stream, window: &Window) -> f64 {
 
 /// Returns the drive and the sensors of an axis.
 pub fn driven(scene: &Scene, axis: usize) -> Driven {
-    match scene.drive(axis) {
-        Drive::Servo => Driven::Servo,
-        // With the two wires of an encoder, it has the same sensors as a servo on a fieldbus.
-        Drive::PulseServo | Drive::Induction if scene.axes.encoder => Driven::Servo,
-        Drive::PulseServo | Drive::Induction => Driven::PulseServo,
-        Drive::Stepper if scene.axes.encoder => Driven::WatchedStepper,
-        Drive::Stepper => Driven::Stepper,
+    let kind = scene.drive(axis).kind();
+    match (kind.is_open_loop(), scene.axes.encoder) {
+        (true, false) => Driven::Stepper,
+        (true, true) => Driven::WatchedStepper,
+        (false, false) if kind.takes_pulses() => Driven::PulseServo,
+        // With the two wires of an encoder, one that takes pulses has the same sensors as a servo on a fieldbus.
+        (false, _) => Driven::Servo,
     }
 }
 

@@ -9,8 +9,9 @@ use std::sync::Arc;
 
 use cophase_methods::Scheme;
 use cophase_scene::library;
+use host_sim::drives::{Field, Induction, Motor};
+use host_sim::dynamics::Driven;
 use host_sim::dynamics::plant::OnPlant;
-use host_sim::dynamics::{Driven, Field, Induction, Motor};
 use host_sim::machines::screen::{Screen, Sufficient};
 
 use super::panel::{Curve, Shown, failing, guarded};

@@ -9,7 +9,8 @@ use std::f64::consts::{PI, TAU};
 
 use cophase_methods::{Equations, Scheme};
 use host_sim::drives::PullOut;
-use host_sim::dynamics::{Body, Field, Motor, Rigid, Stepper};
+use host_sim::drives::{Field, Motor, Stepper};
+use host_sim::dynamics::{Body, Rigid};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
 

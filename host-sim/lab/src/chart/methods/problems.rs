@@ -8,9 +8,10 @@ use cophase_methods::problems::{
 };
 use cophase_methods::{Equations, Scheme};
 use host_sim::drives::PullOut;
+use host_sim::drives::{Field, Motor, Stepper};
 use host_sim::dynamics::Chosen;
 use host_sim::dynamics::Dynamics;
-use host_sim::dynamics::{Body, Driven, Field, Motor, Phased, Rigid, Stepper};
+use host_sim::dynamics::{Body, Driven, Phased, Rigid};
 use host_sim::machines::crusher::mains::{OnMains, Shape};
 use host_sim::machines::five_bar::arm::{self, FiveBarArm};
 use host_sim::mechanism::slider_crank::SliderCrank;

@@ -22,7 +22,8 @@ use num_complex::Complex;
 
 use super::OnCranks;
 use super::required_torque::{HARMONICS, RequiredTorque, SAMPLES};
-use crate::dynamics::{Body, Motor};
+use crate::drives::Motor;
+use crate::dynamics::Body;
 use crate::machines::Duty;
 use crate::mechanism::Mechanism;
 

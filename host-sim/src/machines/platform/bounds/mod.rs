@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 
 use cophase_scene::file::{Fidelity, Rods};
 
-use crate::dynamics::{Body, Frame, Mode, Motor};
+use crate::drives::Motor;
+use crate::dynamics::{Body, Frame, Mode};
 use crate::machines::{Bounds, Duty};
 use crate::mechanism::Mechanism;
 use crate::output::Output;
