@@ -10,9 +10,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use cophase_core::axes::{CamSettings, CamTableSettings, FollowerSettings, GearSettings};
 use cophase_core::controller::Controller;
 use cophase_core::drift::IndexPulse;
-use cophase_core::mechanism::{
-    CrankRockerSettings, MechanismSettings, ScotchYokeSettings, SliderCrankSettings,
-};
+use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings, SliderCrankSettings};
 use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
@@ -239,21 +237,7 @@ fn visit_platform(platform: &mut PlatformSettings, on: &mut Change) {
         allow_commanded_tilt,
     } = platform;
     on.number("crank_radius_m", Constants, crank_radius_m);
-    match mechanism {
-        MechanismSettings::SliderCrank(SliderCrankSettings { lambda }) => {
-            on.number("lambda", Constants, lambda);
-        }
-        MechanismSettings::ScotchYoke(ScotchYokeSettings {}) => {}
-        MechanismSettings::CrankRocker(CrankRockerSettings {
-            crank,
-            coupler,
-            ground,
-        }) => {
-            on.number("crank", Constants, crank);
-            on.number("coupler", Constants, coupler);
-            on.number("ground", Constants, ground);
-        }
-    }
+    mechanism.visit(|key, number| on.number(key, Constants, number));
     on.number("load_kg", Constants, load_kg);
     on.key("platform", Constants, platform, |_| Platform::Below);
     on.number("gravity_mps2", Constants, gravity_mps2);
@@ -341,7 +325,7 @@ const AXIS: AxisSettings = AxisSettings {
     rotor_inertia_kgm2: 1e-3,
 };
 
-/// Steppers under a platform on crank-rockers or slider-cranks; every feature for steppers is on.
+/// Steppers under a platform on a mechanism; every feature for steppers is on.
 fn platform(mechanism: MechanismSettings) -> Settings {
     let segment = |amax_mps2| {
         EntrySettings::Segment(SegmentSettings {
@@ -456,19 +440,18 @@ fn shafts() -> Settings {
     settings
 }
 
-fn machines() -> Vec<(&'static str, Settings)> {
-    let slider_crank = MechanismSettings::SliderCrank(SliderCrankSettings { lambda: 0.3 });
-    let rocker = MechanismSettings::CrankRocker(CrankRockerSettings {
-        crank: 0.4,
-        coupler: 1.2,
-        ground: 1.2,
-    });
-    vec![
-        ("slider-cranks", platform(slider_crank)),
-        ("crank-rockers", platform(rocker)),
-        ("servos", servos()),
-        ("shafts", shafts()),
-    ]
+fn machines() -> Vec<(String, Settings)> {
+    let mut mechanisms: Vec<_> = MechanismSettings::samples().collect();
+    mechanisms.dedup_by_key(|settings| core::mem::discriminant(settings));
+    let mut machines: Vec<_> = mechanisms
+        .into_iter()
+        .map(|settings| (format!("{settings:?}"), platform(settings)))
+        .collect();
+    machines.extend([
+        ("servos".to_owned(), servos()),
+        ("shafts".to_owned(), shafts()),
+    ]);
+    machines
 }
 
 // ---- controllers, and their memory ----

@@ -2,47 +2,41 @@
 
 use std::f64::consts::TAU;
 
-use cophase_scene::file::default_full_steps;
+use cophase_scene::file::{Axes, default_full_steps};
 
-use super::{DriveKey, DriveModel, Field, Motor, PullOut, TorqueLaw};
+use super::{AtCrank, DriveKey, DriveModel, Field, Motor, PullOut, TorqueLaw};
 
 /// Full steps per electrical cycle.
 const FULL_STEPS: f64 = 4.0;
 
+/// Keys of a motor whose field is a spring.
+pub(super) const KEYS: [DriveKey; 3] = [
+    DriveKey {
+        key: "axes.pull_out",
+        is_given: |axes| !axes.pull_out.is_empty(),
+        unused: "is the torque at which a stepper loses its step, and no axis here is a stepper; leave it out",
+    },
+    DriveKey {
+        key: "axes.damping_nms",
+        is_given: |axes| axes.damping_nms != 0.0,
+        unused: "is what a stepper's drive damps, and no axis here is a stepper; leave it out",
+    },
+    DriveKey {
+        key: "axes.full_steps_per_turn",
+        is_given: |axes| axes.full_steps_per_turn != default_full_steps(),
+        unused: "is the number of a stepper's full steps, and no axis here is a stepper; leave it out",
+    },
+];
+
 pub(super) const MODEL: DriveModel = DriveModel {
-    keys: &[
-        DriveKey {
-            key: "axes.pull_out",
-            is_given: |axes| !axes.pull_out.is_empty(),
-            unused: "is the torque at which a stepper loses its step, and no axis here is a stepper; leave it out",
-        },
-        DriveKey {
-            key: "axes.damping_nms",
-            is_given: |axes| axes.damping_nms != 0.0,
-            unused: "is what a stepper's drive damps, and no axis here is a stepper; leave it out",
-        },
-        DriveKey {
-            key: "axes.full_steps_per_turn",
-            is_given: |axes| axes.full_steps_per_turn != default_full_steps(),
-            unused: "is the number of a stepper's full steps, and no axis here is a stepper; leave it out",
-        },
-    ],
+    keys: &KEYS,
     needs: (
         "axes.pull_out",
         "the motors' pull-out torque as [[speed_hz, torque_nm], …]",
     ),
     torque_key: "axes.pull_out",
     window_deg: |_| None,
-    motor: |axes, at_crank| {
-        let turns = at_crank.motor_turns;
-        (!axes.pull_out.is_empty()).then(|| {
-            Motor::Stepper(Stepper {
-                pull_out: at_crank.pull_out.clone(),
-                cycles_per_turn: f64::from(axes.full_steps_per_turn) / FULL_STEPS * turns,
-                damping_nms: axes.damping_nms * (turns * turns),
-            })
-        })
-    },
+    motor: |axes, at_crank| Stepper::of(axes, at_crank).map(Motor::Stepper),
 };
 
 /// A micro-stepped motor. Its field acts as a spring that repeats every electrical cycle.
@@ -57,6 +51,18 @@ pub struct Stepper {
     pub cycles_per_turn: f64,
     /// Damping by current control and eddy currents, N·m·s.
     pub damping_nms: f64,
+}
+
+impl Stepper {
+    /// Motor of a scene at its crank, if the scene has its torque.
+    pub(super) fn of(axes: &Axes, at_crank: &AtCrank) -> Option<Self> {
+        let turns = at_crank.motor_turns;
+        (!axes.pull_out.is_empty()).then(|| Self {
+            pull_out: at_crank.pull_out.clone(),
+            cycles_per_turn: f64::from(axes.full_steps_per_turn) / FULL_STEPS * turns,
+            damping_nms: axes.damping_nms * (turns * turns),
+        })
+    }
 }
 
 impl TorqueLaw for Stepper {

@@ -70,13 +70,6 @@ macro_rules! any {
                     $(MechanismSettings::$Name(settings) => Self::$Name($Name::of(settings, crank_radius_m)),)*
                 }
             }
-
-            #[cfg(test)]
-            fn samples() -> Vec<MechanismSettings> {
-                let mut samples = Vec::new();
-                $(samples.extend($Name::samples().into_iter().map(MechanismSettings::$Name));)*
-                samples
-            }
         }
 
         impl Mechanism for AnyMechanism {

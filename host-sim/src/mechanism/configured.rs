@@ -29,8 +29,4 @@ pub trait Configured: Mechanism {
 
     /// Creates the mechanism from settings that the core has checked, and from a crank radius in m.
     fn of(settings: &Self::Settings, crank_radius_m: f64) -> Self;
-
-    /// Settings at the ends and in the middle of their ranges, for the conformance tests.
-    #[cfg(test)]
-    fn samples() -> Vec<Self::Settings>;
 }

@@ -14,8 +14,7 @@ const RADIUS_M: f64 = 0.8;
 const TICK_HZ: u32 = 2000;
 
 fn all() -> impl Iterator<Item = (MechanismSettings, AnyMechanism)> {
-    let samples = AnyMechanism::samples().into_iter();
-    samples.map(|settings| {
+    MechanismSettings::samples().map(|settings| {
         settings.check().expect("settings that the core accepts");
         (settings, AnyMechanism::of(&settings, RADIUS_M))
     })

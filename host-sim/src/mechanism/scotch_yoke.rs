@@ -33,11 +33,6 @@ impl Configured for ScotchYoke {
     fn of(_: &ScotchYokeSettings, crank_radius_m: f64) -> Self {
         Self { crank_radius_m }
     }
-
-    #[cfg(test)]
-    fn samples() -> Vec<ScotchYokeSettings> {
-        vec![ScotchYokeSettings {}]
-    }
 }
 
 impl Mechanism for ScotchYoke {

@@ -75,38 +75,39 @@ pub fn axes(
     let fastest_hz = basis.crank_hz() * cam::steepest(tables) + offset_hz;
     let (full_steps_per_turn, steps_per_turn) = steps(source, basis, pulse, fastest_hz);
     let motors = motors::motors(source, basis, limits, full_steps_per_turn);
-    Axes {
-        count: basis.count,
-        drive: basis.drive,
-        steps_per_turn,
-        // Refused where no axis is a stepper.
-        full_steps_per_turn: if basis.uses("axes.full_steps_per_turn") {
-            full_steps_per_turn
-        } else {
-            200
-        },
-        gear: basis.gear,
-        ratio: basis.ratio,
-        offset_deg: if source.percent(90) {
-            0.0
-        } else {
-            source.number(-180.0, 180.0)
-        },
-        index: has_sensors && source.percent(90),
-        index_deg: source.or_default(0.0, -180.0, 180.0),
-        index_width_deg: source.or_default(0.0, 0.0, 90.0),
-        index_delay_us: source.or_default(0.0, 0.0, 1000.0),
-        encoder: basis.has_encoder,
-        brake: source.percent(10),
-        trim_limit_deg: source.or_default(5.0, 0.0, 36.0),
-        trim_rate_deg_per_s,
-        rotor_inertia_kgm2: motors.rotor_inertia_kgm2,
-        friction_nm: motors.friction_nm,
-        damping_nms: motors.damping_nms,
-        pull_out: motors.pull_out,
-        servo: motors.servo,
-        induction: motors.induction,
-    }
+    let plain = "count = 2\ndrive = \"stepper\"\nsteps_per_turn = 200";
+    let mut axes: Axes = toml::from_str(plain).expect("all other keys have defaults");
+    axes.count = basis.count;
+    axes.drive = basis.drive;
+    axes.steps_per_turn = steps_per_turn;
+    // Refused where no axis is a stepper.
+    axes.full_steps_per_turn = if basis.uses("axes.full_steps_per_turn") {
+        full_steps_per_turn
+    } else {
+        200
+    };
+    axes.gear = basis.gear;
+    axes.ratio = basis.ratio;
+    axes.offset_deg = if source.percent(90) {
+        0.0
+    } else {
+        source.number(-180.0, 180.0)
+    };
+    axes.index = has_sensors && source.percent(90);
+    axes.index_deg = source.or_default(0.0, -180.0, 180.0);
+    axes.index_width_deg = source.or_default(0.0, 0.0, 90.0);
+    axes.index_delay_us = source.or_default(0.0, 0.0, 1000.0);
+    axes.encoder = basis.has_encoder;
+    axes.brake = source.percent(10);
+    axes.trim_limit_deg = source.or_default(5.0, 0.0, 36.0);
+    axes.trim_rate_deg_per_s = trim_rate_deg_per_s;
+    axes.rotor_inertia_kgm2 = motors.rotor_inertia_kgm2;
+    axes.friction_nm = motors.friction_nm;
+    axes.damping_nms = motors.damping_nms;
+    axes.pull_out = motors.pull_out;
+    axes.servo = motors.servo;
+    axes.induction = motors.induction;
+    axes
 }
 
 /// Full steps and steps per turn: as many as the drives can make at their greatest speed.

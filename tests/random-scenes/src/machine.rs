@@ -41,27 +41,29 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
     // An oscillation on the rods is as slow as some ticks allow, except in a few scenes.
     let (least, most) = (source.log_between(0.01, 0.3), source.log_between(0.3, 3.0));
     let stiffness = |ticks: f64| load_kg * (ticks * f64::from(tick_hz)).powi(2) * 1e-6;
-    Machine {
-        mechanism,
-        crank_radius_mm: has_radius.then_some(crank_radius_mm),
-        lambda: (has_rod && !by_length).then_some(lambda),
-        rod_length_mm: (has_rod && by_length).then_some(crank_radius_mm / lambda.clamp(0.11, 0.59)),
-        screw_lead_mm: (!has_radius).then_some((TAU * crank_radius_mm).clamp(0.63, 3000.0)),
-        crank_ratio: crank,
-        coupler_ratio: coupler,
-        ground_ratio: ground,
-        load_kg,
-        platform: source.one_of(&[Platform::Above, Platform::Below]),
-        gravity_mps2: source.or_default(9.80665, 0.0, 20.0),
-        mount_radius_mm,
-        tilt_inertia_kgm2: source.maybe(40, |source| {
-            source.usual((0.3 * disc_kgm2, 3.0 * disc_kgm2), (1e-6, 1000.0))
-        }),
-        rod_n_per_um: source.usual((stiffness(least), stiffness(most)), (0.01, 10_000.0)),
-        rods,
-        rod_zeta: source.or_default(0.02, 0.0, 2.0),
-        allow_commanded_tilt: source.percent(50),
-    }
+    let plain = "load_kg = 1";
+    let mut machine: Machine = toml::from_str(plain).expect("all other keys have defaults");
+    machine.mechanism = mechanism;
+    machine.crank_radius_mm = has_radius.then_some(crank_radius_mm);
+    machine.lambda = (has_rod && !by_length).then_some(lambda);
+    machine.rod_length_mm =
+        (has_rod && by_length).then_some(crank_radius_mm / lambda.clamp(0.11, 0.59));
+    machine.screw_lead_mm = (!has_radius).then_some((TAU * crank_radius_mm).clamp(0.63, 3000.0));
+    machine.crank_ratio = crank;
+    machine.coupler_ratio = coupler;
+    machine.ground_ratio = ground;
+    machine.load_kg = load_kg;
+    machine.platform = source.one_of(&[Platform::Above, Platform::Below]);
+    machine.gravity_mps2 = source.or_default(9.80665, 0.0, 20.0);
+    machine.mount_radius_mm = mount_radius_mm;
+    machine.tilt_inertia_kgm2 = source.maybe(40, |source| {
+        source.usual((0.3 * disc_kgm2, 3.0 * disc_kgm2), (1e-6, 1000.0))
+    });
+    machine.rod_n_per_um = source.usual((stiffness(least), stiffness(most)), (0.01, 10_000.0));
+    machine.rods = rods;
+    machine.rod_zeta = source.or_default(0.02, 0.0, 2.0);
+    machine.allow_commanded_tilt = source.percent(50);
+    machine
 }
 
 /// Mechanism of a machine.

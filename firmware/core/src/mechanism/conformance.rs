@@ -1,46 +1,17 @@
 //! Conformance tests of every mechanism, against numerical derivatives of its own kinematics.
 
 use super::*;
-use std::vec::Vec;
 
 const RADIUS_M: f64 = 0.02;
 const TICK_HZ: u32 = 2000;
 const ONE: f64 = (1 << 30) as f64;
 
 /// Every mechanism, at the ends and in the middle of its settings.
-fn all() -> Vec<(&'static str, AnyMechanism)> {
-    let slider_crank = |lambda| MechanismSettings::SliderCrank(SliderCrankSettings { lambda });
-    let crank_rocker = |crank, coupler, ground| {
-        MechanismSettings::CrankRocker(CrankRockerSettings {
-            crank,
-            coupler,
-            ground,
-        })
-    };
-    [
-        ("slider-crank, λ = 0.1", slider_crank(0.1)),
-        ("slider-crank, λ = 0.3", slider_crank(0.3)),
-        ("slider-crank, λ = 0.6", slider_crank(0.6)),
-        (
-            "Scotch yoke",
-            MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
-        ),
-        (
-            "crank-rocker, the source's",
-            crank_rocker(0.48521, 1.54021, 1.92792),
-        ),
-        ("crank-rocker, short crank", crank_rocker(0.15, 1.0, 1.35)),
-        (
-            "crank-rocker, at 70° of pressure",
-            crank_rocker(0.42, 1.5, 2.0),
-        ),
-    ]
-    .into_iter()
-    .map(|(name, settings)| {
+fn all() -> impl Iterator<Item = (MechanismSettings, AnyMechanism)> {
+    MechanismSettings::samples().map(|settings| {
         settings.check().expect("sound settings");
-        (name, settings.mechanism(RADIUS_M, TICK_HZ))
+        (settings, settings.mechanism(RADIUS_M, TICK_HZ))
     })
-    .collect()
 }
 
 fn at(mechanism: &AnyMechanism, turns: f64) -> (f64, f64) {
@@ -52,7 +23,7 @@ fn at(mechanism: &AnyMechanism, turns: f64) -> (f64, f64) {
 /// If this fails, a servo's torque has too little inertia, or too much.
 #[test]
 fn curvature_is_the_derivative_of_slope() {
-    for (name, mechanism) in all() {
+    for (settings, mechanism) in all() {
         for degree in 0..360 {
             let (turns, step) = (f64::from(degree) / 360.0, 1e-3);
             let (after, before) = (
@@ -62,7 +33,7 @@ fn curvature_is_the_derivative_of_slope() {
             let derivative = (after - before) / (2.0 * step * core::f64::consts::TAU);
             let error = derivative - at(&mechanism, turns).1;
             // The error of the central difference is a sixth of the third derivative, below 30, times the squared step.
-            assert!(error.abs() < 3e-4, "{name} at {degree}°: {error:e}");
+            assert!(error.abs() < 3e-4, "{settings:?} at {degree}°: {error:e}");
         }
     }
 }
@@ -70,18 +41,18 @@ fn curvature_is_the_derivative_of_slope() {
 /// If this fails, the platform does not return to its position after a turn.
 #[test]
 fn the_platform_comes_back_after_a_turn() {
-    for (name, mechanism) in all() {
+    for (settings, mechanism) in all() {
         let sum: f64 = (0..3600)
             .map(|i| at(&mechanism, f64::from(i) / 3600.0).0)
             .sum();
-        assert!((sum / 3600.0).abs() < 1e-6, "{name}: {sum}");
+        assert!((sum / 3600.0).abs() < 1e-6, "{settings:?}: {sum}");
     }
 }
 
 /// If this fails, the machine shakes the platform harder, or less, than its program requests.
 #[test]
 fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
-    for (name, mechanism) in all() {
+    for (settings, mechanism) in all() {
         let curvatures = (0..3600).map(|i| at(&mechanism, f64::from(i) / 3600.0).1.abs());
         let greatest = curvatures.fold(0.0, f64::max);
         for amax_mps2 in [1.0, 98.1, 981.0] {
@@ -90,24 +61,24 @@ fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
             let actual = RADIUS_M * greatest * omega * omega;
             assert!(
                 (actual / amax_mps2 - 1.0).abs() < 1e-5,
-                "{name}: {actual} m/s² for {amax_mps2}"
+                "{settings:?}: {actual} m/s² for {amax_mps2}"
             );
             let back = mechanism.amax(speed).to_num::<f64>();
             assert!(
                 (back / amax_mps2 - 1.0).abs() < 1e-8,
-                "{name}: {back} m/s² for {amax_mps2}"
+                "{settings:?}: {back} m/s² for {amax_mps2}"
             );
         }
-        assert_eq!(mechanism.speed(Amax::ZERO), Turns::ZERO, "{name}");
+        assert_eq!(mechanism.speed(Amax::ZERO), Turns::ZERO, "{settings:?}");
     }
 }
 
 /// If this fails, a machine stops too late for its tilt, or too early.
 #[test]
 fn the_greatest_slope_matches_a_fine_search() {
-    for (name, mechanism) in all() {
+    for (settings, mechanism) in all() {
         let slopes = (0..100_000).map(|i| at(&mechanism, f64::from(i) / 100_000.0).0.abs());
         let error = slopes.fold(0.0, f64::max) - mechanism.greatest_slope();
-        assert!((-1e-6..1e-4).contains(&error), "{name}: {error:e}");
+        assert!((-1e-6..1e-4).contains(&error), "{settings:?}: {error:e}");
     }
 }

@@ -48,6 +48,24 @@ const LEAST_DIAGONAL: f64 = 0.25;
 const CURVATURES: (f64, f64) = (0.1, 1.95);
 
 impl CrankRockerSettings {
+    /// Settings for tests of all mechanisms, those of the middle first.
+    pub(super) const SAMPLES: &[Self] = &[
+        // That of its source.
+        Self::new(0.48521, 1.54021, 1.92792),
+        // A short crank.
+        Self::new(0.15, 1.0, 1.35),
+        // At 70° of pressure.
+        Self::new(0.42, 1.5, 2.0),
+    ];
+
+    const fn new(crank: f64, coupler: f64, ground: f64) -> Self {
+        Self {
+            crank,
+            coupler,
+            ground,
+        }
+    }
+
     /// Checks every number, and that they are the lengths of a crank-rocker that does not jam.
     ///
     /// # Errors

@@ -15,10 +15,10 @@ mod scotch_yoke;
 mod slider_crank;
 mod square_law;
 
-pub use crank_rocker::CrankRocker;
+pub use crank_rocker::{CrankRocker, CrankRockerSettings};
 pub use kinematics::{Kinematics, Mechanism};
-pub use scotch_yoke::ScotchYoke;
-pub use slider_crank::SliderCrank;
+pub use scotch_yoke::{ScotchYoke, ScotchYokeSettings};
+pub use slider_crank::{SliderCrank, SliderCrankSettings};
 pub use square_law::SquareLaw;
 
 use core::hash::{Hash, Hasher};
@@ -26,9 +26,9 @@ use core::hash::{Hash, Hasher};
 use crate::problem::SettingsError;
 use crate::units::{Amax, Turns};
 
-/// Makes [`AnyMechanism`] and its settings from a list: name, text, settings type.
+/// Makes [`AnyMechanism`] and its settings from a list: text, name, settings type with its fields.
 macro_rules! mechanisms {
-    ($($(#[$doc:meta])* $Name:ident($Settings:ty)),* $(,)?) => {
+    ($($(#[$doc:meta])* $Name:ident($Settings:ident { $($field:ident),* })),* $(,)?) => {
         /// Settings of one mechanism, beside its crank radius.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -50,6 +50,18 @@ macro_rules! mechanisms {
             #[cold]
             pub fn check(&self) -> Result<(), SettingsError> {
                 match self { $(Self::$Name(settings) => settings.check(),)* }
+            }
+
+            /// Settings at the ends and in the middle of their ranges, for tests of all mechanisms.
+            pub fn samples() -> impl Iterator<Item = Self> {
+                core::iter::empty()$(.chain($Settings::SAMPLES.iter().copied().map(Self::$Name)))*
+            }
+
+            /// Passes each number of the settings, with its name.
+            pub fn visit(&mut self, mut number: impl FnMut(&'static str, &mut f64)) {
+                // Unused for settings without a number.
+                let _ = &mut number;
+                match self { $(Self::$Name($Settings { $($field),* }) => { $(number(stringify!($field), $field);)* })* }
             }
 
             /// Mechanism for a crank radius (m) and a tick rate (Hz), all of which must have been checked.
@@ -88,16 +100,16 @@ macro_rules! mechanisms {
 
 mechanisms! {
     /// In-line slider-cranks under one platform.
-    SliderCrank(slider_crank::SliderCrankSettings),
+    SliderCrank(SliderCrankSettings { lambda }),
     /// Scotch yokes: the platform moves as the sine of the crank angle.
-    ScotchYoke(scotch_yoke::ScotchYokeSettings),
+    ScotchYoke(ScotchYokeSettings {}),
     /// Crank-rockers that drive screws under one platform.
-    CrankRocker(crank_rocker::CrankRockerSettings),
+    CrankRocker(CrankRockerSettings {
+        crank,
+        coupler,
+        ground
+    }),
 }
-
-pub use crank_rocker::CrankRockerSettings;
-pub use scotch_yoke::ScotchYokeSettings;
-pub use slider_crank::SliderCrankSettings;
 
 impl AnyMechanism {
     /// Placeholder for a machine that is not set up yet.

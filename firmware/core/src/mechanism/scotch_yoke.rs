@@ -16,6 +16,9 @@ use crate::units::{Amax, Turns};
 pub struct ScotchYokeSettings {}
 
 impl ScotchYokeSettings {
+    /// Settings for tests of all mechanisms, those of the middle first.
+    pub(super) const SAMPLES: &[Self] = &[Self {}];
+
     /// Accepts all settings.
     ///
     /// # Errors

@@ -26,6 +26,14 @@ pub struct SliderCrankSettings {
 }
 
 impl SliderCrankSettings {
+    /// Settings for tests of all mechanisms, those of the middle first.
+    pub(super) const SAMPLES: &[Self] = &[
+        Self { lambda: 0.3 },
+        Self { lambda: 0.1 },
+        Self { lambda: 0.25 },
+        Self { lambda: 0.6 },
+    ];
+
     /// Checks every number.
     ///
     /// # Errors

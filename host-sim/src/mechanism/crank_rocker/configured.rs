@@ -43,19 +43,4 @@ impl Configured for CrankRocker {
         };
         Self::new(linkage, unit_m)
     }
-
-    #[cfg(test)]
-    fn samples() -> Vec<CrankRockerSettings> {
-        let lengths = [
-            (0.48521, 1.54021, 1.92792),
-            (0.15, 1.0, 1.35),
-            (0.42, 1.5, 2.0),
-        ];
-        let of = |(crank, coupler, ground)| CrankRockerSettings {
-            crank,
-            coupler,
-            ground,
-        };
-        lengths.map(of).to_vec()
-    }
 }

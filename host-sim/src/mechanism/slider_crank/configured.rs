@@ -24,12 +24,6 @@ impl Configured for SliderCrank {
     fn of(settings: &SliderCrankSettings, crank_radius_m: f64) -> Self {
         Self::of_lengths(crank_radius_m, crank_radius_m / settings.lambda)
     }
-
-    #[cfg(test)]
-    fn samples() -> Vec<SliderCrankSettings> {
-        let of = |lambda| SliderCrankSettings { lambda };
-        [0.1, 0.25, 0.3, 0.6].map(of).to_vec()
-    }
 }
 
 fn lambda(machine: &Machine) -> Result<f64, SceneError> {
