@@ -57,7 +57,9 @@ impl Induction {
 }
 
 impl TorqueLaw for Induction {
-    const IS_LINEAR: bool = false;
+    fn is_linear(&self) -> bool {
+        false
+    }
 
     #[inline]
     fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64, _: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Motors, drives and sensors of one axis, with the noise of the sensors and the disturbance of a drive.
 //!
 //! Nothing here knows the machine that the axes move. All that the simulation knows of a drive beside what the core knows of it is its
-//! [`DriveModel`] and its torque law, in a file for each (`docs/recipes/add-a-drive.md`).
+//! [`DriveModel`] and its [`TorqueLaw`], in a file for each (`docs/recipes/add-a-drive.md`).
 
 mod at_crank;
 mod axis;
@@ -28,8 +28,7 @@ pub use flag::{Extra, Flag};
 pub use index::{IndexSensor, Line, Passages, Passed};
 pub use induction::Induction;
 pub use model::{DriveKey, DriveModel, check_keys};
-pub use motor::Field;
-use motor::TorqueLaw;
+pub use motor::{Field, TorqueLaw};
 pub use noise::{Sensor, Stream};
 pub use played::Played;
 pub use pull_out::PullOut;

@@ -12,9 +12,11 @@ pub struct Field {
 }
 
 /// A motor with its drive: its torque, and the figures that bound it.
-pub(super) trait TorqueLaw {
-    /// True if torque is proportional to deflection and speed error below the limit, so that linear bounds apply.
-    const IS_LINEAR: bool = true;
+pub trait TorqueLaw {
+    /// True if small torques are proportional to deflection and speed error, so that linear bounds apply.
+    fn is_linear(&self) -> bool {
+        true
+    }
 
     /// Torque on the rotor, N·m. `integral_nm` is z, and 0 if the motor has none.
     fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64, integral_nm: f64) -> f64;
@@ -62,50 +64,19 @@ macro_rules! motors {
         }
 
         impl Motor {
-            /// True if linear bounds apply to its torque.
-            pub fn is_linear(&self) -> bool {
-                match self { $(Self::$Law(_) => $Law::IS_LINEAR,)* }
-            }
-
             /// Torque on the rotor, N·m. `integral_nm` is z, and 0 if the motor has none.
-            #[inline]
+            #[inline] // the equations of motion call it in each evaluation, for each rotor
             pub fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64, integral_nm: f64) -> f64 {
                 match self { $(Self::$Law(law) => law.torque_nm(field, alpha_rad, omega_rad_s, integral_nm),)* }
             }
+        }
 
-            /// Integral time of the velocity loop, s, if there is one.
-            pub fn integral_s(&self) -> Option<f64> {
-                match self { $(Self::$Law(law) => law.integral_s(),)* }
-            }
+        /// The torque law has the other figures.
+        impl std::ops::Deref for Motor {
+            type Target = dyn TorqueLaw;
 
-            /// Limit at which the drive clamps the torque, N·m, if it has one.
-            pub fn limit_nm(&self) -> Option<f64> {
-                match self { $(Self::$Law(law) => law.limit_nm(),)* }
-            }
-
-            /// Torque per speed error, N·m·s.
-            pub fn damping_nms(&self) -> f64 {
-                match self { $(Self::$Law(law) => law.damping_nms(),)* }
-            }
-
-            /// Softest and stiffest stiffness at a speed without load, N·m/rad.
-            pub fn stiffness_nm(&self, omega_rad_s: f64) -> (f64, f64) {
-                match self { $(Self::$Law(law) => law.stiffness_nm(omega_rad_s),)* }
-            }
-
-            /// Largest stiffness over all speeds, N·m/rad.
-            pub fn stiffest_nm(&self) -> f64 {
-                match self { $(Self::$Law(law) => law.stiffest_nm(),)* }
-            }
-
-            /// Following error at constant speed without load, rad.
-            pub fn following_error_rad(&self, omega_rad_s: f64) -> f64 {
-                match self { $(Self::$Law(law) => law.following_error_rad(omega_rad_s),)* }
-            }
-
-            /// Largest torque at a speed, N·m.
-            pub fn most_nm(&self, omega_rad_s: f64) -> f64 {
-                match self { $(Self::$Law(law) => law.most_nm(omega_rad_s),)* }
+            fn deref(&self) -> &Self::Target {
+                match self { $(Self::$Law(law) => law,)* }
             }
         }
     };

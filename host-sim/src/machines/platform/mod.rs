@@ -17,7 +17,6 @@ use cophase_scene::{Scene, SceneError};
 
 use super::follower::{Follower, RunStart};
 use super::{Bounds, Duty, Machine, Moved, NoBounds};
-use crate::drives::Motor;
 use crate::dynamics::{Driven, Dynamics, RotorParts};
 use crate::mechanism::turn_search::largest_over_turn;
 use crate::mechanism::{Mechanism, Mount};
@@ -111,7 +110,8 @@ impl Machine for CranksUnderPlatform {
             return Box::new(none);
         };
         let motors = driven.motors();
-        if !motors.iter().all(Motor::is_linear) {
+        // The bounds assume motors whose torque is linear.
+        if !motors.iter().all(|motor| motor.is_linear()) {
             return Box::new(none);
         }
         let on_cranks = OnCranks {
