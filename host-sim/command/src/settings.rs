@@ -15,6 +15,7 @@ use cophase_scene::file::{AxisOverrides, Fidelity, Wiring};
 use cophase_scene::input_file::{self, Unreadable};
 use cophase_scene::{Scene, entry};
 use host_sim::checked::Checked;
+use host_sim::drives::keys_of_torque;
 use host_sim::machines;
 
 use super::output::write_file;
@@ -144,11 +145,8 @@ fn left_out(scene: &Scene) -> Vec<String> {
     let common = [
         ("fidelity", scene.fidelity != Fidelity::Auto),
         ("axes.friction_nm", axes.friction_nm != 0.0),
-        ("axes.damping_nms", axes.damping_nms != 0.0),
         ("questions", !scene.questions.is_none()),
-        ("axes.servo", axes.servo.is_some()),
         ("frame", scene.frame.is_some()),
-        ("axes.pull_out", !axes.pull_out.is_empty()),
     ];
     let apart = |axis: &AxisOverrides| {
         [
@@ -175,6 +173,7 @@ fn left_out(scene: &Scene) -> Vec<String> {
         .map(str::to_owned)
         .collect();
     keys.extend(given(&common));
+    keys.extend(keys_of_torque(axes).into_iter().map(str::to_owned));
     for (i, axis) in scene.axis.iter().enumerate() {
         let own = given(&apart(axis));
         let number = format!("axis {}", axis.number);

@@ -142,7 +142,7 @@ fn the_summary_names_the_keys_left_out() {
     };
     assert_eq!(
         left_out(BASE),
-        "machine.tilt_inertia_kgm2, axes.servo, frame, axes.pull_out, [[command]], [[input]], [[late]], [scope]."
+        "machine.tilt_inertia_kgm2, frame, axes.pull_out, axes.servo, [[command]], [[input]], [[late]], [scope]."
     );
     // First without any of these keys, then with each one alone.
     let (loop_only, _) = BASE.split_once("[[command]]").unwrap();

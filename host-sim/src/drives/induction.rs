@@ -7,6 +7,7 @@ use super::{DriveKey, DriveModel, Field, Motor, TorqueLaw};
 pub(super) const MODEL: DriveModel = DriveModel {
     keys: &[DriveKey {
         key: "axes.induction",
+        is_of_torque: true,
         is_given: |axes| axes.induction.is_some(),
         unused: "describes induction motors, and no axis here has drive = \"induction\"; leave it out",
     }],

@@ -27,7 +27,7 @@ pub use drive::AxisDrive;
 pub use flag::{Extra, Flag};
 pub use index::{IndexSensor, Line, Passages, Passed};
 pub use induction::Induction;
-pub use model::{DriveKey, DriveModel, check_keys};
+pub use model::{DriveKey, DriveModel, check_keys, keys_of_torque};
 pub use motor::{Field, TorqueLaw};
 pub use noise::{Sensor, Stream};
 pub use played::Played;

@@ -10,6 +10,8 @@ use super::{AtCrank, Motor};
 pub struct DriveKey {
     /// Path of the key.
     pub key: &'static str,
+    /// True if only the simulation uses it, where torque moves the cranks.
+    pub is_of_torque: bool,
     /// True if a scene gives it.
     pub is_given: fn(&Axes) -> bool,
     /// Problem and fix where no axis has such a drive.
@@ -36,6 +38,16 @@ impl DriveModel {
     pub fn uses(&self, key: &str) -> bool {
         self.keys.iter().any(|own| own.key == key)
     }
+}
+
+/// Returns the keys of drives that a scene gives, and that only the simulation uses.
+pub fn keys_of_torque(axes: &Axes) -> Vec<&'static str> {
+    let keys = DriveModel::ALL.iter().flat_map(|model| model.keys);
+    let given = keys.filter(|key| key.is_of_torque && (key.is_given)(axes));
+    let mut given: Vec<_> = given.map(|key| key.key).collect();
+    given.sort_unstable();
+    given.dedup();
+    given
 }
 
 /// Makes the models from the list of all drives, each with its module.

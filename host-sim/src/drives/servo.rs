@@ -6,6 +6,7 @@ use super::{DriveKey, DriveModel, Field, Motor, TorqueLaw};
 pub(super) const MODEL: DriveModel = DriveModel {
     keys: &[DriveKey {
         key: "axes.servo",
+        is_of_torque: true,
         is_given: |axes| axes.servo.is_some(),
         unused: "is the position loop of a servo, and no axis here is one; leave it out, or give drive = \"servo\" or \"pulse-servo\"",
     }],

@@ -13,16 +13,20 @@ const FULL_STEPS: f64 = 4.0;
 pub(super) const KEYS: [DriveKey; 3] = [
     DriveKey {
         key: "axes.pull_out",
+        is_of_torque: true,
         is_given: |axes| !axes.pull_out.is_empty(),
         unused: "is the torque at which a stepper loses its step, and no axis here is a stepper; leave it out",
     },
     DriveKey {
         key: "axes.damping_nms",
+        is_of_torque: true,
         is_given: |axes| axes.damping_nms != 0.0,
         unused: "is what a stepper's drive damps, and no axis here is a stepper; leave it out",
     },
     DriveKey {
         key: "axes.full_steps_per_turn",
+        // The controller names lost steps by it.
+        is_of_torque: false,
         is_given: |axes| axes.full_steps_per_turn != default_full_steps(),
         unused: "is the number of a stepper's full steps, and no axis here is a stepper; leave it out",
     },

@@ -12,6 +12,7 @@ use cophase_scene::file::CamShaft;
 use cophase_scene::{Scene, SceneError, in_range};
 
 use super::{CamShafts, cam_of, damped};
+use crate::drives::keys_of_torque;
 use crate::machines::table::{check_tilt_limit, given};
 use crate::machines::{Made, Table};
 
@@ -163,15 +164,10 @@ fn crank_radius_m(cam: &Cam) -> f64 {
 /// Refuses keys of torque, which have no effect in a scene with cams.
 fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     let axes = &scene.axes;
-    let torques = [
-        ("axes.pull_out", !axes.pull_out.is_empty()),
-        ("axes.friction_nm", axes.friction_nm != 0.0),
-        ("axes.damping_nms", axes.damping_nms != 0.0),
-        ("axes.servo", axes.servo.is_some()),
-    ];
-    match torques.iter().find(|(_, given)| *given) {
-        Some((key, _)) => Err(SceneError::at(
-            *key,
+    let friction = (axes.friction_nm != 0.0).then_some("axes.friction_nm");
+    match friction.into_iter().chain(keys_of_torque(axes)).next() {
+        Some(key) => Err(SceneError::at(
+            key,
             "concerns torque, but cams turn as commanded, and no model level of [cam] uses it; leave it out",
         )),
         None => Ok(()),
