@@ -46,10 +46,10 @@ fn unknown_keys_suggest_the_nearest_key_and_its_table() {
 #[test]
 fn unknown_values_list_the_valid_values() {
     assert_says(
-        "drive = \"stepper\"",
-        "drive = \"steper\"",
-        "axes.drive",
-        "\"steper\" is none of its values; did you mean \"stepper\"? give one of \"stepper\", \"servo\", \"pulse-servo\", \"induction\"",
+        "platform = \"above\"",
+        "platform = \"abov\"",
+        "machine.platform",
+        "\"abov\" is none of its values; did you mean \"above\"? give one of \"above\", \"below\"",
     );
     assert_says(
         "platform = \"above\"",
