@@ -105,7 +105,7 @@ fn totals_agree(checked: &Checked, run: &Run) {
 }
 
 /// If this fails, at least one of the three files has wrong steps. Each file gets its steps in a different
-/// way (the planner's counter, the edges as played, the statistics).
+/// way (the planner's counter, the edges as played, the record).
 #[test]
 fn trace_edges_and_report_count_the_same_steps() {
     for checked in [scene(GENTLE), built_in("lost-steps")] {

@@ -122,11 +122,16 @@ fn accelerations_match_the_published_values() {
         assert_within("speed, rev/s", steady.speed_hz, 7.5, 1e-8);
         assert!(steady.turns > 3.0, "{} turns", steady.turns);
         for peaks in &steady.peaks {
-            assert_within("cam side, m/s²", peaks.cam_side_mps2, cam_side, 1e-3);
-            assert_within("pusher, m/s²", peaks.pusher_mps2, pusher, 1e-3);
+            assert_within(
+                "cam side, m/s²",
+                peaks.cam_side_accel_worst_mps2,
+                cam_side,
+                1e-3,
+            );
+            assert_within("pusher, m/s²", peaks.pusher_accel_worst_mps2, pusher, 1e-3);
         }
         if law == "modified-sine" {
-            assert_within("off, mm", steady.peaks[0].off_m * 1e3, 0.246, 5e-3);
+            assert_within("off, mm", steady.peaks[0].off_law_worst_mm, 0.246, 5e-3);
         }
     }
 }
@@ -136,16 +141,26 @@ fn accelerations_match_the_published_values() {
 fn accelerations_match_with_the_damper_at_the_cam() {
     let (steady, outcome) = steady(&text("modified-sine", "cam"));
     for peaks in &steady.peaks {
-        assert_within("cam side, m/s²", peaks.cam_side_mps2, 323.45, 1e-3);
-        assert_within("pusher, m/s²", peaks.pusher_mps2, 340.58, 1e-3);
-        assert_within("off, mm", peaks.off_m * 1e3, 0.125, 5e-3);
+        assert_within(
+            "cam side, m/s²",
+            peaks.cam_side_accel_worst_mps2,
+            323.45,
+            1e-3,
+        );
+        assert_within("pusher, m/s²", peaks.pusher_accel_worst_mps2, 340.58, 1e-3);
+        assert_within("off, mm", peaks.off_law_worst_mm, 0.125, 5e-3);
     }
     // The report covers the whole run. Its peaks are those at its greatest speed.
-    for (whole, steady) in outcome.statistics.followers.iter().zip(&steady.peaks) {
+    let whole = outcome
+        .record
+        .axes
+        .iter()
+        .map(|axis| axis.follower.unwrap());
+    for (whole, steady) in whole.zip(&steady.peaks) {
         assert_within(
             "whole run, m/s²",
-            whole.pusher_mps2,
-            steady.pusher_mps2,
+            whole.pusher_accel_worst_mps2,
+            steady.pusher_accel_worst_mps2,
             1e-2,
         );
     }
@@ -159,14 +174,14 @@ fn the_kinematic_level_follows_the_law_exactly() {
     let (steady, outcome) = steady(&text);
     assert!(outcome.method.is_none());
     for peaks in &steady.peaks {
-        assert_within("pusher, m/s²", peaks.pusher_mps2, 307.04, 1e-4);
-        assert_eq!(peaks.off_m, 0.0);
+        assert_within("pusher, m/s²", peaks.pusher_accel_worst_mps2, 307.04, 1e-4);
+        assert_eq!(peaks.off_law_worst_mm, 0.0);
     }
     // The trace samples every 1.35°: within a sixth of a radian of the law's fastest wave.
     assert_within("least accel_mps2", -steady.accel.0, 307.04, 5e-3);
     assert_eq!(steady.places, (0.0, 0.084));
     // The core's own value of amax is that of the law.
-    assert_within("amax", outcome.statistics.top_amax_mps2, 307.04, 1e-4);
+    assert_within("amax", outcome.record.figures.amax_top_mps2, 307.04, 1e-4);
 }
 
 /// If this fails, methods disagree on the same follower. RK4 and SDIRK4 follow every mode. Exact discretisation errs by its input's
@@ -182,7 +197,10 @@ fn methods_agree_on_the_same_follower() {
     for name in ["rk4", "sdirk4", "velocity-verlet", "implicit-midpoint"] {
         let (other, outcome) = steady(&format!("{text}[method]\nname = \"{name}\"\n"));
         println!("{name}: {:?} {:?}", outcome.method, other.peaks[0]);
-        let (a, b) = (other.peaks[0].pusher_mps2, exact.peaks[0].pusher_mps2);
+        let (a, b) = (
+            other.peaks[0].pusher_accel_worst_mps2,
+            exact.peaks[0].pusher_accel_worst_mps2,
+        );
         assert_within(name, a, b, 5e-4);
     }
 }
@@ -202,8 +220,9 @@ fn cams_too_far_apart_are_stopped() {
     // Each of two pushers is off their mean by half the difference.
     let lawful = with(-3.8);
     assert!(lawful.fault.is_none(), "{:?}", lawful.fault);
-    assert!((lawful.statistics.worst_spread_deg - 3.8).abs() < 1e-6);
-    assert_eq!(lawful.statistics.worst_tilt_mrad, 0.0);
+    let figures = &lawful.record.figures;
+    assert!((figures.phase_spread_worst_deg.unwrap() - 3.8).abs() < 1e-6);
+    assert_eq!(figures.tilt_worst_mrad, None);
     let stopped = with(-4.2);
     let kind = stopped.fault.map(|fault| fault.kind);
     assert_eq!(kind, Some(FaultKind::HomingRangeExceeded));
@@ -217,7 +236,12 @@ fn steppers_drive_cams_as_well() {
         .replace("\"servo\"", "\"stepper\"")
         .replace("8192", "3200");
     let (steady, _) = steady(&text);
-    assert_within("pusher, m/s²", steady.peaks[0].pusher_mps2, 340.58, 1e-3);
+    assert_within(
+        "pusher, m/s²",
+        steady.peaks[0].pusher_accel_worst_mps2,
+        340.58,
+        1e-3,
+    );
 }
 
 /// If this fails, the feed-forward of a servo is that of a platform that does not exist. With a rotor of 2 g m² at the scene's

@@ -212,6 +212,6 @@ fn a_missed_deadline_causes_no_tilt_fault() {
         let late = format!("[[late]]\nat_s = {at_s}\nby_us = 550\n");
         let watched = watch(&scene(&format!("{apart}{late}")));
         assert_eq!(watched.outcome.fault, None, "missed at {at_s} s");
-        assert_eq!(watched.outcome.statistics.missed_deadlines, 1);
+        assert_eq!(watched.outcome.record.figures.missed_deadlines, 1);
     }
 }

@@ -92,7 +92,7 @@ fn equal_cranks_move_as_one_shaft() {
     // some 1e-4 turns.
     let worst = pairs.fold(0.0, f64::max);
     assert!(worst < 1e-6, "{worst} turns apart");
-    assert!(phased.outcome.statistics.worst_spread_deg < 1e-6);
+    assert!(phased.outcome.record.figures.phase_spread_worst_deg < Some(1e-6));
 }
 
 /// If this fails, a motor that is too weak lags a little more, without end, and never loses a step.
@@ -102,7 +102,8 @@ fn a_weak_motor_slips_by_whole_cycles() {
     let three = SCENE.replace("count = 4", "count = 3");
     let weak = format!("{three}[[axis]]\nnumber = 2\nfriction_nm = 6\npull_out_scale = 0.2\n");
     let run = run(&weak);
-    let slipped = &run.outcome.statistics.slipped_cycles;
+    let axes = run.outcome.record.axes.iter();
+    let slipped: Vec<_> = axes.map(|axis| axis.motor_slips).collect();
     assert!(slipped[2] < 0, "{slipped:?}");
     for axis in [0, 1] {
         assert_eq!(slipped[axis], 0, "axis {axis}");

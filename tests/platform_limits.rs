@@ -280,7 +280,7 @@ fn judged(case: &Case, checked: &Checked, seed: u64) -> Judge {
     };
     let outcome = simulate(checked, &mut judge, |_, _| {}).expect("it runs");
     assert!(outcome.fault.is_none(), "{seed}: {:?}", outcome.fault);
-    assert!(outcome.statistics.turns[0].0.abs() > 2.0, "{seed}");
+    assert!(outcome.record.axes[0].command_turns.abs() > 2.0, "{seed}");
     judge
 }
 

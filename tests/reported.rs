@@ -52,7 +52,11 @@ fn printed(checked: &Checked, run: &Run) -> String {
 #[test]
 fn motors_that_are_off_are_not_loaded() {
     let undisturbed = run(&checked("quasi-static", ""));
-    let used = |run: &Run| run.outcome.statistics.torque_used[0].expect("torques are compared");
+    let used = |run: &Run| {
+        let axis = &run.outcome.record.axes[0];
+        let used = axis.pull_out_used.expect("torques are compared");
+        (used, axis.pull_out_used_at_hz)
+    };
     let (most, _) = used(&undisturbed);
     let cut = checked(
         "quasi-static",
@@ -77,13 +81,7 @@ fn motors_that_are_off_are_not_loaded() {
                  [[command]]\nat_s = 4.2\ndo = \"start\"\n";
     let again = run(&checked("quasi-static", again));
     let starts = |event: &&Event| matches!(event.what, EventKind::Running { .. });
-    let runs = again
-        .outcome
-        .statistics
-        .events
-        .iter()
-        .filter(starts)
-        .count();
+    let runs = again.outcome.record.events.iter().filter(starts).count();
     assert_eq!(runs, 2, "{}", again.report["events"]);
     assert!(
         used(&again).0 <= 1.001 * most,

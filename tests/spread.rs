@@ -68,7 +68,7 @@ fn run(text: &str) -> Steady {
     let mut steady = Steady::default();
     let outcome = simulate(&scene(text), &mut steady, |_, _| {}).unwrap();
     assert_eq!((outcome.fault, outcome.diverged.as_deref()), (None, None));
-    let top_hz = outcome.statistics.top_speed_hz;
+    let top_hz = outcome.record.figures.speed_top_hz;
     assert!((top_hz - 60.0).abs() < 0.1, "{top_hz} rev/s");
     assert!(f64::from(steady.ticks) > 0.9 * 2000.0 * steady_s());
     steady

@@ -125,7 +125,7 @@ impl Run {
     /// Latched fault, with its most exact name.
     #[track_caller]
     fn kind(&self) -> FaultKind {
-        let events = self.outcome.statistics.events.iter();
+        let events = self.outcome.record.events.iter();
         let mut latched = events.filter_map(|event| match event.what {
             EventKind::Fault { fault, .. } => Some(fault.kind),
             _ => None,
@@ -149,7 +149,7 @@ impl Run {
     }
 
     fn reports(&self, kind: FaultKind) -> bool {
-        let mut events = self.outcome.statistics.events.iter();
+        let mut events = self.outcome.record.events.iter();
         events.any(|event| matches!(event.what, EventKind::Reported(fault) if fault.kind == kind))
     }
 
@@ -186,9 +186,9 @@ fn category_2_holds_and_the_platform_tilts_no_further() {
                 "it holds as long as nothing else happens"
             );
             assert!(held.says("the drives hold them"));
-            let hold = &held.outcome.statistics.fault_hold;
-            assert_eq!(hold.at_stop_mrad, Some(at_stop_mrad));
-            assert_eq!(hold.worst_mrad, after_mrad);
+            let figures = &held.outcome.record.figures;
+            assert_eq!(figures.tilt_at_stop_mrad, Some(at_stop_mrad));
+            assert_eq!(figures.tilt_worst_held_mrad, Some(after_mrad));
         }
     }
 }
@@ -331,9 +331,9 @@ fn index_pulses_disable_a_parked_runaway_within_two_turns() {
     let checked = scene(&(text + "\n" + &happens + &runaway));
     let outcome = simulate(&checked, &mut (), |_, _| {}).expect("a machine");
     let reported = |event: &Event| matches!(&event.what, EventKind::Fault { fault, .. } if fault.kind == FaultKind::Runaway);
-    assert!(outcome.statistics.events.iter().any(reported));
-    let (command, actual) = outcome.statistics.turns[1];
-    let travel = actual - command;
+    assert!(outcome.record.events.iter().any(reported));
+    let axis = &outcome.record.axes[1];
+    let travel = axis.actual_turns.unwrap() - axis.command_turns;
     assert!((1.0..2.01).contains(&travel), "{travel} turns");
 }
 

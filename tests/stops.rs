@@ -215,7 +215,7 @@ fn a_start_that_comes_in_a_stop_is_reported_with_what_to_do() {
         scripted(&(command(0.0, "start") + &command(stop_s, "stop") + &command(start_s, "start")));
     assert_eq!(watched.at(start_s).state, Stop);
     assert_eq!(watched.states(), [Homing, Run, Stop, Parked]);
-    let events = cophase_files::report::notable(&watched.outcome.statistics.events);
+    let events = cophase_files::report::notable(&watched.outcome.record.events);
     let mut said = events
         .iter()
         .map(|event| (event.t_s, cophase_files::report::describe(&event.what)))

@@ -155,7 +155,7 @@ fn run(checked: Checked) -> Work {
     }
     Box::new(move || {
         let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
-        outcome.ticks
+        outcome.record.control_ticks
     })
 }
 

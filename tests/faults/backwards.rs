@@ -64,7 +64,7 @@ fn a_reversed_crank_is_reported_and_its_drive_disabled() {
                 let samples = observe(&scene(&text(level, drive, speed_hz)));
                 let faults: Vec<_> = samples
                     .outcome
-                    .statistics
+                    .record
                     .events
                     .iter()
                     .filter_map(|event| match event.what {

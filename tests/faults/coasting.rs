@@ -53,9 +53,13 @@ fn a_run_continues_until_coasting_cranks_stand_still() {
     );
     assert!(at_last.abs() * 360.0 < 0.36, "{at_last}");
     // A motor that is off does not slip.
-    assert_eq!(samples.outcome.statistics.slipped_cycles, [0; 3]);
-    let coast = &samples.outcome.statistics.coast;
-    assert!(!coast.is_on() && coast.turned_s > 0.1, "{}", coast.turned_s);
+    let record = &samples.outcome.record;
+    assert!(record.axes.iter().all(|axis| axis.motor_slips == 0));
+    let coasted_s = record.figures.coasted_s;
+    assert!(
+        !record.is_coasting && coasted_s > Some(0.1),
+        "{coasted_s:?}"
+    );
 }
 
 /// If this fails, a machine without friction runs without end, or a run that is cut off does not say so. Its last tilt is then
@@ -106,7 +110,7 @@ fn tilts_with_drives_on_and_off_are_reported_separately() {
         assert!(run.report.get("coasted_s").is_none());
     }
     let stands = observe(&cut(KINEMATIC, 0.05));
-    assert_eq!(stands.outcome.statistics.coast.turned_s, 0.0);
+    assert_eq!(stands.outcome.record.figures.coasted_s, None);
     let off = stands.ticks.iter().filter(|sample| !sample.enabled).count() as f64 * TICK_S;
     assert!(off < 0.1, "{off}");
 }

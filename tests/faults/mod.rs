@@ -73,7 +73,7 @@ fn with(text: &str, fault: &str) -> Samples {
 
 /// Returns the tick of the first event that `is` selects. The event was detected at the tick's beginning.
 fn event_tick(samples: &Samples, is: fn(&EventKind) -> bool) -> Option<u64> {
-    let mut events = samples.outcome.statistics.events.iter();
+    let mut events = samples.outcome.record.events.iter();
     let event = events.find(|event| is(&event.what))?;
     Some((event.t_s / TICK_S).round() as u64)
 }
@@ -92,7 +92,7 @@ fn latched_in(samples: &Samples) -> Option<u64> {
 
 /// Returns true if the loop latched a fault that can be reported to it at once.
 fn latched(samples: &Samples, kind: FaultKind) -> bool {
-    let mut events = samples.outcome.statistics.events.iter();
+    let mut events = samples.outcome.record.events.iter();
     let first = events.find_map(|event| match event.what {
         EventKind::Fault { fault, .. } => Some(fault.kind),
         _ => None,

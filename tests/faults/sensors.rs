@@ -109,7 +109,7 @@ fn alarms_and_inputs_are_on_while_they_last() {
 fn an_overrun_misses_its_deadlines() {
     for count in [1, 3] {
         let samples = with(KINEMATIC, &format!("kind = \"overrun\"\ncount = {count}\n"));
-        assert_eq!(samples.outcome.statistics.missed_deadlines, count);
+        assert_eq!(samples.outcome.record.figures.missed_deadlines, count);
         assert_eq!(latched(&samples, FaultKind::Overrun), count == 3);
     }
 }

@@ -25,7 +25,7 @@ fn events(stop_s: f64) -> Vec<EventKind> {
     let checked = Checked::new(load::parse(&text).unwrap()).unwrap();
     let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
     assert!(outcome.fault.is_none(), "{stop_s}");
-    let events = outcome.statistics.events.into_iter();
+    let events = outcome.record.events.into_iter();
     events.map(|event| event.what).collect()
 }
 

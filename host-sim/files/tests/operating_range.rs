@@ -36,7 +36,9 @@ fn required_torque_is_the_peak_of_a_run_at_that_speed() {
         let checked = level(amax_g, "");
         let range = range(&checked);
         let outcome = simulate(&checked, &mut (), |_, _| {}).expect("it runs");
-        let (used, _) = outcome.statistics.torque_used[axis].expect("torques are compared");
+        let used = outcome.record.axes[axis]
+            .pull_out_used
+            .expect("torques are compared");
         let available_nm = range.available_nm(axis, range.top_hz).expect("a curve");
         assert_eq!(available_nm, 200.0);
         let peak_nm = used * available_nm;

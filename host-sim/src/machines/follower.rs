@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use cophase_methods::{Scheme, StepError};
 use cophase_scene::file::Fidelity;
+use serde::Serialize;
 
 use crate::drives::SimulatedAxis;
 use crate::dynamics::Chosen;
@@ -121,18 +122,18 @@ pub struct Pusher {
     pub accel_mps2: f64,
 }
 
-/// Peak values of an axis's own part.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Peak values of an axis's own part, under their names in `report.json`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Peaks {
-    /// Largest deviation of the pusher from its law, m.
-    pub off_m: f64,
+    /// Largest deviation of the pusher from its law, mm.
+    pub off_law_worst_mm: f64,
     /// Largest acceleration of the pusher, m/s².
-    pub pusher_mps2: f64,
+    pub pusher_accel_worst_mps2: f64,
     /// Largest acceleration of the mass next to the cam, m/s²; for a pusher without a cam, that of
     /// its law.
-    pub cam_side_mps2: f64,
+    pub cam_side_accel_worst_mps2: f64,
     /// Largest deviation of the pusher's acceleration from that of its law, m/s².
-    pub off_mps2: f64,
+    pub off_law_accel_worst_mps2: f64,
 }
 
 impl Peaks {
@@ -140,10 +141,16 @@ impl Peaks {
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
-            off_m: self.off_m.max(other.off_m),
-            pusher_mps2: self.pusher_mps2.max(other.pusher_mps2),
-            cam_side_mps2: self.cam_side_mps2.max(other.cam_side_mps2),
-            off_mps2: self.off_mps2.max(other.off_mps2),
+            off_law_worst_mm: self.off_law_worst_mm.max(other.off_law_worst_mm),
+            pusher_accel_worst_mps2: self
+                .pusher_accel_worst_mps2
+                .max(other.pusher_accel_worst_mps2),
+            cam_side_accel_worst_mps2: self
+                .cam_side_accel_worst_mps2
+                .max(other.cam_side_accel_worst_mps2),
+            off_law_accel_worst_mps2: self
+                .off_law_accel_worst_mps2
+                .max(other.off_law_accel_worst_mps2),
         }
     }
 }

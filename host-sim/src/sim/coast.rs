@@ -5,6 +5,8 @@
 
 use super::Moment;
 use super::places::Places;
+use super::record::RunRecord;
+use super::recorder::raise;
 use crate::checked::Checked;
 
 /// Time after which a crank that stays at one position ([`Places`]) counts as standing, s.
@@ -13,12 +15,6 @@ pub(super) const STANDS_S: f64 = 0.05;
 /// Monitor of cranks whose drives are switched off.
 #[derive(Clone, Debug, Default)]
 pub struct Coast {
-    /// Largest tilt of the platform with the drives off, after they had been on, mrad; none if they stayed on.
-    pub worst_tilt_mrad: Option<f64>,
-    /// Longest time for which cranks coasted after their drives were switched off, s.
-    pub turned_s: f64,
-    /// End of the last tick in which a crank moved without its drive, s since power-up; none if all stood.
-    pub moved_until_s: Option<f64>,
     tick_s: f64,
     were_on: bool,
     places: Places,
@@ -37,7 +33,7 @@ impl Coast {
     }
 
     /// Takes in one tick.
-    pub fn tick(&mut self, moment: &Moment<'_>) {
+    pub fn tick(&mut self, moment: &Moment<'_>, record: &mut RunRecord) {
         if moment.drives_enabled {
             self.were_on = true;
             self.off_ticks = 0;
@@ -45,14 +41,17 @@ impl Coast {
             return;
         }
         if self.were_on {
-            self.off(moment);
+            self.off(moment, record);
         }
     }
 
     #[cold]
-    fn off(&mut self, moment: &Moment<'_>) {
-        let worst_mrad = self.worst_tilt_mrad.unwrap_or(0.0);
-        self.worst_tilt_mrad = Some(worst_mrad.max(moment.tilt_mrad()));
+    fn off(&mut self, moment: &Moment<'_>, record: &mut RunRecord) {
+        let figures = &mut record.figures;
+        if figures.has_platform() {
+            let tilt_worst_mrad = figures.tilt_worst_off_mrad.get_or_insert(0.0);
+            raise(tilt_worst_mrad, moment.tilt_mrad());
+        }
         if moment.machine.rotors().is_none() {
             return;
         }
@@ -62,8 +61,9 @@ impl Coast {
         self.off_ticks += 1;
         if self.places.take(moment.actual_turns) {
             self.moved = Some(self.off_ticks);
-            self.moved_until_s = Some(moment.end_ns as f64 * 1e-9);
-            self.turned_s = self.turned_s.max(self.off_ticks as f64 * self.tick_s);
+            record.moved_until_s = Some(moment.end_ns as f64 * 1e-9);
+            let coasted_s = figures.coasted_s.get_or_insert(0.0);
+            raise(coasted_s, self.off_ticks as f64 * self.tick_s);
             return;
         }
         // A crank without friction may turn more slowly than counts as motion. Over a long time that is no motion either.

@@ -142,11 +142,11 @@ mod tests {
     fn the_end_of_a_run_ends_a_correction() {
         let checked = Checked::new(library::find("coupling-slip").unwrap().scene()).unwrap();
         let whole = simulate(&checked, &mut (), |_, _| {}).unwrap();
-        let (t_s, in_s) = corrections(&whole.statistics.events)[0];
+        let (t_s, in_s) = corrections(&whole.record.events)[0];
         let ticks = (t_s + in_s) * f64::from(checked.scene.control.tick_hz);
         let cut = simulate_first(ticks as u64, &checked, &mut (), |_, _| {}).unwrap();
         assert_eq!(cut.state, State::Run);
-        let [(cut_s, _)] = corrections(&cut.statistics.events)[..] else {
+        let [(cut_s, _)] = corrections(&cut.record.events)[..] else {
             panic!("no correction, or more than one");
         };
         assert_eq!(cut_s, t_s);

@@ -3,6 +3,7 @@
 use cophase_core::supervisor::{Command, Fault, RefusedCommand, State};
 use cophase_core::units::PerAxis;
 use cophase_scene::file::{FaultAt, InputLine};
+use serde::Serialize;
 
 /// Event at a time.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,12 +102,15 @@ pub enum EventKind {
 }
 
 /// Cause of a stop of the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum StoppedBy {
     /// The program ended.
+    #[serde(rename = "program end")]
     ProgramEnd,
     /// A command, or the stop input.
+    #[serde(rename = "request")]
     Request,
     /// A fault.
+    #[serde(rename = "fault")]
     Fault,
 }

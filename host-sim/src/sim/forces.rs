@@ -2,39 +2,30 @@
 
 use cophase_core::supervisor::State;
 
-use super::statistics::{FramePeaks, raise};
-use super::{Moment, Observer};
+use super::Moment;
+use super::record::{FramePeaks, RunRecord};
+use super::recorder::raise;
 
-/// Largest forces and accelerations of a run. A run without this observer does not compute them.
-#[derive(Clone, Debug, Default)]
-pub struct PeakForces {
-    /// See [`super::Statistics::worst_torque_nm`].
-    pub worst_torque_nm: Vec<f64>,
-    /// See [`super::Statistics::worst_accel_mps2`].
-    pub worst_accel_mps2: f64,
-    /// See [`super::Statistics::frame`].
-    pub frame: Option<FramePeaks>,
-}
-
-impl Observer for PeakForces {
-    fn tick(&mut self, moment: &Moment<'_>) {
-        let machine = moment.machine;
-        if let Some(torques) = machine.torques_nm() {
-            self.worst_torque_nm.resize(torques.len(), 0.0);
-            for (i, worst) in self.worst_torque_nm.iter_mut().enumerate() {
-                raise(worst, machine.motor_torque_nm(i).unwrap_or(0.0).abs());
-            }
-            if moment.drives_enabled && moment.telemetry.state == State::Run {
-                raise(&mut self.worst_accel_mps2, moment.pose().accel_mps2.abs());
-            }
+/// Takes in the largest forces and accelerations of one tick.
+pub(super) fn record_forces(moment: &Moment<'_>, record: &mut RunRecord) {
+    let machine = moment.machine;
+    let figures = &mut record.figures;
+    if machine.torques_nm().is_some() {
+        for (i, axis) in record.axes.iter_mut().enumerate() {
+            let torque_nm = machine.motor_torque_nm(i).unwrap_or(0.0).abs();
+            raise(axis.torque_worst_nm.get_or_insert(0.0), torque_nm);
         }
-        if let Some(frame) = machine.frame() {
-            let peaks = self.frame.get_or_insert(FramePeaks {
-                sag_um: machine.sag_um(),
-                ..FramePeaks::default()
-            });
-            raise(&mut peaks.worst_ground_n, frame.ground_n.abs());
-            raise(&mut peaks.worst_um, machine.frame_um(&frame));
+        let accel_worst_mps2 = figures.accel_worst_mps2.get_or_insert(0.0);
+        if moment.drives_enabled && moment.telemetry.state == State::Run {
+            raise(accel_worst_mps2, moment.pose().accel_mps2.abs());
         }
+    }
+    if let Some(frame) = machine.frame() {
+        let peaks = figures.frame.get_or_insert(FramePeaks {
+            sag_um: machine.sag_um(),
+            ..FramePeaks::default()
+        });
+        raise(&mut peaks.ground_force_worst_n, frame.ground_n.abs());
+        raise(&mut peaks.displacement_worst_um, machine.frame_um(&frame));
     }
 }

@@ -4,15 +4,11 @@ use cophase_core::supervisor::State;
 
 use super::Moment;
 use super::places::Places;
+use super::record::Figures;
 
 /// Monitor of a platform that the drives hold in the fault state.
 #[derive(Clone, Debug, Default)]
 pub struct FaultHold {
-    /// Tilt when the stop ended and the hold began, mrad; none if the drives never held. If there were several
-    /// stops, that of the last one.
-    pub at_stop_mrad: Option<f64>,
-    /// Largest tilt during the hold, mrad.
-    pub worst_mrad: f64,
     /// True if the drives hold now.
     is_on: bool,
     places: Places,
@@ -22,25 +18,27 @@ pub struct FaultHold {
 
 impl FaultHold {
     /// Takes in one tick. Returns true if drives that held after a fault have just been switched off.
-    pub fn tick(&mut self, moment: &Moment<'_>) -> bool {
+    pub fn tick(&mut self, moment: &Moment<'_>, figures: &mut Figures) -> bool {
         let is_fault = moment.telemetry.state == State::Fault;
         let was_on = std::mem::replace(&mut self.is_on, is_fault && moment.drives_enabled);
         if self.is_on {
-            self.hold(moment, was_on);
+            self.hold(moment, was_on, figures);
         }
         was_on && is_fault && !self.is_on
     }
 
     #[cold]
-    fn hold(&mut self, moment: &Moment<'_>, was_on: bool) {
+    fn hold(&mut self, moment: &Moment<'_>, was_on: bool, figures: &mut Figures) {
         let tilt_mrad = moment.tilt_mrad();
         if !was_on {
-            self.at_stop_mrad = Some(tilt_mrad);
-            self.worst_mrad = tilt_mrad;
+            figures.tilt_at_stop_mrad = Some(tilt_mrad).filter(|_| figures.has_platform());
+            figures.tilt_worst_held_mrad = figures.tilt_at_stop_mrad;
             self.places = Places::at(moment.actual_turns);
             self.still_ticks = 0;
         }
-        self.worst_mrad = self.worst_mrad.max(tilt_mrad);
+        if let Some(worst_mrad) = &mut figures.tilt_worst_held_mrad {
+            *worst_mrad = worst_mrad.max(tilt_mrad);
+        }
         self.still_ticks += 1;
         if self.places.take(moment.actual_turns) {
             self.still_ticks = 0;

@@ -20,7 +20,7 @@ use super::coast::STANDS_S;
 use super::moment::{Moment, Observer};
 use super::outcome::Outcome;
 use super::schedule::Schedule;
-use super::statistics::Statistics;
+use super::truth::TruthRecorder;
 use super::unwrapped::Unwrapped;
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
@@ -53,7 +53,7 @@ pub struct SimulatedIo {
     sensed_us: u64,
     schedule: Schedule,
     faults: Faults,
-    statistics: Statistics,
+    recorder: TruthRecorder,
     /// Boxed, because an output has kilobytes of room for runs, and is passed on every tick.
     waiting: VecDeque<Box<Waiting>>,
     /// Played outputs, kept to reuse their memory.
@@ -107,7 +107,7 @@ impl SimulatedIo {
             tick_hz,
             now: Now::new(machine.axes.len()),
             sensors: machine.sensors(checked),
-            statistics: Statistics::new(checked),
+            recorder: TruthRecorder::new(checked),
             machine,
             awake: u8::MAX,
             read_us: 0,
@@ -130,6 +130,11 @@ impl SimulatedIo {
             pause_us: u64::MAX,
             is_over: false,
         })
+    }
+
+    /// Makes the recorder record forces.
+    pub fn record_forces(&mut self) {
+        self.recorder.records_forces = true;
     }
 
     /// Makes the loop pause before the first deadline that is not before `pause_us`, µs. Returns the next deadline, µs, if the loop has to
@@ -156,19 +161,18 @@ impl SimulatedIo {
     pub fn finish(self) -> Outcome {
         // Cranks that no drive holds may accelerate beyond the speed limit of the machine. That ends the run, but is not a divergence of
         // the equations.
-        let let_go = self.quiet > self.tail_ticks && self.statistics.coast.is_on();
+        let let_go = self.quiet > self.tail_ticks && self.recorder.coast.is_on();
         let broken = self.machine.broken().filter(|_| !let_go);
-        let mut statistics = self.statistics;
         let last = self.last.as_ref().map(|last| &last.telemetry);
-        statistics.finish(&self.machine, last, &self.now.command_turns);
         Outcome {
             method: self.machine.method(),
             diverged: broken.map(|error| error.to_string()),
             state: last.map_or(self.state, |last| last.state),
             fault: self.fault,
-            ticks: self.played,
             tick_hz: self.tick_hz,
-            statistics,
+            record: self
+                .recorder
+                .finish(&self.machine, self.played, last, &self.now.command_turns),
         }
     }
 
@@ -285,14 +289,14 @@ impl SimulatedIo {
         self.played += 1;
         // Only played ticks count. The run may end before the next tick, and then no later tick shows a fault that latched in this one.
         self.fault = self.fault.or(telemetry.fault);
-        self.statistics.tick(&moment);
+        self.recorder.tick(&moment);
         observer.tick(&moment);
     }
 
     /// True if nothing has happened for long enough, and nothing moves any more.
     fn is_at_rest(&self) -> bool {
-        let statistics = &self.statistics;
-        let moves = statistics.coast.is_on() || statistics.fault_hold.moves(self.tail_ticks);
+        let recorder = &self.recorder;
+        let moves = recorder.coast.is_on() || recorder.fault_hold.moves(self.tail_ticks);
         self.quiet > self.tail_ticks && (!moves || self.quiet > ticks_in(MOST_TAIL_S, self.tick_hz))
     }
 
@@ -300,7 +304,7 @@ impl SimulatedIo {
     fn take_note(&mut self, at_us: u64) {
         for fault in self.faults.new_faults() {
             let t_s = at_us as f64 / TICKS_PER_S as f64;
-            self.statistics.injected(t_s, fault);
+            self.recorder.injected(t_s, fault);
         }
     }
 
@@ -325,12 +329,12 @@ impl SimulatedIo {
         }
         let now_s = now as f64 / TICKS_PER_S as f64;
         while let Some(input) = self.schedule.input(now) {
-            self.statistics.input(now_s, input.line, input.active);
+            self.recorder.input(now_s, input.line, input.active);
         }
         let command = self.schedule.command(now);
         // A start at the beginning of the scene is not an event.
         if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
-            self.statistics.commanded(now_s, command);
+            self.recorder.commanded(now_s, command);
         }
         let alarm = |i| {
             let axis: Option<&SimulatedAxis> = self.machine.axes.get(i);

@@ -3,27 +3,29 @@
 //! [`simulate`] sets up the loop and the machine. A simulated `Io` connects them, and an [`Observer`] receives each
 //! tick. An observer never changes the run.
 
-pub mod coast;
+mod coast;
 mod corrections;
 pub mod event_watch;
 pub mod events;
 mod forces;
-pub mod hold;
+mod hold;
 mod io;
 mod moment;
 mod off_command;
 mod outcome;
 mod places;
+pub mod record;
+mod recorder;
 pub(crate) mod schedule;
 mod simulation;
-pub mod statistics;
+mod truth;
 pub(crate) mod unwrapped;
 
-use forces::PeakForces;
 pub use moment::{Moment, Observer};
 pub use outcome::Outcome;
+pub use record::RunRecord;
+pub use recorder::RunRecorder;
 pub use simulation::Simulation;
-pub use statistics::Statistics;
 
 use crate::checked::Checked;
 use crate::virtual_time;
@@ -68,11 +70,9 @@ pub fn simulate_first(
     mut progress: impl FnMut(u64, u64),
 ) -> Result<Outcome, SceneError> {
     let mut simulation = Simulation::new(ticks, checked)?;
-    let mut forces = PeakForces::default();
-    simulation.run_with(&mut (&mut forces, observer), &mut progress);
-    let mut outcome = simulation.finish();
-    outcome.statistics.take(forces);
-    Ok(outcome)
+    simulation.record_forces();
+    simulation.run_with(observer, &mut progress);
+    Ok(simulation.finish())
 }
 
 /// Control ticks that a run of a scene is expected to take: its program, homing, parking, and external events.

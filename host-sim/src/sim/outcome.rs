@@ -3,7 +3,7 @@
 use cophase_core::supervisor::{Fault, State};
 use cophase_methods::Scheme;
 
-use super::statistics::Statistics;
+use super::record::RunRecord;
 
 /// Outcome of a run.
 #[derive(Clone, Debug)]
@@ -12,12 +12,10 @@ pub struct Outcome {
     pub state: State,
     /// Fault that latched, if one did at any time.
     pub fault: Option<Fault>,
-    /// Control ticks simulated.
-    pub ticks: u64,
     /// Control ticks per second.
     pub tick_hz: u32,
-    /// Statistics of the run.
-    pub statistics: Statistics,
+    /// Record of the run.
+    pub record: RunRecord,
     /// Integration method of the machine and its steps per tick; none if nothing was integrated.
     pub method: Option<(Scheme, u32)>,
     /// Reason, in a sentence, why the simulated machine could not be advanced further. Its equations failed, not the loop.
@@ -28,13 +26,13 @@ impl Outcome {
     /// Axes that slipped, stood, or ended off their commands, in a run in which the controller reported nothing. It then assumes them in
     /// place, and they are not.
     pub fn lost_unnoticed(&self) -> impl Iterator<Item = usize> {
-        let statistics = &self.statistics;
-        let is_noticed = self.fault.is_some() || statistics.reported > 0;
-        (0..statistics.slipped_cycles.len()).filter(move |&i| {
-            let slipped = statistics.cycles_off(i) != 0;
-            let is_off = statistics.off_command_turns[i] != 0.0;
-            (slipped || is_off || statistics.stood[i]) && !is_noticed
+        let is_noticed = self.fault.is_some() || self.record.reported > 0;
+        let axes = self.record.axes.iter().enumerate();
+        axes.filter(move |(_, axis)| {
+            let slipped = axis.slipped_cycles.is_some_and(|cycles| cycles != 0);
+            (slipped || axis.off_command_turns != 0.0 || axis.stood) && !is_noticed
         })
+        .map(|(i, _)| i)
     }
 
     /// True if the run did not end as it should: by a fault, with shafts that the controller lost unnoticed, or with a machine that
@@ -45,6 +43,6 @@ impl Outcome {
 
     /// Simulated time, s.
     pub fn simulated_s(&self) -> f64 {
-        self.ticks as f64 / f64::from(self.tick_hz)
+        self.record.control_ticks as f64 / f64::from(self.tick_hz)
     }
 }

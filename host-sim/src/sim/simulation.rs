@@ -37,6 +37,11 @@ impl Simulation {
         })
     }
 
+    /// Makes the simulation record the torques of the motors and their effects, which have to be computed for it.
+    pub fn record_forces(&mut self) {
+        self.io.record_forces();
+    }
+
     /// Runs the scene to its end.
     pub fn run(&mut self, observer: &mut dyn Observer) {
         self.run_to(u64::MAX, observer, &mut |_, _| {});
@@ -199,8 +204,8 @@ mod tests {
             assert_eq!(first, None, "{} {fidelity:?} {kind:?}", scene.name);
             assert_eq!(alone.0.len(), before + copied.0.len());
             let copied = copy.finish();
-            assert_eq!(outcome.statistics.events, copied.statistics.events);
-            assert_eq!(outcome.ticks, copied.ticks);
+            assert_eq!(outcome.record.events, copied.record.events);
+            assert_eq!(outcome.record.control_ticks, copied.record.control_ticks);
 
             let mut alone = Ticks::default();
             start(&clean).run(&mut alone);

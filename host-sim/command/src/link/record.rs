@@ -5,7 +5,7 @@ use std::io::Write;
 use clap::ValueEnum;
 use cophase_core::settings::Settings;
 use cophase_files::record::{Recorded, Recording, Stream};
-use cophase_files::report::{Frames, RecordedReport, recorded_summary};
+use cophase_files::report::{Frames, Report, mark, recorded_summary};
 use cophase_files::trace::{Format, RunFiles, Window};
 use cophase_link::board::{Board, Rp2040};
 use cophase_link::decode;
@@ -147,16 +147,17 @@ pub(super) fn record(
         Err(problem) => return Err(problem),
     };
     let frames = link.frames();
-    let recorded = session.finish().map_err(input)?;
+    let mut recorded = session.finish(&counters).map_err(input)?;
+    let record = &recorded.record;
+    mark(&mut recorded.scope, record, &record.events);
     let frames = Frames {
         damaged: frames.bad,
         missing: frames.missing,
     };
-    let written = RecordedReport::new(
+    let written = Report::of_recording(
         identity,
         &settings.axes,
         &recorded,
-        &counters,
         frames,
         lost_line.as_deref(),
     );
@@ -181,7 +182,7 @@ pub(super) fn record(
         )?;
         out.write_all(removed_line(&removed).as_bytes())?;
     }
-    let went_wrong = recorded.totals.has_fault || lost_line.is_some();
+    let went_wrong = recorded.has_fault() || lost_line.is_some();
     Ok(if went_wrong {
         Status::Fault
     } else {
@@ -210,7 +211,7 @@ fn settings(link: &mut Connection, identity: &Identity) -> Result<Settings, Link
 fn write_page(
     report: &mut impl Write,
     svg: &mut impl Write,
-    written: &RecordedReport<'_>,
+    written: &Report<'_>,
     recorded: &Recorded,
 ) -> std::io::Result<()> {
     serde_json::to_writer_pretty(&mut *report, written)?;

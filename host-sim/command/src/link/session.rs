@@ -163,8 +163,8 @@ impl<W: Write + Seek + 'static> Session<W> {
         Ok(link.counters()?)
     }
 
-    /// Ends the recording with the events up to its last sample.
-    pub(super) fn finish(self) -> Result<Recorded, String> {
+    /// Ends the recording with the events up to its last sample, and the counters of the controller.
+    pub(super) fn finish(self, counters: &Counters) -> Result<Recorded, String> {
         // Events after the last sample are not part of the recording.
         let last = self.recording.last().map(|sample| sample.tick);
         let events: Vec<_> = self
@@ -172,7 +172,9 @@ impl<W: Write + Seek + 'static> Session<W> {
             .into_iter()
             .filter(|event| last.is_some_and(|last| event.tick <= last))
             .collect();
-        self.recording.finish(&events).map_err(|e| e.to_string())
+        self.recording
+            .finish(&events, counters)
+            .map_err(|e| e.to_string())
     }
 }
 

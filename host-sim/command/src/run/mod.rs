@@ -1,7 +1,6 @@
 //! `cophase run`: runs a scene, writes its files, and prints a page of text.
 
 mod live;
-mod page;
 mod progress;
 mod values;
 
@@ -11,7 +10,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use live::Live;
-use page::mark;
 use progress::progress_bar;
 pub(crate) use values::window;
 use values::{formats, receiver, speed};
@@ -170,13 +168,11 @@ pub(super) fn run(
 
 /// Returns the name of a file of the trace, with its content in brackets.
 fn described(format: Format, written: Written) -> String {
-    let shows = match (format.has_edges(), written.every) {
-        (true, _) => format!(
-            "{:.3} to {:.3} s; --window shows others",
-            written.window_from_s, written.window_to_s
-        ),
-        (false, 1) => "a row every tick".to_owned(),
-        (false, every) => format!("a row every {every} ticks"),
+    let window_s = written.window_from_s.zip(written.window_to_s);
+    let shows = match (window_s.filter(|_| format.has_edges()), written.every) {
+        (Some((from_s, to_s)), _) => format!("{from_s:.3} to {to_s:.3} s; --window shows others"),
+        (None, 1) => "a row every tick".to_owned(),
+        (None, every) => format!("a row every {every} ticks"),
     };
     format!("{} ({shows})", format.file_name())
 }
@@ -228,7 +224,7 @@ fn record(
     // first injected fault. The scene is then run again, with the window of edges at the right time.
     let never_began = !is_requested && window != Window::FirstMotion && written.is_empty();
     let by_itself = window == Window::FirstMotion && checked.scene.fault.is_empty();
-    let effect_s = outcome.statistics.first_effect_s();
+    let effect_s = outcome.record.first_effect_s();
     let has_edges = args.files().any(Format::has_edges);
     let other = match effect_s.filter(|_| by_itself || never_began) {
         Some(at_s) => Some(Window::around(at_s)),
@@ -378,7 +374,11 @@ fn record_window(
     let (_, (recorder, answers)) = observers;
     let checked = fidelity::answered(checked, &answers.unwrap_or_default());
     let (written, mut scope) = recorder.finish().map_err(|e| place(&e))?;
-    mark(&mut scope, &outcome);
+    report::mark(
+        &mut scope,
+        &outcome.record,
+        report::notable(&outcome.record.events),
+    );
     svg.write_all(scope.render().as_bytes())
         .and_then(|()| svg.flush())
         .map_err(|e| place(&e))?;

@@ -2,19 +2,26 @@
 
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_lab::chart::breakdown::{overload, pull_out, rods, runs};
+use host_sim::sim::Outcome;
 use host_sim::sim::events::EventKind;
 
 use super::failed;
+
+/// Returns the electrical cycles that each motor slipped.
+fn slips(outcome: &Outcome) -> Vec<i64> {
+    let axes = outcome.record.axes.iter();
+    axes.map(|axis| axis.motor_slips).collect()
+}
 
 /// If this fails, a motor that is too weak does not slip, or its slip is detected late or never.
 #[test]
 fn the_slip_of_a_weak_motor_is_detected() {
     let strong = pull_out::measure(1.0).unwrap().outcome;
-    assert_eq!(strong.statistics.slipped_cycles, [0, 0, 0]);
+    assert_eq!(slips(&strong), [0, 0, 0]);
     assert_eq!((strong.state, strong.fault), (State::Parked, None));
 
     let weak = pull_out::measure(pull_out::WEAK).unwrap();
-    let slipped = &weak.outcome.statistics.slipped_cycles;
+    let slipped = slips(&weak.outcome);
     assert!(slipped[pull_out::WEAK_AXIS] < 0, "{slipped:?}");
     let slip_s = runs::first_slip_s(&weak.outcome).expect("it slips");
     let fault = weak.outcome.fault.expect("the drift monitor sees it");
@@ -23,7 +30,7 @@ fn the_slip_of_a_weak_motor_is_detected() {
     assert_eq!(fault.axis, Some(pull_out::WEAK_AXIS));
     let names: Vec<_> = weak
         .outcome
-        .statistics
+        .record
         .events
         .iter()
         .filter_map(|event| match event.what {
@@ -73,7 +80,7 @@ fn a_crank_that_bends_the_rods_is_stopped() {
 #[test]
 fn five_times_the_load_causes_a_common_lag_fault() {
     let sized = overload::measure(overload::SIZED_KG).unwrap().outcome;
-    assert_eq!(sized.statistics.slipped_cycles, [0, 0, 0]);
+    assert_eq!(slips(&sized), [0, 0, 0]);
     assert_eq!((sized.state, sized.fault), (State::Parked, None));
     let over = overload::measure(5.0 * overload::SIZED_KG).unwrap();
     let slip_s = runs::first_slip_s(&over.outcome).expect("they slip");
@@ -103,7 +110,8 @@ fn a_loop_five_times_too_slow_causes_an_overrun() {
         Some(FaultKind::Overrun)
     );
     assert_eq!(outcome.state, State::Fault);
-    assert!(outcome.statistics.missed_deadlines >= 3);
-    assert_eq!(outcome.statistics.worst_spread_deg, 0.0);
+    let figures = &outcome.record.figures;
+    assert!(figures.missed_deadlines >= 3);
+    assert_eq!(figures.phase_spread_worst_deg, Some(0.0));
     failed(&overload::slow_loop());
 }

@@ -25,10 +25,11 @@ pub struct Gaps {
     pub gaps: u64,
     /// The first thousand gaps.
     pub list: Vec<Gap>,
+    /// Ticks of the first and the last received sample.
+    #[serde(skip)]
+    pub ticks: Option<(u32, u32)>,
     #[serde(skip)]
     every: u32,
-    #[serde(skip)]
-    next: Option<u32>,
 }
 
 impl Gaps {
@@ -38,16 +39,17 @@ impl Gaps {
             lost: 0,
             gaps: 0,
             list: Vec::new(),
+            ticks: None,
             every: if every == 0 { 1 } else { every as u32 },
-            next: None,
         }
     }
 
     /// Adds the tick of a sample. Returns the number of samples that were lost before it.
     pub(super) fn push(&mut self, tick: u32) -> u32 {
-        let from_tick = self.next.unwrap_or(tick);
+        let due = |(_, last): (u32, u32)| last.wrapping_add(self.every);
+        let from_tick = self.ticks.map_or(tick, due);
         let samples = tick.wrapping_sub(from_tick) / self.every;
-        self.next = Some(tick.wrapping_add(self.every));
+        self.ticks = Some((self.ticks.map_or(tick, |(first, _)| first), tick));
         self.recorded += 1;
         if samples > 0 {
             self.lost += u64::from(samples);

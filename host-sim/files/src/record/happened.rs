@@ -1,11 +1,10 @@
 //! Conversion of the events that a controller reported into those of a run.
 
-use cophase_core::supervisor::{Fault, FaultKind, State};
+use cophase_core::supervisor::{Fault, State};
 use cophase_link::message::{Event as Reported, EventRecord};
 use host_sim::sim::events::{Event, EventKind};
 
 use super::played_ns;
-use crate::trace::ScopeData;
 
 /// Converts events. For each start of the program, `runs` has the tick and the number of program ticks that had elapsed.
 pub(super) fn events(records: &[EventRecord], runs: &[(u32, u32)], tick_ns: u64) -> Vec<Event> {
@@ -71,23 +70,5 @@ const fn latched_event(fault: Fault) -> EventKind {
     EventKind::Fault {
         fault,
         leading_deg: None,
-    }
-}
-
-/// Marks an event on the scope's page.
-pub(super) fn mark(scope: &mut ScopeData, event: &Event) {
-    let kind = |kind: FaultKind| kind.to_string();
-    match event.what {
-        EventKind::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
-        EventKind::Fault { fault, .. } => {
-            scope.mark(event.t_s, &format!("fault: {}", kind(fault.kind)));
-        }
-        EventKind::Refused(refused) => {
-            scope.mark(event.t_s, &format!("refused: {}", refused.command.name()));
-        }
-        EventKind::Reported(fault) => {
-            scope.mark(event.t_s, &format!("reported: {}", kind(fault.kind)));
-        }
-        _ => {}
     }
 }

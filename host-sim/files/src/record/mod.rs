@@ -11,22 +11,21 @@ mod derived_edges;
 mod gaps;
 mod happened;
 mod stream;
-mod totals;
 
 pub use derived_edges::NoEdges;
 pub use gaps::{Gap, Gaps};
 pub use host_sim::sim::TAIL_S;
 pub use stream::Stream;
-pub use totals::{AxisTotals, Totals};
 
 use std::io::{Seek, Write};
 
+use cophase_core::mechanism::{AnyMechanism, Mechanism};
 use cophase_core::settings::Settings;
+use cophase_core::supervisor::State;
 use cophase_core::units::{Phase, Turns};
-use cophase_link::message::EventRecord;
-use cophase_link::sample::{Channel, Sample};
-use host_sim::sim::Unwrapped;
-use host_sim::sim::events::Event;
+use cophase_link::message::{Counters, EventRecord};
+use cophase_link::sample::{Channel, Sample, flags};
+use host_sim::sim::{RunRecord, RunRecorder, Unwrapped};
 
 use crate::trace::Written;
 use crate::trace::{
@@ -34,7 +33,6 @@ use crate::trace::{
     Window,
 };
 use derived_edges::Derivation;
-use totals::Totalling;
 
 /// Recording in progress.
 pub struct Recording<W: Write + Seek> {
@@ -49,7 +47,10 @@ pub struct Recording<W: Write + Seek> {
     last: Option<Sample>,
     gaps: Gaps,
     edges: Result<Derivation, NoEdges>,
-    totals: Totalling,
+    recorder: RunRecorder,
+    mechanism: AnyMechanism,
+    /// For each start of the program, the tick of the sample and the number of program ticks that had elapsed.
+    starts: Vec<(u32, u32)>,
 }
 
 /// Complete recording.
@@ -63,10 +64,22 @@ pub struct Recorded {
     pub scope: ScopeData,
     /// Samples that were lost.
     pub gaps: Gaps,
-    /// Sums and extremes of the recording.
-    pub totals: Totals,
-    /// Events, in the order of time.
-    pub events: Vec<Event>,
+    /// Record of the run.
+    pub record: RunRecord,
+    last: Option<Sample>,
+}
+
+impl Recorded {
+    /// Last state. `None` without samples.
+    pub fn state(&self) -> Option<State> {
+        let number = usize::from(self.last?.state);
+        State::ALL.get(number).copied()
+    }
+
+    /// True if a fault was latched at the end.
+    pub fn has_fault(&self) -> bool {
+        self.last.is_some_and(|last| last.flags & flags::FAULT != 0)
+    }
 }
 
 impl<W: Write + Seek + 'static> Recording<W> {
@@ -126,7 +139,9 @@ impl<W: Write + Seek + 'static> Recording<W> {
             last: None,
             gaps: Gaps::new(stream.every),
             edges,
-            totals: Totalling::new(settings),
+            recorder: RunRecorder::new(axes, settings.tick_hz, stream.every),
+            mechanism: settings.mechanism(),
+            starts: Vec::new(),
         })
     }
 
@@ -153,7 +168,11 @@ impl<W: Write + Seek + 'static> Recording<W> {
         }
         self.fill(sample);
         self.traces.push_row(&self.row)?;
-        self.totals.push(sample, &self.row, self.stream.every);
+        self.recorder.sample(sample);
+        let is_running = |sample: &Sample| sample.state == State::Run as u8;
+        if is_running(sample) && !self.last.as_ref().is_some_and(is_running) {
+            self.starts.push((sample.tick, sample.program_ticks));
+        }
         let reason = {
             let derived = match &mut self.edges {
                 Ok(derivation) => derivation.push(sample),
@@ -217,11 +236,15 @@ impl<W: Write + Seek + 'static> Recording<W> {
         }
     }
 
-    /// Ends the recording, with the events that the controller reported during it.
+    /// Ends the recording, with the events that the controller reported during it, and the counters of its loop.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn finish(mut self, events: &[EventRecord]) -> Result<Recorded, RecordError> {
+    pub fn finish(
+        mut self,
+        events: &[EventRecord],
+        counters: &Counters,
+    ) -> Result<Recorded, RecordError> {
         if let Ok(derivation) = &mut self.edges
             && let Some(edges) = derivation.last()
         {
@@ -235,26 +258,30 @@ impl<W: Write + Seek + 'static> Recording<W> {
             .err()
             .or(missed.then_some(NoEdges::Missed))
             .or(self.last.is_none().then_some(NoEdges::Nothing));
-        let totals = self.totals.finish(self.last.as_ref(), &self.command_turns);
-        let events = happened::events(events, totals.runs_from(), self.tick_ns);
-        let (written, mut scope) = self.traces.finish()?;
-        let written = Written {
-            every: self.stream.every.into(),
-            ..written
-        };
-        for event in &events {
-            happened::mark(&mut scope, event);
-        }
-        if totals.axes.iter().any(|axis| axis.correction_deg != 0.0) {
-            scope.corrected();
+        let mut record = self
+            .recorder
+            .finish(self.last.as_ref(), &self.command_turns, |top| {
+                self.mechanism.amax(top).to_num()
+            });
+        record.control_ticks = self.gaps.ticks.map_or(0, |(first, last)| {
+            u64::from(last - first) + u64::from(self.stream.every)
+        });
+        record.figures.late_deadlines = counters.late_deadlines;
+        record.figures.missed_deadlines = counters.missed_deadlines;
+        record.events = happened::events(events, &self.starts, self.tick_ns);
+        let (mut written, scope) = self.traces.finish()?;
+        written.every = self.stream.every.into();
+        if no_edges.is_some() {
+            written.window_from_s = None;
+            written.window_to_s = None;
         }
         Ok(Recorded {
             written,
             no_edges,
             scope,
             gaps: self.gaps,
-            totals,
-            events,
+            record,
+            last: self.last,
         })
     }
 }

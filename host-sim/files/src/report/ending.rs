@@ -8,6 +8,7 @@ use cophase_scene::file::{FaultAt, FaultName, InputLine};
 use host_sim::checked::Checked;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::{Event, EventKind, StoppedBy};
+use host_sim::sim::record::rounded;
 
 use super::causes::{causes, causes_in_words};
 use super::words::{fault_words, plural};
@@ -34,11 +35,11 @@ fn latched(events: &[Event]) -> Vec<[(f64, &Fault); 2]> {
 
 /// Returns sentences about the cause of a run's end.
 pub fn ending(checked: &Checked, outcome: &Outcome) -> String {
-    let statistics = &outcome.statistics;
+    let record = &outcome.record;
     if outcome.diverged.is_some() {
         return "The simulated machine diverged: its equations, not the controller, came to an end.".to_owned();
     }
-    let faults = latched(&statistics.events);
+    let faults = latched(&record.events);
     match (faults.last(), outcome.state) {
         (Some(&names), State::Fault) => stopped_by_fault(checked, outcome, names),
         (Some(_), state) => {
@@ -50,7 +51,7 @@ pub fn ending(checked: &Checked, outcome: &Outcome) -> String {
                 state.name(),
             )
         }
-        (None, State::Parked) => match statistics.stopped_by {
+        (None, State::Parked) => match record.stopped_by {
             Some(StoppedBy::Request) => "The machine was stopped on request, and parked.",
             _ => "The program ran to its end, and the machine parked.",
         }
@@ -60,42 +61,39 @@ pub fn ending(checked: &Checked, outcome: &Outcome) -> String {
 }
 
 /// Returns a sentence about the tilt of a platform that the drives held after a fault.
-pub fn held(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
-    let held = &outcome.statistics.fault_hold;
-    let Some(at_stop_mrad) = held
-        .at_stop_mrad
-        .filter(|_| checked.tilt_limit_mrad().is_some())
-    else {
+pub fn held(page: &mut String, outcome: &Outcome) -> std::fmt::Result {
+    let figures = &outcome.record.figures;
+    let held_mrad = figures.tilt_at_stop_mrad.zip(figures.tilt_worst_held_mrad);
+    let Some((at_stop_mrad, worst_mrad)) = held_mrad else {
         return Ok(());
     };
     writeln!(
         page,
-        "As the stop ended the platform was tilted by {at_stop_mrad:.3} mrad; held by the drives, it tilted by at most {:.3} mrad after that.",
-        held.worst_mrad,
+        "As the stop ended the platform was tilted by {at_stop_mrad:.3} mrad; held by the drives, it tilted by at most {worst_mrad:.3} mrad after that.",
     )
 }
 
 /// Returns a sentence about the motion of cranks without drives.
 pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
-    let coast = &outcome.statistics.coast;
-    let Some(tilt_mrad) = coast.worst_tilt_mrad.filter(|_| coast.turned_s > 0.0) else {
+    let record = &outcome.record;
+    let Some(coasted_s) = record.figures.coasted_s else {
         return Ok(());
     };
-    let until = if coast.is_on() {
+    let until = if record.is_coasting {
         ", when the run was ended"
     } else {
         ", until they stood"
     };
-    let tilted = if checked.tilt_limit_mrad().is_some() {
-        format!("; the platform tilted by at most {tilt_mrad:.3} mrad then")
-    } else {
-        String::new()
-    };
+    let tilted = record
+        .figures
+        .tilt_worst_off_mrad
+        .map_or_else(String::new, |tilt_mrad| {
+            format!("; the platform tilted by at most {tilt_mrad:.3} mrad then")
+        });
     writeln!(
         page,
-        "After the drives were off the {}s turned on for {:.2} s{until}{tilted}.",
+        "After the drives were off the {}s turned on for {coasted_s:.2} s{until}{tilted}.",
         checked.machine.axis_noun(),
-        coast.turned_s,
     )?;
     if outcome.state != State::Fault {
         return Ok(());
@@ -103,7 +101,7 @@ pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std:
     // Commands do not change after the drives are off.
     let ends = (0..checked.scene.axes.count).map(|axis| {
         // Adding 0 makes a positive zero of a negative one.
-        let away_deg = super::round(away_turns(checked, outcome, axis)? * 360.0, 1) + 0.0;
+        let away_deg = rounded(away_turns(checked, outcome, axis)? * 360.0, 1) + 0.0;
         Some(format!("axis {axis} {away_deg:+.1}°"))
     });
     let Some(ends) = ends.collect::<Option<Vec<_>>>() else {
@@ -122,7 +120,7 @@ fn stopped_by_fault(
     outcome: &Outcome,
     [(t_s, fault), (named_s, name)]: [(f64, &Fault); 2],
 ) -> String {
-    let events = &outcome.statistics.events;
+    let events = &outcome.record.events;
     let states = events.iter().filter_map(|event| match event.what {
         EventKind::State(state) => Some((event.t_s, state)),
         EventKind::Running { .. } => Some((event.t_s, State::Run)),
@@ -152,7 +150,7 @@ fn stopped_by_fault(
         || events
             .iter()
             .any(|event| (from_s..=off_s).contains(&event.t_s) && opens_enable(&event.what));
-    let holds = outcome.statistics.fault_hold.is_on();
+    let holds = outcome.record.is_held;
     let ended = match before {
         State::Idle | State::Fault => "The drives stayed off.".to_owned(),
         State::Parked if holds => "The machine stood already, and the drives hold.".to_owned(),
@@ -212,7 +210,7 @@ fn at_rest(checked: &Checked, outcome: &Outcome, stop_s: Range<f64>) -> String {
         .filter(|&axis| !follows(checked, outcome, axis, &stop_s))
         .map(|axis| axis.to_string())
         .collect();
-    let (and, then) = if outcome.statistics.fault_hold.is_on() {
+    let (and, then) = if outcome.record.is_held {
         (", and", "the drives hold them.")
     } else {
         (";", "then the drives were switched off.")
@@ -229,8 +227,7 @@ fn at_rest(checked: &Checked, outcome: &Outcome, stop_s: Range<f64>) -> String {
 /// Returns true if an axis followed its command in a stop: it did not slip, no fault of the scene moved it, and it is not turns
 /// behind.
 fn follows(checked: &Checked, outcome: &Outcome, axis: usize, stop_s: &Range<f64>) -> bool {
-    let statistics = &outcome.statistics;
-    let is_disturbed = statistics.events.iter().any(|event| match &event.what {
+    let is_disturbed = outcome.record.events.iter().any(|event| match &event.what {
         EventKind::Slipped { axis: slipped, .. } => *slipped == axis && stop_s.contains(&event.t_s),
         EventKind::Injected(fault) => {
             let until_s = fault.for_s.map_or(f64::INFINITY, |for_s| event.t_s + for_s);
@@ -245,12 +242,13 @@ fn follows(checked: &Checked, outcome: &Outcome, axis: usize, stop_s: &Range<f64
 /// Returns the distance of a crank from its command at the end of a run, turns; positive if ahead. Its error at power-up does not count.
 /// `None` in a run with a second homing, as motion before that would count.
 fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> Option<f64> {
-    let statistics = &outcome.statistics;
+    let record = &outcome.record;
     let homed = |event: &&Event| event.what == EventKind::State(State::Homing);
-    let is_homed_once = statistics.events.iter().filter(homed).count() == 1;
+    let is_homed_once = record.events.iter().filter(homed).count() == 1;
     let start_deg = checked.overrides(axis).map_or(0.0, |own| own.start_deg);
-    let (command, actual) = statistics.turns[axis];
-    is_homed_once.then_some(actual - command - start_deg / 360.0)
+    let axis = &record.axes[axis];
+    let away_turns = axis.actual_turns? - axis.command_turns - start_deg / 360.0;
+    is_homed_once.then_some(away_turns)
 }
 
 /// Returns true if a fault of a scene moves a crank away from its command.

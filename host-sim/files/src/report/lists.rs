@@ -5,10 +5,11 @@ use cophase_core::supervisor::Fault;
 use cophase_scene::file::FaultName;
 use cophase_scene::units::degrees;
 use host_sim::sim::events::{Event, EventKind};
+use host_sim::sim::record::rounded;
 use serde::Serialize;
 
 use super::causes::{Cause, causes};
-use super::{describe, round};
+use super::describe;
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct FaultReport {
@@ -59,7 +60,7 @@ pub(super) fn faults_in(
 
 fn fault_report(t_s: f64, fault: &Fault, axes: &[AxisSettings]) -> FaultReport {
     FaultReport {
-        t_s: round(t_s, 9),
+        t_s: rounded(t_s, 9),
         kind: fault.kind.name(),
         axis: fault.axis,
         size_deg: degrees(fault.size),
@@ -74,7 +75,7 @@ pub(super) fn injected_report(event: &Event) -> Option<InjectedReport> {
         return None;
     };
     Some(InjectedReport {
-        at_s: round(event.t_s, 9),
+        at_s: rounded(event.t_s, 9),
         kind: fault.kind,
         axis: fault.axis,
     })
@@ -85,15 +86,15 @@ pub(super) fn correction_report(event: &Event, axes: usize) -> Option<Correction
         return None;
     };
     Some(CorrectionReport {
-        t_s: round(event.t_s, 9),
-        in_s: round(*in_s, 9),
+        t_s: rounded(event.t_s, 9),
+        in_s: rounded(*in_s, 9),
         by_deg: by_deg.iter().take(axes).copied().collect(),
     })
 }
 
 pub(super) fn event_report(event: &Event) -> EventReport {
     EventReport {
-        t_s: round(event.t_s, 9),
+        t_s: rounded(event.t_s, 9),
         what: describe(&event.what),
     }
 }

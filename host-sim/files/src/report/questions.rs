@@ -70,11 +70,10 @@ fn answered(judged: &Judged, checked: &Checked, outcome: &Outcome) -> String {
 /// Returns the part of the slipped motors that slipped only after the drives were off, in words; empty if there is none, or if
 /// motors at their torque limit may be among them.
 fn slipped_off(checked: &Checked, outcome: &Outcome, all: usize) -> String {
-    let statistics = &outcome.statistics;
     let axes = 0..checked.scene.axes.count;
     let slips = |axis: usize| {
         let is_slip = |event: &Event| matches!(event.what, EventKind::Slipped { axis: own, .. } if own == axis);
-        statistics.events.iter().any(is_slip)
+        outcome.record.events.iter().any(is_slip)
     };
     if axes
         .clone()

@@ -6,17 +6,17 @@ use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_scene::entry;
 use cophase_scene::file::{FaultAt, FaultName};
 use host_sim::checked::Checked;
-use host_sim::sim::Statistics;
+use host_sim::sim::RunRecord;
 use host_sim::sim::events::{Event, EventKind};
 
 /// Returns a warning for each fault of a scene that comes when the machine stands for good, and that no report shows.
-pub(super) fn faults_at_standstill(checked: &Checked, statistics: &Statistics) -> Vec<String> {
-    let events = &statistics.events;
+pub(super) fn faults_at_standstill(checked: &Checked, record: &RunRecord) -> Vec<String> {
+    let events = &record.events;
     let Some(stopped_s) = stands_since(events) else {
         return Vec::new();
     };
     // Cranks whose drives are off may turn on after the stop.
-    let coasted_s = statistics.coast.moved_until_s.unwrap_or(0.0);
+    let coasted_s = record.moved_until_s.unwrap_or(0.0);
     let stood_s = stopped_s.max(coasted_s);
     let warning = |(i, fault): (usize, &FaultAt)| {
         let injected = |event: &Event| event.what == EventKind::Injected(*fault);
@@ -94,8 +94,8 @@ mod tests {
         scene.fidelity = model_level;
         let checked = Checked::new(scene).unwrap();
         let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
-        let warnings = faults_at_standstill(&checked, &outcome.statistics);
-        (warnings, outcome.statistics.coast.turned_s)
+        let warnings = faults_at_standstill(&checked, &outcome.record);
+        (warnings, outcome.record.figures.coasted_s.unwrap_or(0.0))
     }
 
     /// Returns the time from which the machine stood, by the only one of these warnings, s.

@@ -8,6 +8,7 @@ use host_sim::checked::Checked;
 use host_sim::machines::follower::Peaks;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::{Event, EventKind};
+use host_sim::sim::record::AxisRecord;
 
 use super::ending::{coasting, ending, held};
 use super::questions::model;
@@ -40,7 +41,7 @@ fn write_page(
     wall_s: f64,
 ) -> std::fmt::Result {
     let scene = &checked.scene;
-    let statistics = &outcome.statistics;
+    let (record, figures) = (&outcome.record, &outcome.record.figures);
     let colon = if scene.description.is_empty() {
         ""
     } else {
@@ -50,7 +51,7 @@ fn write_page(
     model(page, checked, outcome)?;
     writeln!(page)?;
 
-    let mut listed = notable(&statistics.events);
+    let mut listed = notable(&record.events);
     let all = listed.len();
     if all > LISTED {
         // A motor may slip hundreds of times. Only its first and last slips are listed, so they hide no other events.
@@ -79,7 +80,7 @@ fn write_page(
     for event in first {
         writeln!(page, "  {:9.3} s  {}", event.t_s, describe(&event.what))?;
     }
-    let between = all - first.len() - last.len() + statistics.events_left_out;
+    let between = all - first.len() - last.len() + record.events_left_out;
     if between > 0 {
         writeln!(
             page,
@@ -92,29 +93,29 @@ fn write_page(
     writeln!(page)?;
 
     writeln!(page, "{}", ending(checked, outcome))?;
-    let holding = statistics.holding;
-    if holding.held_s > 0.0 {
+    if let Some(holding) = figures.holding.filter(|holding| holding.held_s > 0.0) {
         writeln!(
             page,
             "The commanded amax was held for {:.1} s in all, within {} of the program; at most {:.1} g, at {:.2} rev/s{}.",
             holding.held_s,
-            relative(holding.worst_relative),
-            statistics.top_amax_mps2 / STANDARD_GRAVITY_MPS2,
-            statistics.top_speed_hz,
+            relative(holding.worst_relative_error),
+            figures.amax_top_mps2 / STANDARD_GRAVITY_MPS2,
+            figures.speed_top_hz,
             of_master(checked),
         )?;
     }
     if let Some(words) = checked.machine.amax_words() {
         writeln!(page, "Here amax is {words}.")?;
     }
-    if statistics.worst_accel_mps2 > 0.0 && checked.machine.amax_words().is_none() {
+    let accel_mps2 = figures.accel_worst_mps2.unwrap_or(0.0);
+    if accel_mps2 > 0.0 && checked.machine.amax_words().is_none() {
         writeln!(
             page,
             "The platform itself accelerated by at most {:.1} g.",
-            statistics.worst_accel_mps2 / STANDARD_GRAVITY_MPS2
+            accel_mps2 / STANDARD_GRAVITY_MPS2
         )?;
     }
-    let lagged = notable(&statistics.events)
+    let lagged = notable(&record.events)
         .iter()
         .filter(|event| matches!(event.what, EventKind::Lagged { .. }))
         .count();
@@ -127,15 +128,16 @@ fn write_page(
     }
     let axis = checked.machine.axis_noun();
     let commanded_mrad = checked.settings.commanded_tilt_mrad();
+    let spread_deg = figures.phase_spread_worst_deg.unwrap_or(0.0);
     if checked.scene.axes.count == 1 {
         // One shaft has no difference of phases.
-    } else if statistics.worst_spread_deg < 1e-6 && commanded_mrad > 0.0 {
+    } else if spread_deg < 1e-6 && commanded_mrad > 0.0 {
         writeln!(
             page,
             "The cranks were exactly as far apart as commanded, which tilts the platform by up to {commanded_mrad:.3} mrad. Its centre accelerates by less than amax then."
         )?;
-    } else if statistics.worst_spread_deg < 1e-6 {
-        let stayed = if checked.tilt_limit_mrad().is_some() {
+    } else if spread_deg < 1e-6 {
+        let stayed = if figures.tilt_limit_mrad.is_some() {
             "stayed exactly in phase with each other"
         } else {
             "were exactly as far apart as commanded" // cams, and shafts with a ratio, are apart
@@ -146,26 +148,24 @@ fn write_page(
         };
         writeln!(page, "The {axis}s {stayed}{by_model}.")?;
     } else {
-        let tilted = checked
-            .tilt_limit_mrad()
-            .map_or_else(String::new, |limit_mrad| {
-                format!(
-                    "; the platform tilted by at most {:.3} mrad of the {limit_mrad} allowed",
-                    statistics.worst_tilt_mrad
-                )
-            });
+        let tilts_mrad = figures.tilt_worst_mrad.zip(figures.tilt_limit_mrad);
+        let tilted = tilts_mrad.map_or_else(String::new, |(worst_mrad, limit_mrad)| {
+            format!(
+                "; the platform tilted by at most {worst_mrad:.3} mrad of the {limit_mrad} allowed"
+            )
+        });
         writeln!(
             page,
-            "The {axis}s were at most {:.3}° apart ({:.3}° rms while running){tilted}.",
-            statistics.worst_spread_deg, statistics.rms_spread_deg,
+            "The {axis}s were at most {spread_deg:.3}° apart ({:.3}° rms while running){tilted}.",
+            figures.phase_spread_rms_deg.unwrap_or(0.0),
         )?;
     }
-    held(page, checked, outcome)?;
+    held(page, outcome)?;
     coasting(page, checked, outcome)?;
-    let trims = statistics.correction_deg.iter().enumerate();
-    if trims.clone().any(|(_, trim_deg)| *trim_deg != 0.0) {
+    if record.axes.iter().any(|axis| axis.correction_deg != 0.0) {
+        let trims = record.axes.iter().enumerate();
         let trims: Vec<_> = trims
-            .map(|(axis, trim_deg)| format!("axis {axis} {trim_deg:.2}°"))
+            .map(|(i, axis)| format!("axis {i} {:.2}°", axis.correction_deg))
             .collect();
         writeln!(
             page,
@@ -188,15 +188,14 @@ fn write_page(
         }
     }
     parts(page, checked, outcome)?;
-    let figures = statistics.figures.iter();
-    for figure in figures.filter(|figure| !figure.sentence.is_empty()) {
+    let machine_figures = figures.machine_figures.iter();
+    for figure in machine_figures.filter(|figure| !figure.sentence.is_empty()) {
         writeln!(page, "{}", figure.sentence)?;
     }
-    let closest = statistics
-        .torque_used
-        .iter()
-        .enumerate()
-        .filter_map(|(axis, used)| Some((axis, (*used)?)));
+    let axes = record.axes.iter().enumerate();
+    let closest = axes
+        .clone()
+        .filter_map(|(i, axis)| Some((i, (axis.pull_out_used?, axis.pull_out_used_at_hz))));
     let least = closest
         .clone()
         .map(|(_, (used, _))| used)
@@ -221,18 +220,18 @@ fn write_page(
             )?;
         }
     }
-    let torques = statistics.worst_torque_nm.iter().copied().enumerate();
+    let torques = axes.filter_map(|(i, axis)| Some((i, axis.torque_worst_nm?)));
     if let Some((axis, torque_nm)) = torques.max_by(|a, b| a.1.total_cmp(&b.1)) {
         writeln!(
             page,
             "Greatest motor torque: {torque_nm:.3} N·m, of axis {axis}."
         )?;
     }
-    if let Some(frame) = statistics.frame {
+    if let Some(frame) = figures.frame {
         writeln!(
             page,
             "The frame went at most {:.1} µm from rest; the ground took at most {:.1} N beyond the weight.",
-            frame.worst_um, frame.worst_ground_n,
+            frame.displacement_worst_um, frame.ground_force_worst_n,
         )?;
     }
     for line in motors::lines(checked) {
@@ -266,8 +265,8 @@ fn of_master(checked: &Checked) -> &'static str {
 
 /// Writes a line about the axes' own parts, if they have any.
 fn parts(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
-    let peaks = outcome.statistics.followers.iter().copied();
-    let sentence = peaks
+    let axes = outcome.record.axes.iter();
+    let sentence = (axes.filter_map(|axis| axis.follower))
         .reduce(Peaks::or)
         .and_then(|worst| checked.machine.about_parts(checked.fidelity, &worst));
     sentence.map_or(Ok(()), |sentence| writeln!(page, "{sentence}"))
@@ -292,25 +291,22 @@ pub fn coupling(checked: &Checked) -> Option<String> {
 }
 
 fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
-    let statistics = &outcome.statistics;
+    let axes = &outcome.record.axes;
     let what = match checked.scene.axes.drive.kind().is_open_loop() {
         true => "steps",
         false => "counts",
     };
-    let alike = statistics.steps.windows(2).all(|pair| pair[0] == pair[1]);
-    if alike {
-        return writeln!(
-            page,
-            "Every axis was given {} {what}, {:.3} turns.",
-            statistics.steps[0], statistics.turns[0].0
-        );
+    let given = |axis: &AxisRecord| {
+        format!(
+            "was given {} {what}, {:.3} turns.",
+            axis.steps, axis.command_turns
+        )
+    };
+    if axes.windows(2).all(|pair| pair[0].steps == pair[1].steps) {
+        return writeln!(page, "Every axis {}", given(&axes[0]));
     }
-    for (axis, (steps, turns)) in statistics.steps.iter().zip(&statistics.turns).enumerate() {
-        writeln!(
-            page,
-            "Axis {axis} was given {steps} {what}, {:.3} turns.",
-            turns.0
-        )?;
+    for (i, axis) in axes.iter().enumerate() {
+        writeln!(page, "Axis {i} {}", given(axis))?;
     }
     Ok(())
 }

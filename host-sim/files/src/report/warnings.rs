@@ -14,15 +14,15 @@ use super::standing::faults_at_standstill;
 
 /// Returns the warnings, a sentence each.
 pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
-    let (scene, statistics) = (&checked.scene, &outcome.statistics);
+    let (scene, record) = (&checked.scene, &outcome.record);
     let mut warnings = Vec::new();
     warnings.extend(unwatched(checked));
     warnings.extend(lacking(checked));
     warnings.extend(beyond_pull_out(checked));
     warnings.extend(before_start(&scene.command));
-    warnings.extend(faults_at_standstill(checked, statistics));
+    warnings.extend(faults_at_standstill(checked, record));
     warnings.extend(not_reached(checked, outcome));
-    warnings.extend(statistics.machine_warnings.iter().cloned());
+    warnings.extend(record.machine_warnings.iter().cloned());
     if let Some(why) = &outcome.diverged {
         warnings.push(format!(
             "The simulated machine diverged, and the run was ended there: {why}."
@@ -37,7 +37,8 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     }
     warnings.extend(lost_unnoticed(checked, outcome));
     let limit_mrad = scene.drift.tilt_limit_mrad;
-    if checked.tilt_limit_mrad().is_some() && statistics.worst_tilt_mrad > limit_mrad {
+    let is_beyond = |tilt_mrad: &f64| *tilt_mrad > limit_mrad;
+    if let Some(tilt_mrad) = record.figures.tilt_worst_mrad.filter(is_beyond) {
         let commanded_mrad = checked.settings.commanded_tilt_mrad();
         let cause = if commanded_mrad > limit_mrad {
             format!(
@@ -49,29 +50,25 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
             "an index is detected once a turn, and what moves a crank, or holds it, does so until all stand (docs/faults.md).".to_owned()
         };
         warnings.push(format!(
-            "The platform tilted by {:.2} mrad, beyond its limit of {limit_mrad}: {cause}",
-            statistics.worst_tilt_mrad
+            "The platform tilted by {tilt_mrad:.2} mrad, beyond its limit of {limit_mrad}: {cause}"
         ));
     }
-    let coast = &statistics.coast;
-    if let Some(tilt_mrad) = coast
-        .worst_tilt_mrad
-        .filter(|tilt_mrad| *tilt_mrad > limit_mrad && coast.turned_s > 0.0)
-    {
+    let coasted_s = record.figures.coasted_s;
+    let tilt_off_mrad = record.figures.tilt_worst_off_mrad.filter(is_beyond);
+    if let Some((tilt_mrad, _)) = tilt_off_mrad.zip(coasted_s) {
         warnings.push(format!(
             "With the drives off the platform tilted by {tilt_mrad:.2} mrad, beyond its limit of {limit_mrad}: nothing holds the cranks \
              together then but what they carry (docs/faults.md)."
         ));
     }
-    if coast.is_on() {
+    if let Some(coasted_s) = coasted_s.filter(|_| record.is_coasting) {
         warnings.push(format!(
-            "The {}s still turned {:.1} s after the drives were off; the run was ended there.",
-            checked.machine.axis_noun(),
-            coast.turned_s
+            "The {}s still turned {coasted_s:.1} s after the drives were off; the run was ended there.",
+            checked.machine.axis_noun()
         ));
     }
     let swapped = |fault: &FaultAt| fault.kind == FaultName::SwappedWiring;
-    if scene.fault.iter().any(swapped) && outcome.fault.is_none() && statistics.reported == 0 {
+    if scene.fault.iter().any(swapped) && outcome.fault.is_none() && record.reported == 0 {
         warnings.push(
             "Lines of two axes were swapped, and the controller did not find out: correction.prove_wiring looks for that."
                 .to_owned(),
@@ -88,12 +85,10 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
 
 /// Warns of each axis that the controller lost unnoticed. The run then has exit status 1.
 fn lost_unnoticed(checked: &Checked, outcome: &Outcome) -> Vec<String> {
-    let statistics = &outcome.statistics;
     let lost = |axis: usize| {
-        let (off_turns, cycles) = (
-            statistics.off_command_turns[axis],
-            statistics.cycles_off(axis),
-        );
+        let record = &outcome.record.axes[axis];
+        let off_turns = record.off_command_turns;
+        let cycles = record.slipped_cycles.unwrap_or(0);
         let by = if off_turns == 0.0 && cycles == 0 {
             "made less than half of its commanded motion".to_owned()
         } else if off_turns == 0.0 {
@@ -151,10 +146,10 @@ fn not_reached(checked: &Checked, outcome: &Outcome) -> Option<String> {
     let scene = &checked.scene;
     let is_undisturbed =
         scene.command.is_empty() && scene.input.is_empty() && scene.fault.is_empty();
-    if outcome.statistics.stopped_by != Some(StoppedBy::ProgramEnd) || !is_undisturbed {
+    if outcome.record.stopped_by != Some(StoppedBy::ProgramEnd) || !is_undisturbed {
         return None;
     }
-    let (requested_hz, reached_hz) = (checked.top_speed_hz(), outcome.statistics.top_speed_hz);
+    let (requested_hz, reached_hz) = (checked.top_speed_hz(), outcome.record.figures.speed_top_hz);
     let in_band = scene
         .limits
         .band

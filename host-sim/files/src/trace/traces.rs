@@ -100,8 +100,8 @@ impl<'a, W: Write + Seek + 'a> Traces<'a, W> {
         let written = Written {
             every,
             rows,
-            window_from_s: from_ns as f64 * 1e-9,
-            window_to_s: to_ns as f64 * 1e-9,
+            window_from_s: Some(from_ns as f64 * 1e-9),
+            window_to_s: Some(to_ns as f64 * 1e-9),
         };
         Ok((written, self.scope))
     }

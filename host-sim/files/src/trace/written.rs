@@ -11,10 +11,10 @@ pub struct Written {
     pub every: u64,
     /// Number of rows in `trace.csv`.
     pub rows: usize,
-    /// Start of the window of `steps.vcd`, s since power-up.
-    pub window_from_s: f64,
+    /// Start of the window of `steps.vcd`, s since power-up; `None` if there is no such file.
+    pub window_from_s: Option<f64>,
     /// End of that window, s since power-up.
-    pub window_to_s: f64,
+    pub window_to_s: Option<f64>,
 }
 
 impl Written {

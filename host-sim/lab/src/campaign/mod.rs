@@ -87,7 +87,7 @@ pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
     let row = |checked: &Checked, watch: Watch<'_>, outcome: &Outcome| {
         let observation = watch.observation();
         let diverged = outcome.diverged.is_some();
-        let slipped = (outcome.statistics.slipped_cycles.iter()).any(|&cycles| cycles != 0);
+        let slipped = (outcome.record.axes.iter()).any(|axis| axis.motor_slips != 0);
         let judged = (diverged, slipped);
         let judgement = judge::judge(&checked.scene, geometry.as_ref(), &observation, judged);
         let is_clean = checked.scene.fault.is_empty();

@@ -140,9 +140,9 @@ impl Row {
             verdict: judgement.verdict,
             tilt_mrad: match observation.hold.growth_mrad {
                 Some(_) => observation.hold.before_mrad,
-                None => outcome.statistics.worst_tilt_mrad,
+                None => outcome.record.figures.tilt_worst_mrad.unwrap_or(0.0),
             },
-            tilt_off_mrad: outcome.statistics.coast.worst_tilt_mrad,
+            tilt_off_mrad: outcome.record.figures.tilt_worst_off_mrad,
             bound_mrad: judgement.bound_mrad,
             limit_mrad: scene.drift.tilt_limit_mrad,
             tilt_hold_mrad: observation.hold.growth_mrad,

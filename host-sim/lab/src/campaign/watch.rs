@@ -4,7 +4,7 @@
 //! played one moment after that. So a *fault event* counts from the beginning of the moment in which the outputs computed with it are
 //! played.
 //!
-//! Reports are kept for their names. The outputs show the response to the fault ([`super::response`]). [`host_sim::sim::Statistics`] has
+//! Reports are kept for their names. The outputs show the response to the fault ([`super::response`]). [`host_sim::sim::RunRecord`] has
 //! what every run records, such as its largest tilt.
 
 use std::collections::VecDeque;

@@ -84,10 +84,10 @@ impl Elastic {
             self.chain.rates(t_s, state, &mut rates);
             let by_law = self.chain.cam.at(t_s);
             peaks = peaks.or(Peaks {
-                off_m: (state[2] - by_law.displacement).abs(),
-                off_mps2: (rates[5] - by_law.acceleration).abs(),
-                pusher_mps2: rates[5].abs(),
-                cam_side_mps2: rates[3].abs(),
+                off_law_worst_mm: (state[2] - by_law.displacement).abs() * 1e3,
+                off_law_accel_worst_mps2: (rates[5] - by_law.acceleration).abs(),
+                pusher_accel_worst_mps2: rates[5].abs(),
+                cam_side_accel_worst_mps2: rates[3].abs(),
             });
             pusher = Pusher {
                 place_m: state[2],

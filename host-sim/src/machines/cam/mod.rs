@@ -139,12 +139,12 @@ impl Machine for CamShafts {
     }
 
     fn about_parts(&self, level: Fidelity, worst: &Peaks) -> Option<String> {
-        let (pusher_mps2, off_mm) = (worst.pusher_mps2, worst.off_m * 1e3);
+        let (pusher_mps2, off_mm) = (worst.pusher_accel_worst_mps2, worst.off_law_worst_mm);
         Some(match (self.screw_lead_m, level) {
             (Some(_), _) => format!(
                 "The pushers accelerated by at most {pusher_mps2:.2} m/s², and those of a mechanical cam shaft by {:.2} m/s². They differ by at \
                  most {off_mm:.4} mm and {:.3} m/s².",
-                worst.cam_side_mps2, worst.off_mps2,
+                worst.cam_side_accel_worst_mps2, worst.off_law_accel_worst_mps2,
             ),
             (None, Fidelity::Elastic) => format!(
                 "The pushers accelerated by at most {pusher_mps2:.1} m/s² and were at most {off_mm:.3} mm off their law."

@@ -219,10 +219,10 @@ fn by_law(
         };
         observe(sample - 1, &pusher);
         peaks = peaks.or(Peaks {
-            off_m: 0.0,
-            pusher_mps2: pusher.accel_mps2.abs(),
-            cam_side_mps2: pusher.accel_mps2.abs(),
-            off_mps2: 0.0,
+            off_law_worst_mm: 0.0,
+            pusher_accel_worst_mps2: pusher.accel_mps2.abs(),
+            cam_side_accel_worst_mps2: pusher.accel_mps2.abs(),
+            off_law_accel_worst_mps2: 0.0,
         });
     }
     (pusher, peaks)

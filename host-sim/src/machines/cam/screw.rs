@@ -82,10 +82,10 @@ impl Screws {
             };
             let lift_m = cam.at_angle(TAU * (self.master_turns + shift)).displacement;
             *peaks = Peaks {
-                off_m: (place_m - lift_m).abs(),
-                pusher_mps2: accel_mps2.abs(),
-                cam_side_mps2: by_law.abs(),
-                off_mps2: (accel_mps2 - by_law).abs(),
+                off_law_worst_mm: (place_m - lift_m).abs() * 1e3,
+                pusher_accel_worst_mps2: accel_mps2.abs(),
+                cam_side_accel_worst_mps2: by_law.abs(),
+                off_law_accel_worst_mps2: (accel_mps2 - by_law).abs(),
             };
         }
         self.commanded = Some([last, now]);

@@ -115,7 +115,7 @@ pub fn measure(size: Size) -> Result<Facts, ChartError> {
     for &hz_per_s in accelerations {
         let outcome = run(&scene(20.0, hz_per_s, true), &mut |_| {})?;
         let inside = outcome
-            .statistics
+            .record
             .events
             .iter()
             .find_map(|event| match event.what {
@@ -134,7 +134,7 @@ pub fn measure(size: Size) -> Result<Facts, ChartError> {
     let dwelling = run(&scene(RESONANCE_HZ, USUAL_HZ_PER_S, false), &mut |_| {})?;
     let held = run(&scene(RESONANCE_HZ, USUAL_HZ_PER_S, true), &mut |_| {})?;
     let held_s = held
-        .statistics
+        .record
         .events
         .iter()
         .find_map(|event| match event.what {
@@ -150,7 +150,8 @@ pub fn measure(size: Size) -> Result<Facts, ChartError> {
 }
 
 fn frame_um(outcome: &Outcome) -> f64 {
-    outcome.statistics.frame.map_or(0.0, |frame| frame.worst_um)
+    let frame = outcome.record.figures.frame;
+    frame.map_or(0.0, |frame| frame.displacement_worst_um)
 }
 
 pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {

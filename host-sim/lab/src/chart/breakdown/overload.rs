@@ -69,8 +69,10 @@ pub fn measure(load_kg: f64) -> Result<Facts, ChartError> {
 /// The scene does not run.
 pub fn torque_used(load_kg: f64) -> Result<f64, ChartError> {
     let outcome = run(&scene("quasi-static", load_kg), &mut |_| {})?;
-    let used = outcome.statistics.torque_used.iter().flatten();
-    Ok(used.map(|(part, _)| *part).fold(0.0, f64::max))
+    let axes = outcome.record.axes.iter();
+    Ok(axes
+        .filter_map(|axis| axis.pull_out_used)
+        .fold(0.0, f64::max))
 }
 
 pub(super) fn shown() -> Result<Shown, ChartError> {
@@ -99,7 +101,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             100.0 * torque_used(SIZED_KG)?,
             (fault_s - slip_s) * 1e3,
             (slow_fault_s - SLOW_FROM_S) * 1e3,
-            slow.statistics.worst_spread_deg
+            slow.record.figures.phase_spread_worst_deg.unwrap_or(0.0)
         ),
     })
 }

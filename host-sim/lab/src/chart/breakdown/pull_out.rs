@@ -74,8 +74,7 @@ pub fn measure(scale: f64) -> Result<Facts, ChartError> {
 /// The scene does not run.
 pub fn torque_used(scale: f64) -> Result<f64, ChartError> {
     let outcome = run(&scene("quasi-static", scale), &mut |_| {})?;
-    let used = outcome.statistics.torque_used[WEAK_AXIS];
-    Ok(used.map_or(0.0, |(part, _)| part))
+    Ok(outcome.record.axes[WEAK_AXIS].pull_out_used.unwrap_or(0.0))
 }
 
 pub(super) fn shown() -> Result<Shown, ChartError> {
@@ -83,7 +82,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     let thin = |facts: &Facts| facts.ahead.iter().copied().step_by(4).collect();
     let slip_s = first_slip_s(&weak.outcome).unwrap_or(f64::NAN);
     let fault_s = fault_s(&weak.outcome).unwrap_or(f64::NAN);
-    let lost = weak.outcome.statistics.slipped_cycles[WEAK_AXIS];
+    let lost = weak.outcome.record.axes[WEAK_AXIS].motor_slips;
     Ok(Shown {
         key: "pull-out",
         title: "Pull-out: one motor of three too weak".to_owned(),

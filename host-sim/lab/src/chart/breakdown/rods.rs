@@ -10,6 +10,7 @@ use crate::chart::axis::Axis;
 use crate::chart::ink::{Ink, Stroke};
 use crate::chart::picture::{At, Level, Line};
 use crate::chart::{ChartError, Size};
+use host_sim::sim::Outcome;
 
 const SCENE: &str = r#"
 name = "rods"
@@ -94,17 +95,14 @@ pub fn measure(size: Size) -> Result<Facts, ChartError> {
     for &rod_n_per_um in stiffnesses {
         let off = run(&scene(rod_n_per_um, 1.0, 3.0, ""), &mut |_| {})?;
         let in_phase = run(&scene(rod_n_per_um, 0.0, 3.0, ""), &mut |_| {})?;
+        let axes = off.record.axes.iter();
+        let torque_nm = |run: &Outcome| run.record.axes[0].torque_worst_nm.unwrap_or(f64::NAN);
         measured.push(Measured {
             rod_n_per_um,
             steps: off.method.map_or(0, |(_, steps)| steps),
-            off_nm: off.statistics.worst_torque_nm[0],
-            in_phase_nm: in_phase.statistics.worst_torque_nm[0],
-            slipped: off
-                .statistics
-                .slipped_cycles
-                .iter()
-                .map(|cycles| cycles.abs())
-                .sum(),
+            off_nm: torque_nm(&off),
+            in_phase_nm: torque_nm(&in_phase),
+            slipped: axes.map(|axis| axis.motor_slips.abs()).sum(),
         });
     }
     Ok(Facts {

@@ -75,7 +75,7 @@ impl Facts {
     /// Returns the time for which the shaft was behind the program, s, as in the report.
     pub fn behind_s(&self) -> Option<f64> {
         self.outcome
-            .statistics
+            .record
             .events
             .iter()
             .find_map(|event| match event.what {

@@ -125,7 +125,7 @@ pub fn began_s(outcome: &Outcome) -> Option<f64> {
 }
 
 fn first(outcome: &Outcome, is: impl Fn(&EventKind) -> bool) -> Option<f64> {
-    let events = &outcome.statistics.events;
+    let events = &outcome.record.events;
     events
         .iter()
         .find(|event| is(&event.what))

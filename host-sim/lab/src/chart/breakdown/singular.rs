@@ -57,7 +57,7 @@ pub fn measure(end_mm: f64) -> Result<Facts, ChartError> {
     let text = scene(end_mm, 0.001).ok_or_else(lacking)?;
     check(&text).map_err(|error| ChartError(error.to_string()))?;
     let outcome = run(&text, &mut |_| {})?;
-    let figures = &outcome.statistics.figures;
+    let figures = &outcome.record.figures.machine_figures;
     let figure = |key: &str| {
         let found = figures.iter().find(|figure| figure.key == key);
         found.and_then(|figure| figure.value).unwrap_or(f64::NAN)

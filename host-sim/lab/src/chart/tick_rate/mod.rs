@@ -107,11 +107,12 @@ fn play(name: &str, tick_hz: u32) -> Result<Run, ChartError> {
     if let Some(fault) = outcome.fault {
         return Err(failed(&format!("ended in a fault, {}", fault.kind)));
     }
+    let figures = &outcome.record.figures;
     Ok(Run {
         tick_hz,
-        hold: outcome.statistics.holding.worst_relative,
+        hold: figures.holding.unwrap_or_default().worst_relative_error,
         ramp: ramp.rms(),
-        spread_deg: outcome.statistics.worst_spread_deg,
+        spread_deg: figures.phase_spread_worst_deg.unwrap_or(0.0),
     })
 }
 

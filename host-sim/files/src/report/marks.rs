@@ -1,22 +1,22 @@
 //! Marks of `scope.svg`.
 
-use cophase_files::report;
-use cophase_files::trace::ScopeData;
-use host_sim::sim::Outcome;
-use host_sim::sim::events::EventKind;
+use host_sim::sim::RunRecord;
+use host_sim::sim::events::{Event, EventKind};
 
-/// Marks notable events on the page. The states have their own ribbon.
-pub(super) fn mark(scope: &mut ScopeData, outcome: &Outcome) {
-    let mut slips = vec![0; outcome.statistics.slipped_cycles.len()];
-    if outcome
-        .statistics
-        .correction_deg
-        .iter()
-        .any(|&deg| deg != 0.0)
-    {
+use super::describe;
+use crate::trace::ScopeData;
+
+/// Marks events of a run on the page. The states have their own ribbon.
+pub fn mark<'a>(
+    scope: &mut ScopeData,
+    record: &RunRecord,
+    events: impl IntoIterator<Item = &'a Event>,
+) {
+    let mut slips = vec![0; record.axes.len()];
+    if record.axes.iter().any(|axis| axis.correction_deg != 0.0) {
         scope.corrected();
     }
-    for event in report::notable(&outcome.statistics.events) {
+    for event in events {
         match &event.what {
             EventKind::BandCrossed { .. } => scope.mark(event.t_s, "band crossed"),
             EventKind::TurnedBackInBand { .. } => scope.mark(event.t_s, "turned back in band"),
@@ -41,7 +41,7 @@ pub(super) fn mark(scope: &mut ScopeData, outcome: &Outcome) {
             | EventKind::Commanded(_)
             | EventKind::Input { .. }
             | EventKind::Injected(_) => {
-                scope.mark(event.t_s, &report::describe(&event.what));
+                scope.mark(event.t_s, &describe(&event.what));
             }
             EventKind::State(_)
             | EventKind::Corrected { .. }
