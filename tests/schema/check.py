@@ -6,6 +6,7 @@ Tombi, a language server, finds the schema by the first line of a printed scene.
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -25,22 +26,57 @@ def built_in_names():
     return [line.split()[0] for line in lines if line.startswith("  ")]
 
 
+def required(table):
+    """Lines with the required keys of a table: values that the schema accepts."""
+    words = {"number": 1, "integer": 4, "boolean": "true", "string": '"x"', "array": "[]", "object": "{}"}
+    lines = []
+    for key in table.get("required", []):
+        rules = table["properties"][key]
+        value = json.dumps(rules["enum"][0]) if "enum" in rules else words[rules["type"]]
+        if rules["type"] == "array":
+            value = [rules.get("minimum", 1)] * rules.get("minItems", 0)
+        if "minimum" in rules:
+            value = rules["minimum"]
+        lines.append(f"{key} = {value}")
+    return lines
+
+
+def wrong_values(rules):
+    """A problem and a value for each mistake that the schema is to refuse at a key."""
+    wrong = {"number": '"much"', "integer": '"much"', "boolean": 1, "string": 1, "array": 1, "object": 1}
+    yield "another type", wrong[rules["type"]]
+    if rules["type"] == "integer":
+        yield "a fraction", 1.5
+    if "enum" in rules:
+        yield "no such word", '"no-such-word"'
+    if "minimum" in rules and rules["maximum"] < 2**31:
+        yield "too low", rules["minimum"] - 1
+        yield "too high", rules["maximum"] + 1
+
+
 def wrong_scenes(schema):
     """A name and a text for each value that the schema is to refuse."""
-    for table, keys in schema["properties"].items():
-        yield f"{table}: unknown key", f"[{table}]\nno_such_key = 1\n"
-        yield f"{table}: no table", f"{table} = 1\n"
-        for key, rules in keys["properties"].items():
-            values = {
-                "too low": rules["minimum"] - 1,
-                "too high": rules["maximum"] + 1,
-                "text": '"much"',
-                "a list": "[1]",
-            }
-            if rules["type"] == "integer":
-                values["a fraction"] = rules["default"] + 0.5
-            for problem, value in values.items():
-                yield f"{table}.{key}: {problem}", f"[{table}]\n{key} = {value}\n"
+    base = pathlib.Path("host-sim/scenes/default.toml").read_text()
+    for name, rules in schema["properties"].items():
+        table = rules.get("items", rules)
+        if "properties" not in table:
+            for problem, value in wrong_values(rules):
+                yield f"{name}: {problem}", f"{name} = {value}\n" + re.sub(rf"(?m)^{name} = .*$", "", base)
+            continue
+        without = re.sub(rf"(?ms)^\[+{name}[\].].*?(?=^\[|\Z)", "", base)
+        heading = f"[[{name}]]" if rules["type"] == "array" else f"[{name}]"
+
+        def scene(*lines):
+            return "\n".join([without, heading, *lines, ""])
+
+        yield f"{name}: unknown key", scene(*required(table), "no_such_key = 1")
+        yield f"{name}: no table", f"{name} = 1\n{without}"
+        for key, inner in table["properties"].items():
+            if "type" not in inner:
+                continue
+            lines = [line for line in required(table) if not line.startswith(f"{key} = ")]
+            for problem, value in wrong_values(inner):
+                yield f"{name}.{key}: {problem}", scene(*lines, f"{key} = {value}")
 
 
 def refused(schema_file, files):

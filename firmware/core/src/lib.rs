@@ -33,4 +33,4 @@ pub mod settings;
 pub mod signals;
 pub mod supervisor;
 
-pub use cophase_motion::{functions, pulse, shaft, units};
+pub use cophase_motion::{functions, keys, pulse, shaft, units, words};

@@ -4,6 +4,7 @@ use std::fmt;
 
 use cophase_core::problem::{Problem, SettingsError};
 
+use super::file::Machine;
 use super::{entry, range};
 
 /// Error of a scene: the file, the key, the problem, and the fix.
@@ -59,6 +60,23 @@ impl SceneError {
         let others = std::mem::take(&mut self.others).into_iter();
         self.others = others.map(|other| other.in_file(origin)).collect();
         self
+    }
+}
+
+impl Machine {
+    /// Returns the value of a key that only some mechanisms have.
+    ///
+    /// # Errors
+    /// The key is missing.
+    pub fn needed(&self, key: &str) -> Result<f64, SceneError> {
+        let found = self.geometry().into_iter().find(|(known, _)| *known == key);
+        found.and_then(|(_, value)| value).ok_or_else(|| {
+            let problem = format!(
+                "missing; machine.mechanism = \"{}\" needs it, so give it",
+                self.mechanism.name()
+            );
+            SceneError::at(key, problem)
+        })
     }
 }
 

@@ -1,61 +1,133 @@
-//! Tables whose keys have rows, and what follows from the rows for readers: the tables of the manual, and a JSON Schema for editors.
-//!
-//! The rows are those of the core. Tables that have none yet are open in the schema: it accepts any key there.
+//! Rows of all keys of a scene, and what follows from them for readers: examples, the tables of the manual, and a JSON Schema for editors.
 
 use cophase_core::problem::Problem;
-use cophase_core::settings::{Control, Drift, IndexSettings, Key, PulseSettings};
+use cophase_core::settings::key::{Absent, Key, Kind};
 use serde_json::{Map, Value, json};
+use toml::Table;
+use toml::de::{DeTable, DeValue};
 
-/// Table of a scene, and its rows.
-#[derive(Clone, Copy, Debug)]
-pub struct Section {
-    /// Name in a scene.
-    pub name: &'static str,
-    /// Purpose, for the schema and behind the name in the manual.
-    pub about: &'static str,
-    /// Rows, in the order of the manual.
-    pub keys: &'static [Key],
+use crate::file::Scene;
+
+/// Rows of a table, or of the tables in a list.
+pub(crate) fn rows(kind: &Kind) -> Option<&'static [Key]> {
+    match kind {
+        Kind::Table(keys) => Some(keys()),
+        Kind::List(Kind::Table(keys), _) => Some(keys()),
+        _ => None,
+    }
 }
 
-/// Tables whose keys have rows.
-pub const SECTIONS: [Section; 4] = [
-    Section {
-        name: "control",
-        about: "settings of the loop",
-        keys: Control::KEYS,
-    },
-    Section {
-        name: "index",
-        about: "filter of the index lines",
-        keys: IndexSettings::KEYS,
-    },
-    Section {
-        name: "drift",
-        about: "limits on phase errors",
-        keys: Drift::KEYS,
-    },
-    Section {
-        name: "pulse",
-        about: "timing of the STEP and DIR lines",
-        keys: PulseSettings::KEYS,
-    },
-];
-
-/// Returns the row of a key path, such as `control.tick_hz`.
+/// Returns the row of a key path, such as `control.tick_hz` or `limits.band[0].to_hz`.
 pub fn row(path: &str) -> Option<&'static Key> {
-    let mut rows = SECTIONS.iter().flat_map(|section| section.keys);
-    rows.find(|row| row.path == path)
+    let mut keys = Scene::KEYS;
+    let mut found = None;
+    for step in path.split('.') {
+        let name = step.split('[').next().unwrap_or(step);
+        let key = keys.iter().find(|key| key.name == name)?;
+        keys = rows(&key.kind).unwrap_or_default();
+        found = Some(key);
+    }
+    found
 }
 
-/// Returns the table of a section for the manual, in Markdown.
-pub fn manual_table(section: &Section) -> String {
-    let rows = section.keys.iter().map(|row| {
-        let (name, default, text) = (row.name(), row.default, sentences(row));
-        format!("| `{name}` | {default} | {text} |\n")
+/// Returns the heading of a table at a key path, or of the tables in a list.
+pub(crate) fn heading(key: &Key, path: &str) -> Option<String> {
+    match key.kind {
+        Kind::Table(_) => Some(format!("[{path}]")),
+        Kind::List(Kind::Table(_), _) => Some(format!("[[{path}]]")),
+        _ => None,
+    }
+}
+
+/// Returns the places of a key in scenes: the top level, in words, or headings.
+pub(crate) fn homes(name: &str) -> Vec<String> {
+    let has_it = |keys: &[Key]| keys.iter().any(|key| key.name == name);
+    let is_at_top = |key: &Key| key.name == name && rows(&key.kind).is_none();
+    if Scene::KEYS.iter().any(is_at_top) {
+        return vec!["at the top, above the first [table]".to_owned()];
+    }
+    let sections = Scene::KEYS.iter();
+    sections
+        .filter(|key| rows(&key.kind).is_some_and(has_it))
+        .filter_map(|key| heading(key, key.name))
+        .collect()
+}
+
+/// Returns the default of a key.
+pub(crate) fn default(key: &Key) -> Option<toml::Value> {
+    Some(match (key.absent, key.kind) {
+        (Absent::Number(number), Kind::Whole(..)) => (number as i64).into(),
+        (Absent::Number(number), _) => number.into(),
+        (Absent::Value(text), Kind::Text | Kind::Word(_)) => text.into(),
+        (Absent::Value(text), _) => {
+            let mut table: Table = toml::from_str(&format!("x = {text}")).ok()?;
+            table.remove("x")?
+        }
+        (Absent::Needed | Absent::Nothing, _) => return None,
+    })
+}
+
+/// Returns the default of a key, or its example, as it is written in a scene.
+fn written(key: &Key) -> Option<String> {
+    let text = match (key.absent, key.example) {
+        (Absent::Number(number), "") => return Some(number.to_string()),
+        (Absent::Value(text), "") => text,
+        (_, example) => example,
+    };
+    match key.kind {
+        Kind::Text | Kind::Word(_) => Some(format!("\"{text}\"")),
+        Kind::Table(keys) => Some(inline(keys())),
+        Kind::List(Kind::Table(keys), _) => Some(format!("[{}]", inline(keys()))),
+        _ => Some(text.to_owned()).filter(|text| !text.is_empty()),
+    }
+}
+
+/// Returns the required keys of a table with their examples: `{ from_hz = 10, to_hz = 12 }`.
+fn inline(keys: &[Key]) -> String {
+    let needed = keys.iter().filter(|key| key.absent == Absent::Needed);
+    let all: Vec<_> = needed
+        .filter_map(|key| Some(format!("{} = {}", key.name, written(key)?)))
+        .collect();
+    format!("{{ {} }}", all.join(", "))
+}
+
+/// Returns the form of a key path: `load_kg = 2`, `[limits]`, `[[program]]`; of an entry of a list, that of the first one.
+pub(crate) fn example(path: &str) -> Option<String> {
+    let key = row(path)?;
+    if !path.contains('.')
+        && let Some(heading) = heading(key, key.name)
+    {
+        return Some(heading);
+    }
+    let line = format!("{} = {}", key.name, written(key)?);
+    if !path.ends_with(']') {
+        return Some(line);
+    }
+    let depth = path.rsplit('.').next()?.matches('[').count();
+    let table = DeTable::parse(&line).ok()?;
+    let mut value = table.get_ref().get(key.name)?;
+    for _ in 0..depth {
+        let DeValue::Array(list) = value.get_ref() else {
+            return None;
+        };
+        value = list.first()?;
+    }
+    line.get(value.span()).map(str::to_owned)
+}
+
+/// Returns a table of the manual, in Markdown.
+#[cfg(test)]
+fn manual_table(section: &Key) -> String {
+    let rows = rows(&section.kind).unwrap_or_default().iter().map(|row| {
+        let default = written(row).unwrap_or_default();
+        format!("| `{}` | {default} | {} |\n", row.name, sentences(row))
     });
-    let Section { name, about, .. } = section;
+    let about = section.doc.trim().trim_end_matches('.');
+    let (first, rest) = about.split_at(1);
     format!(
-        "| `[{name}]`, {about} | default | |\n| --- | --- | --- |\n{}",
+        "| `[{}]`, {}{rest} | default | |\n| --- | --- | --- |\n{}",
+        section.name,
+        first.to_lowercase(),
         rows.collect::<String>()
     )
 }
@@ -63,54 +135,85 @@ pub fn manual_table(section: &Section) -> String {
 /// Returns the JSON Schema of a scene (draft 7, which editors of TOML know). Ranges are those of single keys: relations between keys are
 /// checked when a scene is read.
 pub fn schema() -> Value {
-    let tables: Map<_, _> = SECTIONS
-        .iter()
-        .map(|section| (section.name.to_owned(), table(section)))
-        .collect();
-    json!({
-        "$schema": "http://json-schema.org/draft-07/schema#",
-        "title": "Scene of Cophase",
-        "type": "object",
-        "properties": tables,
-        "additionalProperties": true,
-    })
+    let mut schema = table(Scene::KEYS);
+    schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");
+    schema["title"] = json!("Scene of Cophase");
+    // A program's blocks may contain blocks.
+    if let Some(program) = row("program") {
+        schema["definitions"] = json!({ SEGMENT: table(rows(&program.kind).unwrap_or_default()) });
+    }
+    schema
 }
 
-fn table(section: &Section) -> Value {
-    let keys: Map<_, _> = section
-        .keys
+/// Definition of an entry of the program.
+const SEGMENT: &str = "segment";
+
+fn table(keys: &[Key]) -> Value {
+    let properties: Map<_, _> = keys
         .iter()
-        .map(|row| (row.name().to_owned(), property(row)))
+        .map(|row| (row.name.to_owned(), property(row)))
+        .collect();
+    let needed: Vec<_> = keys
+        .iter()
+        .filter(|row| row.absent == Absent::Needed)
+        .map(|row| row.name)
         .collect();
     json!({
         "type": "object",
-        "description": section.about,
-        "properties": keys,
+        "properties": properties,
+        "required": needed,
         "additionalProperties": false,
     })
 }
 
 fn property(row: &Key) -> Value {
-    let number = |value: f64| match row.is_whole {
-        true => json!(value as u64),
-        false => json!(value),
-    };
-    json!({
-        "type": if row.is_whole { "integer" } else { "number" },
-        "minimum": number(row.low),
-        "maximum": number(row.high),
-        "default": number(row.default),
-        "description": sentences(row),
-    })
+    let mut property = form(row, &row.kind);
+    property["description"] = json!(sentences(row));
+    if let Some(default) = default(row).filter(|default| !default.is_table()) {
+        property["default"] = json!(default);
+    }
+    property
+}
+
+/// Returns the schema of a value of a key, or of an entry in its list.
+fn form(row: &Key, kind: &Kind) -> Value {
+    match kind {
+        Kind::Number if row.high == f64::MAX => json!({ "type": "number" }),
+        Kind::Number => json!({ "type": "number", "minimum": row.low, "maximum": row.high }),
+        Kind::Whole(least, most) => json!({
+            "type": "integer",
+            "minimum": (row.low as i64).max(*least),
+            "maximum": (row.high as i64).min(*most),
+        }),
+        Kind::Flag => json!({ "type": "boolean" }),
+        Kind::Text => json!({ "type": "string" }),
+        Kind::Word(words) => json!({ "type": "string", "enum": words }),
+        Kind::Table(_) if row.name == "segments" => {
+            json!({ "$ref": format!("#/definitions/{SEGMENT}") })
+        }
+        Kind::Table(keys) => table(keys()),
+        Kind::List(kind, length) => {
+            let mut list = json!({ "type": "array", "items": form(row, kind) });
+            if let Some(length) = length {
+                list["minItems"] = json!(length);
+                list["maxItems"] = json!(length);
+            }
+            list
+        }
+    }
 }
 
 /// Returns the sentences of a row, and its range with the unit.
 fn sentences(row: &Key) -> String {
-    let unit = match Problem::unit(row.path) {
+    let doc = row.doc.trim();
+    if row.high == f64::MAX {
+        return doc.to_owned();
+    }
+    let unit = match Problem::unit(row.name) {
         unit if unit.is_empty() || unit.starts_with('°') => unit.to_owned(),
         unit => format!(" {unit}"),
     };
-    format!("{} {} to {}{unit}", row.doc.trim(), row.low, row.high)
+    format!("{doc} {} to {}{unit}", row.low, row.high)
 }
 
 #[cfg(test)]
@@ -119,28 +222,79 @@ mod tests {
 
     const MANUAL: &str = include_str!("../../../docs/scenes.md");
 
+    /// Tables of the manual that are those of the rows.
+    const IN_MANUAL: [&str; 4] = ["control", "index", "drift", "pulse"];
+
     /// If this fails, the manual states a range or a default that does not apply.
     #[test]
     fn the_manual_has_the_table_of_every_section() {
-        for section in &SECTIONS {
-            let table = manual_table(section);
+        for name in IN_MANUAL {
+            let table = manual_table(row(name).unwrap());
             assert!(MANUAL.contains(&table), "docs/scenes.md lacks\n{table}");
         }
     }
 
+    /// Calls a function for every row with its path.
+    fn each(keys: &[Key], table: &str, check: &mut dyn FnMut(&Key, &str)) {
+        for key in keys {
+            let path = format!("{table}{}", key.name);
+            check(key, &path);
+            if key.name != "segments" {
+                each(
+                    rows(&key.kind).unwrap_or_default(),
+                    &format!("{path}."),
+                    check,
+                );
+            }
+        }
+    }
+
+    /// If this fails, a default is refused, or an example is.
     #[test]
-    fn every_default_is_within_its_range() {
-        for row in SECTIONS.iter().flat_map(|section| section.keys) {
-            assert!((row.low..=row.high).contains(&row.default), "{}", row.path);
+    fn defaults_and_examples_fit_their_rows() {
+        each(Scene::KEYS, "", &mut |key, path| {
+            if let Absent::Number(default) = key.absent {
+                assert!((key.low..=key.high).contains(&default), "{path}");
+            }
+            for text in [default_text(key), Some(key.example)].into_iter().flatten() {
+                let fits = match key.kind {
+                    Kind::Word(words) => words.contains(&text),
+                    Kind::Number | Kind::Whole(..) => {
+                        let number: f64 = text.parse().unwrap_or(f64::NAN);
+                        (key.low..=key.high).contains(&number)
+                    }
+                    _ => true,
+                };
+                assert!(fits || text.is_empty(), "{path}: {text}");
+            }
+            let has_default = !matches!(key.absent, Absent::Needed | Absent::Nothing);
+            assert_eq!(default(key).is_some(), has_default, "{path}");
+        });
+    }
+
+    fn default_text(key: &Key) -> Option<&'static str> {
+        match key.absent {
+            Absent::Value(text) => Some(text),
+            _ => None,
         }
     }
 
     #[test]
-    fn a_row_belongs_to_the_table_that_lists_it() {
-        for section in &SECTIONS {
-            for row in section.keys {
-                assert_eq!(row.path, format!("{}.{}", section.name, row.name()));
-            }
+    fn examples_have_the_form_of_their_key() {
+        for (path, written) in [
+            ("machine.load_kg", Some("load_kg = 2")),
+            ("machine", Some("[machine]")),
+            ("program", Some("[[program]]")),
+            ("axis[7].number", Some("number = 1")),
+            ("limits.band[3]", Some("{ from_hz = 10, to_hz = 12 }")),
+            ("axes.pull_out[1]", Some("[0, 5.0]")),
+            ("colour", None),
+        ] {
+            assert_eq!(example(path).as_deref(), written, "{path}");
         }
+        assert_eq!(homes("load_kg"), ["[machine]"]);
+        assert_eq!(homes("amax_g"), ["[[program]]"]);
+        assert!(homes("fidelity")[0].starts_with("at the top"));
+        assert!(homes("colour").is_empty());
     }
 }

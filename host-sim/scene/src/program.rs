@@ -47,7 +47,7 @@ fn append(
                 amax_mps2: amax_g * STANDARD_GRAVITY_MPS2,
                 ramp_s: entry.ramp_s.unwrap_or(0.0),
                 hold_s: entry.hold_s.unwrap_or(0.0),
-                shape: match entry.shape.unwrap_or_default() {
+                shape: match entry.shape.unwrap_or(file::Shape::Smooth) {
                     file::Shape::Linear => ProgramShape::Linear,
                     file::Shape::Smooth => ProgramShape::Smooth,
                 },

@@ -122,25 +122,7 @@ fn quantity(value: f64, unit: &str) -> String {
 
 /// Returns the reason of a range that does not follow from the numbers.
 pub(super) fn reason(key: &str) -> Option<&'static str> {
-    if let Some(row) = keys::row(key) {
-        return row.reason;
-    }
-    let (_, name) = key.rsplit_once('.')?;
-    Some(match name {
-        "lambda" => "the ratios of crank radius to rod length that this mechanism is built with",
-        "crank_radius_mm" => "the cranks that a vibration platform is built with",
-        "rod_length_mm" => "1.67 to 10 crank radii",
-        "load_kg" => "the loads that one platform carries",
-        "speed_hz" => "the speeds that such cranks are turned at",
-        "acceleration_hz_per_s" | "jerk_hz_per_s2" => {
-            "what a tick can resolve and limits.speed_hz can use"
-        }
-        "homing_speed_hz" => "slow enough to find an index pulse at, and within limits.speed_hz",
-        "repeat" => "the counts that a program holds",
-        "start_deg" | "offset_deg" | "index_deg" => "half a turn either way",
-        "steps_per_turn" => "the resolutions that the planner counts in",
-        _ => return None,
-    })
+    keys::row(key)?.reason
 }
 
 #[cfg(test)]

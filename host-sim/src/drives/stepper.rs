@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use cophase_scene::file::{Axes, default_full_steps};
+use cophase_scene::file::Axes;
 
 use super::{AtCrank, DriveKey, DriveModel, Field, Motor, PullOut, TorqueLaw};
 
@@ -27,7 +27,7 @@ pub(super) const KEYS: [DriveKey; 3] = [
         key: "axes.full_steps_per_turn",
         // The controller names lost steps by it.
         is_of_torque: false,
-        is_given: |axes| axes.full_steps_per_turn != default_full_steps(),
+        is_given: |axes| axes.full_steps_per_turn != Axes::USUAL_FULL_STEPS,
         unused: "is the number of a stepper's full steps, and no axis here is a stepper; leave it out",
     },
 ];

@@ -14,7 +14,7 @@ pub const RESOLUTION: f64 = 3e-4;
 const LEAST_ZETA: f64 = 0.005;
 
 /// Largest number of steps per tick: above it, a scene takes longer to run than is practical.
-pub const MOST_STEPS: u32 = 1000;
+pub const MOST_STEPS: u32 = cophase_scene::file::Method::MOST_STEPS;
 
 /// Method and step of a scene. Those that the scene leaves open are chosen here.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -99,7 +99,7 @@ impl Bounds {
 /// data.
 fn top(checked: &Checked) -> Result<Checked, SceneError> {
     let mut tops = checked.machine.top_levels().iter().rev();
-    let highest = tops.next().copied().unwrap_or_default();
+    let highest = tops.next().copied().unwrap_or(Fidelity::Auto);
     tops.fold(checked.on(highest), |top, &lower| {
         top.or_else(|_| checked.on(lower))
     })

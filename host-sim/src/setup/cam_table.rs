@@ -6,7 +6,6 @@ use cophase_core::axes::{
 use cophase_scene::SceneError;
 use cophase_scene::entry::ordinal;
 use cophase_scene::file::{CamSegment, CamTable, Scene};
-use cophase_scene::in_range;
 use cophase_scene::load::{meant_net_turns, nearest};
 
 use crate::machines::Table;
@@ -45,7 +44,7 @@ pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAM
 
 fn one(entry: usize, table: &CamTable) -> Result<CamSettings, SceneError> {
     let key = |name: &str| format!("cam_table[{entry}].{name}");
-    let points_turns = match (&table.file, table.segments.is_empty()) {
+    let points_turns = match (&table.file, table.segment.is_empty()) {
         (_, true) if !table.points_turns.is_empty() => {
             Ok(table.points_turns.iter().copied().collect())
         }
@@ -77,10 +76,8 @@ fn one(entry: usize, table: &CamTable) -> Result<CamSettings, SceneError> {
 /// ends of segments, or near them.
 fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
     let (mut end_deg, mut travel) = (0.0, 0.0);
-    for (i, segment) in table.segments.iter().enumerate() {
+    for (i, segment) in table.segment.iter().enumerate() {
         let key = |name: &str| format!("cam_table[{entry}].segment[{i}].{name}");
-        in_range(&key("deg"), segment.deg, 1.0, 360.0)?;
-        in_range(&key("turns"), segment.turns, -1000.0, 1000.0)?;
         end_deg += segment.deg;
         travel += segment.turns;
         if end_deg > 360.0 + 1e-9 {
@@ -120,7 +117,7 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
     }
     // The segment of the largest acceleration is the shortest for its travel.
     let steepness = |segment: &CamSegment| segment.turns.abs() / (segment.deg * segment.deg);
-    let segments = table.segments.iter().enumerate();
+    let segments = table.segment.iter().enumerate();
     let (number, deg) = segments
         .max_by(|(_, a), (_, b)| steepness(a).total_cmp(&steepness(b)))
         .map_or((0, 0.0), |(number, segment)| (number, segment.deg));

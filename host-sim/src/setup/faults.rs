@@ -5,7 +5,7 @@
 
 use cophase_scene::SceneError;
 use cophase_scene::file::{Axes, FaultAt, FaultName, Lines, MIN_ENABLE_LOSS_US, Noise, Scene};
-use cophase_scene::in_range;
+use cophase_scene::keys;
 
 /// Keys of a `[[fault]]` that a kind takes, beside `at_s` and `kind`.
 struct Takes {
@@ -84,10 +84,6 @@ pub(super) fn check(scene: &Scene) -> Result<(), SceneError> {
 }
 
 fn check_noise(noise: &Noise, axes: &Axes) -> Result<(), SceneError> {
-    in_range("noise.index_deg", noise.index_deg, 0.0, 5.0)?;
-    in_range("noise.index_us", noise.index_us, 0.0, 50.0)?;
-    in_range("noise.encoder_counts", noise.encoder_counts, 0.0, 1000.0)?;
-    in_range("noise.load_nm", noise.load_nm, 0.0, 1000.0)?;
     if noise.encoder_counts > 0.0 && !axes.encoder {
         return Err(SceneError::at(
             "noise.encoder_counts",
@@ -131,9 +127,7 @@ fn check_keys(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
 }
 
 fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
-    in_range(&at(i, "at_s"), fault.at_s, 0.0, 1e6)?;
     if let Some(for_s) = fault.for_s {
-        in_range(&at(i, "for_s"), for_s, 1e-6, 1e6)?;
         let min_s = MIN_ENABLE_LOSS_US as f64 * 1e-6;
         if fault.kind == FaultName::EnableLoss && for_s < min_s {
             return Err(SceneError::at(
@@ -144,31 +138,21 @@ fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
             ));
         }
     }
-    let signed = |key: &str, value: Option<f64>, most: f64| {
-        let Some(value) = value else { return Ok(()) };
-        in_range(&at(i, key), value, -most, most)?;
-        if value != 0.0 {
-            return Ok(());
-        }
-        Err(SceneError::at(
-            at(i, key),
-            format!(
-                "0 is no fault; give a number from {} to {most} other than 0",
-                -most
-            ),
-        ))
+    let zero = [
+        ("cycles", fault.cycles == Some(0)),
+        ("rate_deg_per_s", fault.rate_deg_per_s == Some(0.0)),
+        ("counts", fault.counts == Some(0)),
+        ("torque_nm", fault.torque_nm == Some(0.0)),
+    ];
+    let Some((key, _)) = zero.into_iter().find(|(_, is_zero)| *is_zero) else {
+        return Ok(());
     };
-    signed("cycles", fault.cycles.map(|cycles| cycles as f64), 1e4)?;
-    signed("rate_deg_per_s", fault.rate_deg_per_s, 36_000.0)?;
-    signed("counts", fault.counts.map(|counts| counts as f64), 1e9)?;
-    signed("torque_nm", fault.torque_nm, 1000.0)?;
-    if let Some(speed_hz) = fault.speed_hz {
-        in_range(&at(i, "speed_hz"), speed_hz, -200.0, 200.0)?;
-    }
-    if let Some(count) = fault.count {
-        in_range(&at(i, "count"), f64::from(count), 1.0, 1e6)?;
-    }
-    Ok(())
+    let (low, high) =
+        keys::row(&at(i, key)).map_or((f64::MIN, f64::MAX), |row| (row.low, row.high));
+    Err(SceneError::at(
+        at(i, key),
+        format!("0 is no fault; give a number from {low} to {high} other than 0"),
+    ))
 }
 
 fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError> {

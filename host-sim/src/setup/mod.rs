@@ -45,9 +45,7 @@ impl Checked {
         PullOut::new(&scene.axes.pull_out)?;
         numbers::check_times(&scene)?;
         faults::check(&scene)?;
-        numbers::check_torque(&scene)?;
         numbers::check_bands(&scene.limits)?;
-        numbers::check_questions(&scene.questions)?;
         let program = program::flat(&scene.program)?;
         let mut checked = Self {
             settings: settings::settings(

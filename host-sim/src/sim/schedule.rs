@@ -54,7 +54,7 @@ impl Schedule {
         let mut commands: Vec<_> = scene
             .command
             .iter()
-            .map(|command| (clock(command.at_s), core_command(command.action)))
+            .map(|command| (clock(command.at_s), core_command(command.r#do)))
             .collect();
         if !commands
             .iter()

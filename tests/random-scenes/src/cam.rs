@@ -103,7 +103,7 @@ fn from_segments(source: &mut Source, name: &str, shaft: Option<&CamShaft>) -> C
         max_speed_hz: MAX_SPEED_HZ,
         max_acceleration_hz_per_s: MAX_ACCELERATION_HZ_PER_S,
         law: source.one_of(&LAWS),
-        segments: vec![
+        segment: vec![
             CamSegment {
                 deg: rise_deg,
                 turns,
@@ -149,8 +149,8 @@ fn from_file(source: &mut Source) -> (CamTable, String) {
         net_turns: 1,
         max_speed_hz: MAX_SPEED_HZ,
         max_acceleration_hz_per_s: MAX_ACCELERATION_HZ_PER_S,
-        law: LawName::default(),
-        segments: Vec::new(),
+        law: LawName::ModifiedSine,
+        segment: Vec::new(),
         file: Some(TABLE_FILE.to_owned()),
         points_turns: points,
     };
@@ -164,7 +164,7 @@ pub fn steepest(tables: &[CamTable]) -> f64 {
     const LAW: f64 = 2.2;
     let of_segments = tables
         .iter()
-        .flat_map(|table| &table.segments)
+        .flat_map(|table| &table.segment)
         .map(|segment| LAW * segment.turns.abs() * 360.0 / segment.deg);
     let of_points = tables.iter().map(|table| {
         let count = table.points_turns.len() as f64;

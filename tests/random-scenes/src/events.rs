@@ -48,18 +48,18 @@ fn commands(source: &mut Source, basis: &Basis) -> Vec<CommandAt> {
     let mut commands: Vec<CommandAt> = (0..1 + source.below(4))
         .map(|_| CommandAt {
             at_s: basis.time_s(source),
-            action: source.one_of(&names),
+            r#do: source.one_of(&names),
         })
         .collect();
     if source.percent(80) {
         commands.push(CommandAt {
             at_s: 0.0,
-            action: CommandName::Start,
+            r#do: CommandName::Start,
         });
     }
     commands.push(CommandAt {
         at_s: basis.begins_s + 1.3 * basis.program_s,
-        action: CommandName::Stop,
+        r#do: CommandName::Stop,
     });
     commands
 }

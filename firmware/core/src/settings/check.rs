@@ -94,10 +94,9 @@ impl Settings {
 impl CorrectionSettings {
     #[cold]
     fn check(&self) -> Result<(), SettingsError> {
-        inside("correction.gain", self.gain, 0.0, 1.0)?;
-        inside("correction.coupling", self.coupling, 0.0, 20.0)?;
-        let per_s = self.coupling_per_s;
-        inside("correction.coupling_per_s", per_s, 0.0, 10_000.0)?;
+        rows::GAIN.check("correction.gain", self.gain)?;
+        rows::COUPLING.check("correction.coupling", self.coupling)?;
+        rows::COUPLING_PER_S.check("correction.coupling_per_s", self.coupling_per_s)?;
         Ok(())
     }
 }
@@ -120,52 +119,26 @@ impl Transmission {
 impl AxisSettings {
     #[cold]
     fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
-        inside(
-            "axes.steps_per_turn",
-            f64::from(self.steps_per_turn),
-            4.0,
-            StepsPerTurn::MAX,
-        )?;
+        let steps_per_turn = f64::from(self.steps_per_turn);
+        rows::STEPS_PER_TURN.check("axes.steps_per_turn", steps_per_turn)?;
         self.gear.check()?;
         let steps = self.steps_per_crank_turn().to_f64();
-        if !(4.0..=StepsPerTurn::MAX).contains(&steps) {
-            let problem = Problem::StepsPerCrankTurn {
-                steps,
-                low: 4.0,
-                high: StepsPerTurn::MAX,
-            };
+        let Key { low, high, .. } = rows::STEPS_PER_TURN;
+        if !(low..=high).contains(&steps) {
+            let problem = Problem::StepsPerCrankTurn { steps, low, high };
             return Err(SettingsError::new("axes.gear", problem));
         }
         self.follower.check(&settings.cams)?;
-        inside("axes.offset_deg", self.offset_turns * 360.0, -180.0, 180.0)?;
+        rows::OFFSET_DEG.check("axes.offset_deg", self.offset_turns * 360.0)?;
         if let Some(index_turns) = self.index_turns {
-            inside("axes.index_deg", index_turns * 360.0, -180.0, 180.0)?;
+            rows::INDEX_DEG.check("axes.index_deg", index_turns * 360.0)?;
         }
-        inside(
-            "axes.index_width_deg",
-            self.index_width_turns * 360.0,
-            0.0,
-            90.0,
-        )?;
-        inside("axes.index_delay_us", self.index_delay_s * 1e6, 0.0, 1000.0)?;
-        inside(
-            "axes.trim_limit_deg",
-            self.trim_limit_turns * 360.0,
-            0.0,
-            36.0,
-        )?;
-        inside(
-            "axes.trim_rate_deg_per_s",
-            self.trim_rate_hz * 360.0,
-            1e-3,
-            360.0,
-        )?;
-        inside(
-            "axes.rotor_inertia_kgm2",
-            self.rotor_inertia_kgm2,
-            0.0,
-            1000.0,
-        )?;
+        let width_deg = self.index_width_turns * 360.0;
+        rows::INDEX_WIDTH_DEG.check("axes.index_width_deg", width_deg)?;
+        rows::INDEX_DELAY_US.check("axes.index_delay_us", self.index_delay_s * 1e6)?;
+        rows::TRIM_LIMIT_DEG.check("axes.trim_limit_deg", self.trim_limit_turns * 360.0)?;
+        rows::TRIM_RATE_DEG_PER_S.check("axes.trim_rate_deg_per_s", self.trim_rate_hz * 360.0)?;
+        rows::ROTOR_INERTIA_KGM2.check("axes.rotor_inertia_kgm2", self.rotor_inertia_kgm2)?;
         Ok(())
     }
 }

@@ -5,6 +5,7 @@
 
 use cophase_motion::settings::inside;
 
+use super::rows::{CRANK_RADIUS_MM, GRAVITY_MPS2, LOAD_KG, MOUNT_RADIUS_MM};
 use crate::mechanism::{AnyMechanism, Mechanism, MechanismSettings, ScotchYokeSettings};
 use crate::problem::SettingsError;
 
@@ -121,21 +122,11 @@ impl MachineSettings {
 impl PlatformSettings {
     #[cold]
     fn check(&self) -> Result<(), SettingsError> {
-        inside(
-            "machine.crank_radius_mm",
-            self.crank_radius_m * 1e3,
-            0.1,
-            500.0,
-        )?;
+        CRANK_RADIUS_MM.check("machine.crank_radius_mm", self.crank_radius_m * 1e3)?;
         self.mechanism.check()?;
-        inside("machine.load_kg", self.load_kg, 1e-3, 50.0)?;
-        inside("machine.gravity_mps2", self.gravity_mps2, 0.0, 20.0)?;
-        inside(
-            "machine.mount_radius_mm",
-            self.mount_radius_m * 1e3,
-            10.0,
-            5000.0,
-        )?;
+        LOAD_KG.check("machine.load_kg", self.load_kg)?;
+        GRAVITY_MPS2.check("machine.gravity_mps2", self.gravity_mps2)?;
+        MOUNT_RADIUS_MM.check("machine.mount_radius_mm", self.mount_radius_m * 1e3)?;
         Ok(())
     }
 }

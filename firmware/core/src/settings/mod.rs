@@ -8,6 +8,7 @@ mod check;
 mod commanded;
 mod host_loss;
 mod machine;
+pub mod rows;
 #[cfg(test)]
 pub(crate) mod sample;
 mod slots;
@@ -15,9 +16,9 @@ mod slots;
 mod tests;
 mod wiring;
 
-pub use cophase_motion::settings::key::Key;
+pub use cophase_motion::settings::key::{self, Key};
 pub use cophase_motion::settings::{
-    BandSettings, LimitSettings, MAX_BANDS, PulseSettings, inside, tick_cycles, turns,
+    BandSettings, LimitSettings, MAX_BANDS, PulseSettings, SPEED_HZ, inside, tick_cycles, turns,
     turns_at_most,
 };
 pub use host_loss::{HostLossReaction, HostLossSettings};

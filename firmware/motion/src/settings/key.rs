@@ -1,26 +1,105 @@
-//! Rows of keys: each number of a settings table is written once, with its unit, default, range and reason.
+//! Rows of keys: each key of a scene is written once, with its type, unit, default, range and reason.
 //!
-//! A *key* is the path of a number in a scene, such as `control.tick_hz`. Its unit is at the end of its name. [`keys!`](crate::keys) makes
-//! a struct and its rows from one text. The struct's own `check` has the bounds as constants; firmware that does not use the words of a
-//! row does not contain them.
+//! The unit of a key is at the end of its name. [`keys!`](crate::keys) makes a struct and its rows from one text, and
+//! [`words!`](crate::words) an enum and the words of its values. A table of the core also has a check, with the bounds as constants.
+//! Firmware that does not use the words of a row does not contain them.
+
+#[cfg(feature = "alloc")]
+extern crate alloc;
+
+use super::{SettingsError, inside};
 
 /// Row of a key.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
-    /// Path in a scene.
-    pub path: &'static str,
+    /// Name in its table.
+    pub name: &'static str,
     /// Sentences for the manual, and for editors.
     pub doc: &'static str,
-    /// True if the number has no fraction.
-    pub is_whole: bool,
+    /// Form of its value.
+    pub kind: Kind,
     /// Value if the key is left out.
-    pub default: f64,
-    /// Least value.
+    pub absent: Absent,
+    /// Value for messages, if the default is none; written as in a scene, and text without quotes.
+    pub example: &'static str,
+    /// Least value; of a list, of each number in it.
     pub low: f64,
     /// Greatest value.
     pub high: f64,
     /// Reason of the range, if it does not follow from the numbers.
     pub reason: Option<&'static str>,
+}
+
+/// Form of a value.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// Number.
+    Number,
+    /// Whole number, between the least and the greatest one that its type holds.
+    Whole(i64, i64),
+    /// True or false.
+    Flag,
+    /// Text.
+    Text,
+    /// One of these words.
+    Word(&'static [&'static str]),
+    /// List of values, with a fixed length if there is one.
+    List(&'static Kind, Option<usize>),
+    /// Table with these rows. It is a function, because a table may contain itself.
+    Table(fn() -> &'static [Key]),
+}
+
+/// Value of a key that is left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Absent {
+    /// The key is required.
+    Needed,
+    /// Nothing.
+    Nothing,
+    /// A number.
+    Number(f64),
+    /// Another value, written as in a scene, and text without quotes.
+    Value(&'static str),
+}
+
+const ROW: Key = Key {
+    name: "",
+    doc: "",
+    kind: Kind::Number,
+    absent: Absent::Nothing,
+    example: "",
+    low: f64::MIN,
+    high: f64::MAX,
+    reason: None,
+};
+
+/// Begins the row of a key that is required, with an example for messages.
+pub const fn needed(example: &'static str) -> Key {
+    Key {
+        absent: Absent::Needed,
+        ..optional(example)
+    }
+}
+
+/// Begins the row of a key that can be left out, with an example for messages.
+pub const fn optional(example: &'static str) -> Key {
+    Key { example, ..ROW }
+}
+
+/// Begins the row of a key whose default is a number.
+pub const fn or(default: f64) -> Key {
+    Key {
+        absent: Absent::Number(default),
+        ..ROW
+    }
+}
+
+/// Begins the row of a key whose default is no number. It is written as in a scene, and text without quotes.
+pub const fn or_value(default: &'static str) -> Key {
+    Key {
+        absent: Absent::Value(default),
+        ..ROW
+    }
 }
 
 impl Key {
@@ -39,60 +118,111 @@ impl Key {
         self
     }
 
-    /// Name in its table: the last part of the path.
-    pub fn name(&self) -> &'static str {
-        self.path.rsplit('.').next().unwrap_or(self.path)
+    /// Sets the example for messages, where the default is none.
+    #[must_use]
+    pub const fn such_as(mut self, example: &'static str) -> Self {
+        self.example = example;
+        self
+    }
+
+    /// The same row for a key that can be left out.
+    #[must_use]
+    pub const fn or_left_out(mut self) -> Self {
+        self.absent = Absent::Nothing;
+        self
+    }
+
+    /// Checks that a number is within the range; `path` is its key. Inlined, so that a firmware keeps the range only.
+    ///
+    /// # Errors
+    /// The number is outside.
+    #[inline(always)]
+    pub fn check(&self, path: &'static str, value: f64) -> Result<f64, SettingsError> {
+        inside(path, value, self.low, self.high)
+    }
+
+    /// Default that is a number.
+    ///
+    /// # Panics
+    /// The row has another default, or none; at compile time.
+    pub const fn number(&self) -> f64 {
+        match self.absent {
+            Absent::Number(default) => default,
+            _ => panic!("a table of the core has numbers with defaults"),
+        }
     }
 }
 
-/// Begins the row of a key with a default.
-pub const fn or(default: f64) -> Key {
-    Key {
-        path: "",
-        doc: "",
-        is_whole: false,
-        default,
-        low: f64::MIN,
-        high: f64::MAX,
-        reason: None,
-    }
+/// Type that a value of a scene can have.
+pub trait Value {
+    /// Its form.
+    const KIND: Kind;
 }
 
-/// Type of a number in a settings table.
-pub trait Number {
-    /// True if it has no fraction.
-    const IS_WHOLE: bool;
+macro_rules! whole {
+    ($($Type:ty: $least:expr, $most:expr;)+) => {
+        $(impl Value for $Type {
+            const KIND: Kind = Kind::Whole($least as i64, $most as i64);
+        })+
+    };
 }
 
-impl Number for f64 {
-    const IS_WHOLE: bool = false;
+whole! {
+    u32: 0, u32::MAX;
+    i32: i32::MIN, i32::MAX;
+    // A whole number of a TOML file has 64 bits with a sign.
+    u64: 0, i64::MAX;
+    usize: 0, i64::MAX;
+    i64: i64::MIN, i64::MAX;
 }
 
-impl Number for u32 {
-    const IS_WHOLE: bool = true;
+impl Value for f64 {
+    const KIND: Kind = Kind::Number;
 }
 
-/// Defines a table of settings: its struct, the rows of its keys, its defaults and its check.
+impl Value for bool {
+    const KIND: Kind = Kind::Flag;
+}
+
+impl<T: Value> Value for Option<T> {
+    const KIND: Kind = T::KIND;
+}
+
+impl<T: Value> Value for (T, T) {
+    const KIND: Kind = Kind::List(&T::KIND, Some(2));
+}
+
+impl<T: Value, const N: usize> Value for [T; N] {
+    const KIND: Kind = Kind::List(&T::KIND, Some(N));
+}
+
+#[cfg(feature = "alloc")]
+impl<T: Value> Value for alloc::vec::Vec<T> {
+    const KIND: Kind = Kind::List(&T::KIND, None);
+}
+
+#[cfg(feature = "alloc")]
+impl Value for alloc::string::String {
+    const KIND: Kind = Kind::Text;
+}
+
+/// Defines a table of a scene: its struct and the rows of its keys. With a path, it is a table of numbers of the core, with its defaults
+/// and its check. Fields of the last part are no keys.
 #[macro_export]
 macro_rules! keys {
     ($(#[$attribute:meta])+ pub struct $Table:ident in $path:literal {
         $($(#[doc = $doc:literal])+ $name:ident: $Type:ty = $row:expr,)+
     }) => {
-        $(#[$attribute])+
-        #[derive(Clone, Copy, Debug, PartialEq)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
-        pub struct $Table { $($(#[doc = $doc])+ pub $name: $Type,)+ }
+        $crate::keys! {
+            $(#[$attribute])+
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+            pub struct $Table { $($(#[doc = $doc])+ $name: $Type = $row,)+ }
+        }
 
         impl $Table {
-            /// Rows of the keys.
-            pub const KEYS: &'static [$crate::settings::key::Key] = &[$($crate::settings::key::Key {
-                path: concat!($path, ".", stringify!($name)),
-                doc: concat!($($doc),+),
-                is_whole: <$Type as $crate::settings::key::Number>::IS_WHOLE,
-                ..$row
-            }),+];
             /// Values of keys that are left out.
-            pub const DEFAULT: Self = Self { $($name: $row.default as $Type),+ };
+            pub const DEFAULT: Self = Self { $($name: $row.number() as $Type),+ };
 
             /// Checks that every number is within its range.
             ///
@@ -114,6 +244,57 @@ macro_rules! keys {
             fn default() -> Self {
                 Self::DEFAULT
             }
+        }
+    };
+    ($(#[$attribute:meta])+ pub struct $Table:ident {
+        $($(#[doc = $doc:literal])+ $(#[serde($($serde:tt)+)])* $name:ident: $Type:ty = $row:expr,)+
+    } $(and { $($(#[$note:meta])+ $field:ident: $Field:ty,)+ })?) => {
+        $(#[$attribute])+
+        pub struct $Table {
+            $($(#[doc = $doc])+ $(#[serde($($serde)+)])* pub $name: $Type,)+
+            $($($(#[$note])+ pub $field: $Field,)+)?
+        }
+
+        impl $Table {
+            /// Rows of the keys.
+            pub const KEYS: &'static [$crate::settings::key::Key] = &[$($crate::settings::key::Key {
+                name: $crate::settings::key::plain(stringify!($name)),
+                doc: concat!($($doc),+),
+                kind: <$Type as $crate::settings::key::Value>::KIND,
+                ..$row
+            }),+];
+        }
+
+        impl $crate::settings::key::Value for $Table {
+            const KIND: $crate::settings::key::Kind = $crate::settings::key::Kind::Table(|| Self::KEYS);
+        }
+    };
+}
+
+/// Name of a field that may be a word of Rust, such as `do`.
+pub const fn plain(name: &'static str) -> &'static str {
+    match name.as_bytes() {
+        [b'r', b'#', ..] => name.split_at(2).1,
+        _ => name,
+    }
+}
+
+/// Defines an enum whose values are words in a scene.
+#[macro_export]
+macro_rules! words {
+    ($(#[$attribute:meta])+ pub enum $Words:ident { $($(#[$note:meta])+ $Word:ident = $text:literal,)+ }) => {
+        $(#[$attribute])+
+        pub enum $Words { $($(#[$note])+ #[serde(rename = $text)] $Word,)+ }
+
+        impl $Words {
+            /// Returns its word in a scene.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$Word => $text,)+ }
+            }
+        }
+
+        impl $crate::settings::key::Value for $Words {
+            const KIND: $crate::settings::key::Kind = $crate::settings::key::Kind::Word(&[$($text),+]);
         }
     };
 }

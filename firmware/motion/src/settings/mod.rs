@@ -10,7 +10,7 @@ pub use error::{Number, Problem, SettingsError, inside};
 
 use crate::keys;
 use crate::units::{FRACTION_BITS, Turns};
-use key::or;
+use key::{Key, needed, or};
 
 /// Range of a tick's length in cycles of the step clock, for which planner and monitor have the bits: times have 14
 /// fraction bits in 32.
@@ -83,6 +83,11 @@ keys! {
     }
 }
 
+/// Row of `limits.speed_hz`.
+pub const SPEED_HZ: Key = needed("60")
+    .from(0.1, 200.0)
+    .because("the speeds that such cranks are turned at");
+
 /// Least jerk, in units of the last place. The shaft's exact stop rounds the jerk by up to four units; below this limit
 /// that would be a noticeable part of it.
 const LEAST_JERK_BITS: f64 = 64.0;
@@ -124,7 +129,7 @@ impl LimitSettings {
     #[cold]
     pub fn check(&self, tick_hz: f64) -> Result<(), SettingsError> {
         let one = (1_u64 << FRACTION_BITS) as f64;
-        let speed_hz = inside("limits.speed_hz", self.speed_hz, 0.1, 200.0)?;
+        let speed_hz = SPEED_HZ.check("limits.speed_hz", self.speed_hz)?;
         let least = LEAST_JERK_BITS / one * tick_hz * tick_hz;
         inside(
             "limits.acceleration_hz_per_s",

@@ -44,32 +44,11 @@ fn invalid_common_axis_keys_are_refused() {
     let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
     assert_all_refused(&[
         key(
-            "steps",
-            "axes.steps_per_turn",
-            "2000000",
-            "2000000 is outside",
-            "4 to 1048576",
-        ),
-        key(
             "steps with a fraction",
             "axes.steps_per_turn",
             "1066.6667",
             "a number with a fraction",
             "gear = [motor turns, crank turns]",
-        ),
-        key(
-            "steps",
-            "axes.steps_per_turn",
-            "2",
-            "2 is outside",
-            "4 to 1048576",
-        ),
-        key(
-            "full steps",
-            "axes.full_steps_per_turn",
-            "1",
-            "1 is outside",
-            "4 to 65536",
         ),
         key(
             "ratio of nothing",
@@ -86,24 +65,10 @@ fn invalid_common_axis_keys_are_refused() {
             "1 to 1000",
         ),
         key(
-            "half a ratio",
-            "axes.ratio",
-            "[1]",
-            "`[1]` has 1 in it",
-            "a list of two numbers",
-        ),
-        key(
             "a ratio of three",
             "axes.ratio",
             "[1, 1, 9]",
             "`[1, 1, 9]` has 3 in it",
-            "a list of two numbers",
-        ),
-        key(
-            "ratio as a number",
-            "axes.ratio",
-            "2",
-            "`2` is a number",
             "a list of two numbers",
         ),
         key(
@@ -114,46 +79,11 @@ fn invalid_common_axis_keys_are_refused() {
             "gear = [motor turns, crank turns]",
         ),
         key(
-            "offset past a turn",
-            "axes.offset_deg",
-            "500",
-            "500° is outside",
-            "-180 to 180°",
-        ),
-        key(
-            "trim limit",
-            "axes.trim_limit_deg",
-            "90",
-            "90° is outside",
-            "0 to 36°",
-        ),
-        key(
-            "trim rate",
-            "axes.trim_rate_deg_per_s",
-            "0",
-            "0°/s is outside",
-            "0.001 to 360°/s",
-        ),
-        key(
-            "inertia",
-            "axes.rotor_inertia_kgm2",
-            "-1",
-            "-1 kg·m² is outside",
-            "0 to 1000 kg·m²",
-        ),
-        key(
             "drive",
             "axes.drive",
             "\"steper\"",
             "\"steper\" is none of its values",
             "did you mean \"stepper\"?",
-        ),
-        key(
-            "drive by number",
-            "axes.drive",
-            "5",
-            "`5` is a number",
-            "text in quotes belongs; such as `drive = \"stepper\"`",
         ),
     ]);
 }
@@ -245,56 +175,14 @@ fn invalid_keys_of_one_axis_are_refused() {
             "a whole number, 0 or more",
         ),
         key(
-            "start past a turn",
-            "axis[0].start_deg",
-            "400",
-            "400° is outside",
-            "-180 to 180°",
-        ),
-        key(
             "trim beyond its limit",
             "axis[0].trim_deg",
             "6",
             "6° is outside -5 to 5°",
             "raise axes.trim_limit_deg",
         ),
-        key(
-            "trim beyond any limit",
-            "axis[0].trim_deg",
-            "60",
-            "60° is outside",
-            "-36 to 36°",
-        ),
-        key(
-            "strength",
-            "axis[0].pull_out_scale",
-            "-1",
-            "-1 is outside",
-            "0 to 10",
-        ),
-        case(
-            "nameless",
-            replace("number = 1\n", ""),
-            "axis[0].number",
-            "missing",
-            "such as `number = 1`",
-        ),
         // The message has the key as written in the file, and the entry's place: axis 2 is the second
         // entry, with index 1.
-        own(
-            "own steps",
-            "steps_per_turn = 0",
-            "axis[1].steps_per_turn",
-            "0 is outside",
-            "4 to 1048576",
-        ),
-        own(
-            "own offset",
-            "offset_deg = 500",
-            "axis[1].offset_deg",
-            "500° is outside",
-            "-180 to 180°",
-        ),
         own(
             "own ratio of three",
             "ratio = [1, 1, 1]",

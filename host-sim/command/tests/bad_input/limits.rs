@@ -107,27 +107,6 @@ fn invalid_speed_acceleration_and_jerk_limits_are_refused() {
     let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
     assert_all_refused(&[
         key(
-            "too fast",
-            "limits.speed_hz",
-            "500",
-            "500 rev/s is outside",
-            "0.1 to 200 rev/s",
-        ),
-        key(
-            "backwards",
-            "limits.speed_hz",
-            "-20",
-            "-20 rev/s is outside",
-            "0.1 to 200 rev/s",
-        ),
-        key(
-            "standing",
-            "limits.speed_hz",
-            "-0.0",
-            "-0 rev/s is outside",
-            "0.1 to 200 rev/s",
-        ),
-        key(
             "no acceleration",
             "limits.acceleration_hz_per_s",
             "0",
@@ -176,12 +155,7 @@ fn invalid_tick_and_pulse_settings_are_refused() {
             right,
         )
     };
-    let range = "500 to 10000 Hz";
     assert_all_refused(&[
-        tick("0", "0 Hz is outside", range),
-        tick("100", "100 Hz is outside", range),
-        tick("333", "333 Hz is outside", range),
-        tick("20000", "20000 Hz is outside", range),
         tick("3000", "not a whole number of microseconds", "2000, 4000"),
         tick("-2000", "`-2000` is negative", "such as `tick_hz = 2000`"),
         tick(
@@ -193,13 +167,6 @@ fn invalid_tick_and_pulse_settings_are_refused() {
             "99999999999",
             "`99999999999` is too large",
             "such as `tick_hz = 2000`",
-        ),
-        case(
-            "a pulse of nothing",
-            set("pulse.width_ns", "0"),
-            "pulse.width_ns",
-            "0 ns is outside",
-            "8 to 100000 ns",
         ),
         case(
             "steps too fast for the pulse",
@@ -223,13 +190,6 @@ fn invalid_tick_and_pulse_settings_are_refused() {
             "shorten dir_setup_ns",
         ),
         case(
-            "settling before it began",
-            set("control.settle_s", "-1"),
-            "control.settle_s",
-            "-1 s is outside",
-            "0 to 10 s",
-        ),
-        case(
             "a host that is lost at once",
             set("link.timeout_s", "0.01"),
             "link.timeout_s",
@@ -244,32 +204,11 @@ fn invalid_tick_and_pulse_settings_are_refused() {
             "\"high\"",
         ),
         case(
-            "parking past a turn",
-            set("control.park_deg", "400"),
-            "control.park_deg",
-            "400° is outside",
-            "0 to 360°",
-        ),
-        case(
-            "an index filter slower than any flag",
-            set("index.width_us", "101"),
-            "index.width_us",
-            "101 µs is outside",
-            "0.1 to 100 µs",
-        ),
-        case(
             "an index filter of over a quarter of a tick",
             set("index.width_us", "100").replace("tick_hz = 2000", "tick_hz = 4000"),
             "index.width_us",
             "100 µs is over a quarter of a tick, 62.5 µs",
             "shorten it, or lower control.tick_hz",
-        ),
-        case(
-            "drift limit of nothing",
-            set("drift.warp_limit_deg", "0"),
-            "drift.warp_limit_deg",
-            "0° is outside",
-            "0.001 to 90°",
         ),
         case(
             "a period for a rate",

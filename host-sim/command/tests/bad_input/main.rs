@@ -186,7 +186,11 @@ fn all_errors_are_reported_together() {
             "limits.speed_hz",
         ),
         ("width_ns = 2000", "width_ns = 0", "pulse.width_ns"),
-        ("count = 3", "count = 9", "axes.count"),
+        (
+            "steps_per_turn = 3200",
+            "steps_per_turn = 2",
+            "axes.steps_per_turn",
+        ),
         (
             "trim_limit_deg = 5",
             "trim_limit_deg = 99",

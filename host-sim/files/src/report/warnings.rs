@@ -186,7 +186,7 @@ fn beyond_pull_out(checked: &Checked) -> Option<String> {
 
 /// Warns of commands that come before the first start.
 fn before_start(commands: &[CommandAt]) -> Option<String> {
-    let is_start = |command: &&CommandAt| command.action == CommandName::Start;
+    let is_start = |command: &&CommandAt| command.r#do == CommandName::Start;
     let starts = commands.iter().filter(is_start);
     let first_s = starts.map(|start| start.at_s).reduce(f64::min)?;
     let mut early: Vec<f64> = commands

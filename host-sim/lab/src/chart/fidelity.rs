@@ -70,7 +70,7 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     let is_disturbed = !checked.scene.fault.is_empty();
     let bounds = Bounds::new(&checked).ok().filter(|_| !is_disturbed);
     let fidelities = available(&checked);
-    let top = fidelities.last().copied().unwrap_or_default();
+    let top = fidelities.last().copied().unwrap_or(Fidelity::Auto);
     let right = answers(&checked, top)?;
     let mut model_levels = Vec::new();
     for fidelity in fidelities {

@@ -1,117 +1,112 @@
 //! `[axes]` and `[[axis]]`: the motors.
 
+use cophase_core::keys;
 use cophase_core::settings::DriveKind;
+use cophase_core::settings::key::{Kind, Value, needed, optional, or, or_value};
+use cophase_core::settings::rows::{
+    INDEX_DEG, INDEX_DELAY_US, INDEX_WIDTH_DEG, OFFSET_DEG, ROTOR_INERTIA_KGM2, STEPS_PER_TURN,
+    TRIM_LIMIT_DEG, TRIM_RATE_DEG_PER_S,
+};
 use serde::{Deserialize, Serialize};
 
-use super::lengths::{pair, pairs, some_pair};
+/// Largest torque, N·m: more than a motor for a platform of 50 kg needs.
+const MOST_FRICTION_NM: f64 = 1000.0;
 
-/// Values for all axes, unless an `[[axis]]` has its own.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Axes {
-    /// Number of axes, 2 to 6.
-    pub count: usize,
-    /// Drive of the axes.
-    pub drive: Drive,
-    /// Steps per turn of the motor; for a servo drive, the counts that it expects.
-    pub steps_per_turn: u32,
-    /// Belt or gearbox between motor and crank, as `[motor turns, crank turns]`.
-    #[serde(default = "one_to_one", deserialize_with = "pair")]
-    pub gear: (u32, u32),
-    /// Full steps per turn of the motor; a stepper slips by four of them.
-    #[serde(default = "default_full_steps")]
-    pub full_steps_per_turn: u32,
-    /// Crank turns per master turn, as `[numerator, denominator]`.
-    #[serde(default = "one_to_one", deserialize_with = "pair")]
-    pub ratio: (u32, u32),
-    /// Crank phase relative to the master's, degrees.
-    #[serde(default)]
-    pub offset_deg: f64,
-    /// True if the cranks have index sensors.
-    #[serde(default = "yes")]
-    pub index: bool,
-    /// Crank phase of the index sensor, degrees.
-    #[serde(default)]
-    pub index_deg: f64,
-    /// Length of the index flag, degrees of the crank.
-    #[serde(default)]
-    pub index_width_deg: f64,
-    /// Delay from the flag's edge to that of the line, µs.
-    #[serde(default)]
-    pub index_delay_us: f64,
-    /// True if the motors have encoders, with `steps_per_turn` counts per turn of the motor.
-    #[serde(default)]
-    pub encoder: bool,
-    /// True if a brake holds the cranks while the drives are off.
-    #[serde(default)]
-    pub brake: bool,
-    /// Greatest trim, degrees.
-    #[serde(default = "default_trim_limit_deg")]
-    pub trim_limit_deg: f64,
-    /// Speed at which trim changes, degrees/s.
-    #[serde(default = "default_trim_rate")]
-    pub trim_rate_deg_per_s: f64,
-    /// Inertia of what turns with the motor, kg·m²; without a gear, rotor and crank.
-    #[serde(default)]
-    pub rotor_inertia_kgm2: f64,
-    /// Friction torque at each crank, N·m.
-    #[serde(default)]
-    pub friction_nm: f64,
-    /// Damping of a stepper's drive, N·m·s/rad, of the motor.
-    #[serde(default)]
-    pub damping_nms: f64,
-    /// Pull-out torque of a stepper, of the motor, as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
-    #[serde(
-        default,
-        deserialize_with = "pairs",
-        skip_serializing_if = "Vec::is_empty"
-    )]
-    pub pull_out: Vec<(f64, f64)>,
-    /// Drives of servos.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub servo: Option<ServoDrive>,
-    /// Induction motors with their frequency converters.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub induction: Option<InductionDrive>,
+keys! {
+    /// Values for all axes, unless an `[[axis]]` has its own.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct Axes {
+        /// Number of axes, 2 to 6.
+        count: usize = needed("4"),
+        /// Drive of the axes.
+        drive: Drive = needed("stepper"),
+        /// Steps per turn of the motor; for a servo drive, the counts that it expects.
+        steps_per_turn: u32 = STEPS_PER_TURN,
+        /// Belt or gearbox between motor and crank, as `[motor turns, crank turns]`.
+        gear: (u32, u32) = or_value("[1, 1]"),
+        /// Full steps per turn of the motor; a stepper slips by four of them.
+        full_steps_per_turn: u32 = or(Axes::USUAL_FULL_STEPS as f64).from(4.0, 65_536.0),
+        /// Crank turns per master turn, as `[numerator, denominator]`.
+        ratio: (u32, u32) = or_value("[1, 1]"),
+        /// Crank phase relative to the master's, degrees.
+        offset_deg: f64 = OFFSET_DEG,
+        /// True if the cranks have index sensors.
+        index: bool = or_value("true"),
+        /// Crank phase of the index sensor, degrees.
+        index_deg: f64 = INDEX_DEG,
+        /// Length of the index flag, degrees of the crank.
+        index_width_deg: f64 = INDEX_WIDTH_DEG,
+        /// Delay from the flag's edge to that of the line, µs.
+        index_delay_us: f64 = INDEX_DELAY_US,
+        /// True if the motors have encoders, with `steps_per_turn` counts per turn of the motor.
+        encoder: bool = or_value("false"),
+        /// True if a brake holds the cranks while the drives are off.
+        brake: bool = or_value("false"),
+        /// Greatest trim, degrees.
+        trim_limit_deg: f64 = TRIM_LIMIT_DEG,
+        /// Speed at which trim changes, degrees/s.
+        trim_rate_deg_per_s: f64 = TRIM_RATE_DEG_PER_S,
+        /// Inertia of what turns with the motor, kg·m²; without a gear, rotor and crank.
+        rotor_inertia_kgm2: f64 = ROTOR_INERTIA_KGM2,
+        /// Friction torque at each crank, N·m.
+        friction_nm: f64 = or(0.0).from(0.0, MOST_FRICTION_NM),
+        /// Damping of a stepper's drive, N·m·s/rad, of the motor.
+        damping_nms: f64 = or(0.0).from(0.0, 1000.0),
+        /// Pull-out torque of a stepper, of the motor, as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        pull_out: Vec<(f64, f64)> = or_value("[]").such_as("[[0, 5.0], [10, 4.6], [20, 2.5], [30, 1.7]]"),
+        /// Drives of servos.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        servo: Option<ServoDrive> = optional(""),
+        /// Induction motors with their frequency converters.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        induction: Option<InductionDrive> = optional(""),
+    }
 }
 
-/// Servo drive: a position loop around a velocity loop. A drive that takes setpoints also has torque feed-forward.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct ServoDrive {
-    /// Gain from the position error to the velocity, 1/s.
-    pub position_gain_per_s: f64,
-    /// Gain from the velocity error to the torque, N·m·s/rad.
-    pub velocity_gain_nms: f64,
-    /// Integral time of the velocity loop, s; without it, the loop has no integral part.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub integral_s: Option<f64>,
-    /// Torque limit, N·m, by the current limit.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub limit_nm: Option<f64>,
-    /// Part of the commanded velocity that is fed forward to the velocity loop, 0 to 1.
-    #[serde(default = "one")]
-    pub velocity_feed_forward: f64,
-    /// Following-error window, degrees of the crank. Beyond it, the drive raises its alarm; without it, the drive has no alarm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub following_error_deg: Option<f64>,
+impl Axes {
+    /// Full steps per turn of a usual stepper.
+    pub const USUAL_FULL_STEPS: u32 = 200;
 }
 
-/// Induction motor on a frequency converter that takes pulses. Torques and speeds are those of the motor.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct InductionDrive {
-    /// Rated torque, N·m.
-    pub rated_nm: f64,
-    /// Slip at the rated torque, rev/s: the synchronous speed minus the speed of the motor.
-    pub rated_slip_hz: f64,
-    /// Breakdown torque over rated torque.
-    pub breakdown_ratio: f64,
-    /// Gain from the position error to the converter's frequency, 1/s.
-    pub position_gain_per_s: f64,
-    /// Following-error window, degrees of the crank. Beyond it, the converter raises its alarm; without it, there is no alarm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub following_error_deg: Option<f64>,
+keys! {
+    /// Servo drive: a position loop around a velocity loop. A drive that takes setpoints also has torque feed-forward.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct ServoDrive {
+        /// Gain from the position error to the velocity, 1/s.
+        position_gain_per_s: f64 = needed("200").from(1e-3, 1e5),
+        /// Gain from the velocity error to the torque, N·m·s/rad.
+        velocity_gain_nms: f64 = needed("1.5").from(1e-6, 1e5),
+        /// Integral time of the velocity loop, s; without it, the loop has no integral part.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        integral_s: Option<f64> = optional("0.02").from(1e-5, 1e3),
+        /// Torque limit, N·m, by the current limit.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        limit_nm: Option<f64> = optional("8.36").from(1e-3, 1e5),
+        /// Part of the commanded velocity that is fed forward to the velocity loop, 0 to 1.
+        velocity_feed_forward: f64 = or(1.0).from(0.0, 1.0),
+        /// Following-error window, degrees of the crank. Beyond it, the drive raises its alarm; without it, the drive has no alarm.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        following_error_deg: Option<f64> = optional("20").from(0.01, 180.0),
+    }
+}
+
+keys! {
+    /// Induction motor on a frequency converter that takes pulses. Torques and speeds are those of the motor.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct InductionDrive {
+        /// Rated torque, N·m.
+        rated_nm: f64 = needed("20").from(1e-3, 1e6),
+        /// Slip at the rated torque, rev/s: the synchronous speed minus the speed of the motor.
+        rated_slip_hz: f64 = needed("0.5").from(1e-4, 10.0),
+        /// Breakdown torque over rated torque.
+        breakdown_ratio: f64 = needed("2.5").from(1.1, 10.0),
+        /// Gain from the position error to the converter's frequency, 1/s.
+        position_gain_per_s: f64 = needed("5").from(1e-3, 1e3),
+        /// Following-error window, degrees of the crank. Beyond it, the converter raises its alarm; without it, there is no alarm.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        following_error_deg: Option<f64> = optional("20").from(0.01, 180.0),
+    }
 }
 
 /// Drive of an axis.
@@ -128,6 +123,10 @@ pub enum Drive {
     Induction,
 }
 
+impl Value for Drive {
+    const KIND: Kind = Kind::Word(&["stepper", "servo", "pulse-servo", "induction"]);
+}
+
 impl Drive {
     /// Returns what the drive is to the controller.
     pub const fn kind(self) -> DriveKind {
@@ -139,65 +138,53 @@ impl Drive {
     }
 }
 
-/// Values of one axis that differ from those of all axes.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisOverrides {
-    /// Number of the axis, counted from 0.
-    pub number: usize,
-    /// True if the motor is mounted the other way round.
-    #[serde(default)]
-    pub reversed: bool,
-    /// Replaces the value in `[axes]`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub drive: Option<Drive>,
-    /// Replaces the value in `[axes]`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub steps_per_turn: Option<u32>,
-    /// Replaces the value in `[axes]`.
-    #[serde(
-        default,
-        deserialize_with = "some_pair",
-        skip_serializing_if = "Option::is_none"
-    )]
-    pub gear: Option<(u32, u32)>,
-    /// Replaces the value in `[axes]`.
-    #[serde(
-        default,
-        deserialize_with = "some_pair",
-        skip_serializing_if = "Option::is_none"
-    )]
-    pub ratio: Option<(u32, u32)>,
-    /// Replaces the value in `[axes]`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub offset_deg: Option<f64>,
-    /// Replaces the value in `[axes]`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub index: Option<bool>,
-    /// Replaces the value in `[axes]`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub index_deg: Option<f64>,
-    /// Name of the `[[cam_table]]` that it follows, instead of a gear.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cam: Option<String>,
-    /// Angle of the cam table at the master's phase 0, degrees.
-    #[serde(default)]
-    pub cam_shift_deg: f64,
-    /// Trim that is set from the start, degrees.
-    #[serde(default)]
-    pub trim_deg: f64,
-    /// True phase of the crank at power-up, relative to the phase that the loop assumes, degrees.
-    #[serde(default)]
-    pub start_deg: f64,
-    /// Replaces the value in `[axes]`, such as for a stiffer bearing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub friction_nm: Option<f64>,
-    /// Factor on its pull-out torque, such as for a weaker motor.
-    #[serde(default = "one")]
-    pub pull_out_scale: f64,
-    /// Steps with which the simulated drive makes a turn of its crank, where its switches, or a gear, differ from the settings.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub drive_steps_per_turn: Option<u32>,
+keys! {
+    /// Values of one axis that differ from those of all axes.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct AxisOverrides {
+        /// Number of the axis, counted from 0.
+        number: usize = needed("1"),
+        /// True if the motor is mounted the other way round.
+        reversed: bool = or_value("false"),
+        /// Replaces the value in `[axes]`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        drive: Option<Drive> = optional("servo"),
+        /// Replaces the value in `[axes]`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        steps_per_turn: Option<u32> = STEPS_PER_TURN.or_left_out(),
+        /// Replaces the value in `[axes]`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        gear: Option<(u32, u32)> = optional("[3, 1]"),
+        /// Replaces the value in `[axes]`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        ratio: Option<(u32, u32)> = optional("[1, 2]"),
+        /// Replaces the value in `[axes]`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        offset_deg: Option<f64> = OFFSET_DEG.or_left_out(),
+        /// Replaces the value in `[axes]`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        index: Option<bool> = optional("false"),
+        /// Replaces the value in `[axes]`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        index_deg: Option<f64> = INDEX_DEG.or_left_out(),
+        /// Name of the `[[cam_table]]` that it follows, instead of a gear.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        cam: Option<String> = optional("lift"),
+        /// Angle of the cam table at the master's phase 0, degrees.
+        cam_shift_deg: f64 = or(0.0),
+        /// Trim that is set from the start, degrees.
+        trim_deg: f64 = or(0.0).from(-36.0, 36.0),
+        /// True phase of the crank at power-up, relative to the phase that the loop assumes, degrees.
+        start_deg: f64 = or(0.0).from(-180.0, 180.0).because("half a turn either way"),
+        /// Replaces the value in `[axes]`, such as for a stiffer bearing.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        friction_nm: Option<f64> = optional("0.5").from(0.0, MOST_FRICTION_NM),
+        /// Factor on its pull-out torque, such as for a weaker motor.
+        pull_out_scale: f64 = or(1.0).from(0.0, 10.0),
+        /// Steps with which the simulated drive makes a turn of its crank, where its switches, or a gear, differ from the settings.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        drive_steps_per_turn: Option<u32> = optional("1600").from(4.0, 1e6),
+    }
 }
 
 impl AxisOverrides {
@@ -222,24 +209,4 @@ impl AxisOverrides {
             drive_steps_per_turn: None,
         }
     }
-}
-
-/// Returns the full steps per turn of a usual stepper.
-pub const fn default_full_steps() -> u32 {
-    200
-}
-const fn one_to_one() -> (u32, u32) {
-    (1, 1)
-}
-const fn default_trim_limit_deg() -> f64 {
-    5.0
-}
-const fn default_trim_rate() -> f64 {
-    1.0
-}
-const fn yes() -> bool {
-    true
-}
-const fn one() -> f64 {
-    1.0
 }

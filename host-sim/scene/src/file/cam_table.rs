@@ -1,37 +1,37 @@
 //! `[[cam_table]]`: curves that axes follow instead of a gear, over one turn of the master.
 
 use cophase_core::axes::CamSettings;
+use cophase_core::keys;
+use cophase_core::settings::key::{needed, optional, or, or_value};
 use serde::{Deserialize, Serialize};
 
 use super::LawName;
 
-/// Cam table: from a motion law over segments, or from a file of points.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct CamTable {
-    /// Name of the table, for axes.
-    pub name: String,
-    /// Whole turns of the axis per turn of the master; 0 if the axis returns.
-    #[serde(default)]
-    pub net_turns: i32,
-    /// Limit on the speed of axes that follow it, rev/s.
-    #[serde(default = "usual_max_speed_hz")]
-    pub max_speed_hz: f64,
-    /// Limit on the acceleration of axes that follow it, rev/s².
-    #[serde(default = "usual_max_acceleration_hz_per_s")]
-    pub max_acceleration_hz_per_s: f64,
-    /// Motion law of the segments.
-    #[serde(default)]
-    pub law: LawName,
-    /// Segments from the master's phase 0 on; the axis rests for the remainder of the turn. Give these or `file`.
-    #[serde(default, rename = "segment", skip_serializing_if = "Vec::is_empty")]
-    pub segments: Vec<CamSegment>,
-    /// CSV file of points, relative to the scene's folder.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub file: Option<String>,
-    /// Points of that file, axis turns. The loader fills them in, and so do machines that compute tables.
-    #[serde(skip)]
-    pub points_turns: Vec<f64>,
+keys! {
+    /// Cam table: from a motion law over segments, or from a file of points.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct CamTable {
+        /// Name of the table, for axes.
+        name: String = needed("lobe"),
+        /// Whole turns of the axis per turn of the master; 0 if the axis returns.
+        net_turns: i32 = or(0.0),
+        /// Limit on the speed of axes that follow it, rev/s.
+        max_speed_hz: f64 = or(CamSettings::USUAL_MAX_SPEED_HZ),
+        /// Limit on the acceleration of axes that follow it, rev/s².
+        max_acceleration_hz_per_s: f64 = or(CamSettings::USUAL_MAX_ACCELERATION_HZ_PER_S),
+        /// Motion law of the segments.
+        law: LawName = or_value("modified-sine"),
+        /// Segments from the master's phase 0 on; the axis rests for the remainder of the turn. Give these or `file`.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        segment: Vec<CamSegment> = or_value("[]"),
+        /// CSV file of points, relative to the scene's folder.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        file: Option<String> = optional("lift.csv"),
+    } and {
+        /// Points of that file, axis turns. The loader fills them in, and so do machines that compute tables.
+        #[serde(skip)]
+        points_turns: Vec<f64>,
+    }
 }
 
 impl CamTable {
@@ -43,31 +43,23 @@ impl CamTable {
         Self {
             name: name.to_owned(),
             net_turns: travel.round() as i32,
-            max_speed_hz: usual_max_speed_hz(),
-            max_acceleration_hz_per_s: usual_max_acceleration_hz_per_s(),
-            law: LawName::default(),
-            segments: Vec::new(),
+            max_speed_hz: CamSettings::USUAL_MAX_SPEED_HZ,
+            max_acceleration_hz_per_s: CamSettings::USUAL_MAX_ACCELERATION_HZ_PER_S,
+            law: LawName::ModifiedSine,
+            segment: Vec::new(),
             file: None,
             points_turns,
         }
     }
 }
 
-/// Segment of a cam table.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct CamSegment {
-    /// Angle of the master over which it extends, degrees.
-    pub deg: f64,
-    /// Travel of the axis over the segment, turns; 0 is a dwell.
-    #[serde(default)]
-    pub turns: f64,
-}
-
-const fn usual_max_speed_hz() -> f64 {
-    CamSettings::USUAL_MAX_SPEED_HZ
-}
-
-const fn usual_max_acceleration_hz_per_s() -> f64 {
-    CamSettings::USUAL_MAX_ACCELERATION_HZ_PER_S
+keys! {
+    /// Segment of a cam table.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct CamSegment {
+        /// Angle of the master over which it extends, degrees.
+        deg: f64 = needed("120").from(1.0, 360.0),
+        /// Travel of the axis over the segment, turns; 0 is a dwell.
+        turns: f64 = or(0.0).from(-1000.0, 1000.0),
+    }
 }

@@ -1,67 +1,64 @@
 //! Settings of the loop beside its machine: limits of the shaft, and corrections. The core has the tables of the others.
 
+use cophase_core::keys;
+use cophase_core::settings::SPEED_HZ;
+use cophase_core::settings::key::{needed, optional, or, or_value};
+use cophase_core::settings::rows::{COUPLING, COUPLING_PER_S, GAIN};
 use serde::{Deserialize, Serialize};
 
-/// Limits of the master shaft.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Greatest speed, rev/s.
-    pub speed_hz: f64,
-    /// Greatest acceleration, rev/s².
-    pub acceleration_hz_per_s: f64,
-    /// Greatest jerk, rev/s³.
-    pub jerk_hz_per_s2: f64,
-    /// Greatest acceleration of a stop after a fault, rev/s², as the motors' torque allows. The default is the acceleration
-    /// above.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stop_acceleration_hz_per_s: Option<f64>,
-    /// Greatest jerk of such a stop, rev/s³. The default is the jerk above.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stop_jerk_hz_per_s2: Option<f64>,
-    /// Homing speed, rev/s, also used to reach the parking phase.
-    #[serde(default = "default_homing_speed_hz")]
-    pub homing_speed_hz: f64,
-    /// Forbidden bands of speeds, lowest first.
-    #[serde(default, rename = "band", skip_serializing_if = "Vec::is_empty")]
-    pub band: Vec<Band>,
-}
+const RESOLUTION: &str = "what a tick can resolve and limits.speed_hz can use";
 
-/// Band of speeds at which the machine must not dwell.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Band {
-    /// Lower edge, rev/s.
-    pub from_hz: f64,
-    /// Upper edge, rev/s.
-    pub to_hz: f64,
-}
-
-/// Corrections of phase errors.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Correction {
-    /// Part of a difference between cranks that trims remove per turn; 0 for no correction.
-    pub gain: f64,
-    /// True if homing moves each crank by an amount of its own, and checks that this crank follows.
-    pub prove_wiring: bool,
-    /// True for cross-coupling of servos. Gains that are not given are derived from `[axes.servo]`.
-    pub couple: bool,
-    /// Proportional gain of the cross-coupling, from the deviation of an axis from the mean of all to its setpoint.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub coupling: Option<f64>,
-    /// Integral gain of the cross-coupling, 1/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub coupling_per_s: Option<f64>,
-}
-
-impl Correction {
-    /// Returns true if there is no correction.
-    pub fn is_none(&self) -> bool {
-        *self == Self::default()
+keys! {
+    /// Limits of the master shaft.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct Limits {
+        /// Greatest speed, rev/s.
+        speed_hz: f64 = SPEED_HZ,
+        /// Greatest acceleration, rev/s².
+        acceleration_hz_per_s: f64 = needed("25").because(RESOLUTION),
+        /// Greatest jerk, rev/s³.
+        jerk_hz_per_s2: f64 = needed("250").because(RESOLUTION),
+        /// Greatest acceleration of a stop after a fault, rev/s², as the motors' torque allows. The default is the acceleration
+        /// above.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        stop_acceleration_hz_per_s: Option<f64> = optional("100"),
+        /// Greatest jerk of such a stop, rev/s³. The default is the jerk above.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        stop_jerk_hz_per_s2: Option<f64> = optional("1000"),
+        /// Homing speed, rev/s, also used to reach the parking phase.
+        homing_speed_hz: f64 = or(1.0).because("slow enough to find an index pulse at, and within limits.speed_hz"),
+        /// Forbidden bands of speeds, lowest first.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        band: Vec<Band> = or_value("[]"),
     }
 }
 
-const fn default_homing_speed_hz() -> f64 {
-    1.0
+keys! {
+    /// Band of speeds at which the machine must not dwell.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct Band {
+        /// Lower edge, rev/s.
+        from_hz: f64 = needed("10"),
+        /// Upper edge, rev/s.
+        to_hz: f64 = needed("12"),
+    }
+}
+
+keys! {
+    /// Corrections of phase errors.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct Correction {
+        /// Part of a difference between cranks that trims remove per turn; 0 for no correction.
+        gain: f64 = GAIN,
+        /// True if homing moves each crank by an amount of its own, and checks that this crank follows.
+        prove_wiring: bool = or_value("false"),
+        /// True for cross-coupling of servos. Gains that are not given are derived from `[axes.servo]`.
+        couple: bool = or_value("false"),
+        /// Proportional gain of the cross-coupling, from the deviation of an axis from the mean of all to its setpoint.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        coupling: Option<f64> = COUPLING,
+        /// Integral gain of the cross-coupling, 1/s.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        coupling_per_s: Option<f64> = COUPLING_PER_S,
+    }
 }

@@ -1,74 +1,81 @@
 //! Inputs to a scene at stated times, and the window of `steps.vcd`.
 
+use cophase_core::settings::key::needed;
+use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
 
-/// Command at a time. A scene without a start command starts at 0 s.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct CommandAt {
-    /// Time, s.
-    pub at_s: f64,
-    /// Command.
-    #[serde(rename = "do")]
-    pub action: CommandName,
+keys! {
+    /// Command at a time. A scene without a start command starts at 0 s.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct CommandAt {
+        /// Time, s.
+        at_s: f64 = needed("1").from(0.0, 1e6),
+        /// Command.
+        r#do: CommandName = needed("stop"),
+    }
 }
 
-/// Command of an operator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CommandName {
-    /// Run the program.
-    Start,
-    /// Stop at the parking phase.
-    Stop,
-    /// Hold the program's time.
-    Hold,
-    /// Resume the program's time.
-    Resume,
-    /// Reset the fault.
-    Reset,
-    /// Reset the recorded peaks of the phase errors.
-    ResetPeak,
+words! {
+    /// Command of an operator.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+    pub enum CommandName {
+        /// Run the program.
+        Start = "start",
+        /// Stop at the parking phase.
+        Stop = "stop",
+        /// Hold the program's time.
+        Hold = "hold",
+        /// Resume the program's time.
+        Resume = "resume",
+        /// Reset the fault.
+        Reset = "reset",
+        /// Reset the recorded peaks of the phase errors.
+        ResetPeak = "reset-peak",
+    }
 }
 
-/// Change of a safety input.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct InputAt {
-    /// Time, s.
-    pub at_s: f64,
-    /// Input.
-    pub line: InputLine,
-    /// State of the input. Enable: the drives may be on. Stop: the machine must stop.
-    pub active: bool,
+keys! {
+    /// Change of a safety input.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct InputAt {
+        /// Time, s.
+        at_s: f64 = needed("1").from(0.0, 1e6),
+        /// Input.
+        line: InputLine = needed("stop"),
+        /// State of the input. Enable: the drives may be on. Stop: the machine must stop.
+        active: bool = needed("true"),
+    }
 }
 
-/// Safety input.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum InputLine {
-    /// Enable input, active from the start.
-    Enable,
-    /// Stop input, not active at the start.
-    Stop,
+words! {
+    /// Safety input.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+    pub enum InputLine {
+        /// Enable input, active from the start.
+        Enable = "enable",
+        /// Stop input, not active at the start.
+        Stop = "stop",
+    }
 }
 
-/// A late start of one tick of the loop.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct LateAt {
-    /// Time, s; the first deadline from then on is met late.
-    pub at_s: f64,
-    /// Delay, µs.
-    pub by_us: f64,
+keys! {
+    /// A late start of one tick of the loop.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct LateAt {
+        /// Time, s; the first deadline from then on is met late.
+        at_s: f64 = needed("1").from(0.0, 1e6),
+        /// Delay, µs.
+        by_us: f64 = needed("50").from(0.0, 1e6),
+    }
 }
 
-/// Window of `steps.vcd`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scope {
-    /// Start, s.
-    pub from_s: f64,
-    /// End, s.
-    pub to_s: f64,
+keys! {
+    /// Window of `steps.vcd`.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct Scope {
+        /// Start, s.
+        from_s: f64 = needed("0.5").from(0.0, 1e6),
+        /// End, s.
+        to_s: f64 = needed("1").from(0.0, 1e6),
+    }
 }

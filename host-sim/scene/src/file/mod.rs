@@ -12,7 +12,6 @@ mod events;
 mod fault;
 mod fidelity;
 mod five_bar;
-pub(crate) mod lengths;
 mod machine;
 mod program;
 mod queries;
@@ -20,7 +19,7 @@ mod questions;
 mod screen;
 mod wiring;
 
-pub use axes::{Axes, AxisOverrides, Drive, InductionDrive, ServoDrive, default_full_steps};
+pub use axes::{Axes, AxisOverrides, Drive, InductionDrive, ServoDrive};
 pub use cam::{CamShaft, Damper, LawName};
 pub use cam_table::{CamSegment, CamTable};
 pub use control::{Band, Correction, Limits};
@@ -36,94 +35,96 @@ pub use questions::Questions;
 pub use screen::ScreenTable;
 pub use wiring::{InputName, Level, Link, LossReaction, Wiring};
 
+use cophase_core::keys;
+use cophase_core::settings::key::{needed, optional, or_value};
 use serde::{Deserialize, Serialize};
 
-/// Scene.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scene {
-    /// Name in titles and reports.
-    pub name: String,
-    /// Purpose of the scene, in one line.
-    #[serde(default)]
-    pub description: String,
-    /// Model level, or `auto` for the lowest one that answers the questions.
-    #[serde(default)]
-    pub fidelity: Fidelity,
-    /// Questions for `fidelity = "auto"`, with their tolerances.
-    #[serde(default, skip_serializing_if = "Questions::is_none")]
-    pub questions: Questions,
-    /// Method of integration for machines that torque moves.
-    #[serde(default, skip_serializing_if = "Method::is_default")]
-    pub method: Method,
-    /// Cranks under one platform, and its load; this or `cam`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub machine: Option<Machine>,
-    /// Cam shafts, one per axis, each with a follower; this or `machine`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cam: Option<CamShaft>,
-    /// Vibrating screen, instead of `machine`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub screen: Option<ScreenTable>,
-    /// Jaw crusher, instead of `machine`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub crusher: Option<CrusherTable>,
-    /// Suspended five-bar arm, instead of `machine`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub five_bar: Option<FiveBarTable>,
-    /// Cam tables that axes follow.
-    #[serde(default, rename = "cam_table", skip_serializing_if = "Vec::is_empty")]
-    pub cam_table: Vec<CamTable>,
-    /// Frame under the cranks, if it moves.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub frame: Option<Frame>,
-    /// Settings of the loop.
-    #[serde(default)]
-    pub control: Control,
-    /// Limits of the master shaft.
-    pub limits: Limits,
-    /// Timing of the step lines.
-    #[serde(default)]
-    pub pulse: Pulse,
-    /// Values for all axes.
-    pub axes: Axes,
-    /// Values of single axes that differ from those.
-    #[serde(default, rename = "axis", skip_serializing_if = "Vec::is_empty")]
-    pub axis: Vec<AxisOverrides>,
-    /// Filter of the index lines.
-    #[serde(default)]
-    pub index: Index,
-    /// Limits of the phase errors.
-    #[serde(default)]
-    pub drift: Drift,
-    /// Corrections of phase errors.
-    #[serde(default, skip_serializing_if = "Correction::is_none")]
-    pub correction: Correction,
-    /// Noise of sensors and loads.
-    #[serde(default, skip_serializing_if = "Noise::is_none")]
-    pub noise: Noise,
-    /// Active levels of the board's lines.
-    #[serde(default, skip_serializing_if = "Wiring::is_default")]
-    pub wiring: Wiring,
-    /// Action when the host that started the machine is lost.
-    #[serde(default, skip_serializing_if = "Link::is_default")]
-    pub link: Link,
-    /// Program amax(t).
-    pub program: Vec<Segment>,
-    /// Commands at stated times.
-    #[serde(default, rename = "command", skip_serializing_if = "Vec::is_empty")]
-    pub command: Vec<CommandAt>,
-    /// Changes of the enable and stop inputs.
-    #[serde(default, rename = "input", skip_serializing_if = "Vec::is_empty")]
-    pub input: Vec<InputAt>,
-    /// Faults that the run injects.
-    #[serde(default, rename = "fault", skip_serializing_if = "Vec::is_empty")]
-    pub fault: Vec<FaultAt>,
-    /// Late ticks of the loop.
-    #[serde(default, rename = "late", skip_serializing_if = "Vec::is_empty")]
-    pub late: Vec<LateAt>,
-    /// Part of the run that `steps.vcd` shows. The default is 200 ms around the first injected fault, else around the first slip
-    /// or latched fault, else the first 200 ms of motion.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub scope: Option<Scope>,
+/// Returns true if all keys of a table have their defaults.
+fn is_unset<T: Default + PartialEq>(table: &T) -> bool {
+    *table == T::default()
+}
+
+keys! {
+    /// Scene.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct Scene {
+        /// Name in titles and reports.
+        name: String = needed("default"),
+        /// Purpose of the scene, in one line.
+        description: String = or_value(""),
+        /// Model level, or `auto` for the lowest one that answers the questions.
+        fidelity: Fidelity = or_value("auto"),
+        /// Questions for `fidelity = "auto"`, with their tolerances.
+        #[serde(skip_serializing_if = "Questions::is_none")]
+        questions: Questions = or_value("{}"),
+        /// Method of integration for machines that torque moves.
+        #[serde(skip_serializing_if = "is_unset")]
+        method: Method = or_value("{}"),
+        /// Cranks under one platform, and its load; this or `cam`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        machine: Option<Machine> = optional(""),
+        /// Cam shafts, one per axis, each with a follower; this or `machine`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        cam: Option<CamShaft> = optional(""),
+        /// Vibrating screen, instead of `machine`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        screen: Option<ScreenTable> = optional(""),
+        /// Jaw crusher, instead of `machine`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        crusher: Option<CrusherTable> = optional(""),
+        /// Suspended five-bar arm, instead of `machine`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        five_bar: Option<FiveBarTable> = optional(""),
+        /// Cam tables that axes follow.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        cam_table: Vec<CamTable> = or_value("[]"),
+        /// Frame under the cranks, if it moves.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        frame: Option<Frame> = optional(""),
+        /// Settings of the loop.
+        control: Control = or_value("{}"),
+        /// Limits of the master shaft.
+        limits: Limits = needed(""),
+        /// Timing of the STEP and DIR lines.
+        pulse: Pulse = or_value("{}"),
+        /// Values for all axes.
+        axes: Axes = needed(""),
+        /// Values of single axes that differ from those.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        axis: Vec<AxisOverrides> = or_value("[]"),
+        /// Filter of the index lines.
+        index: Index = or_value("{}"),
+        /// Limits on phase errors.
+        drift: Drift = or_value("{}"),
+        /// Corrections of phase errors.
+        #[serde(skip_serializing_if = "is_unset")]
+        correction: Correction = or_value("{}"),
+        /// Noise of sensors and loads.
+        #[serde(skip_serializing_if = "Noise::is_none")]
+        noise: Noise = or_value("{}"),
+        /// Active levels of the board's lines.
+        #[serde(skip_serializing_if = "is_unset")]
+        wiring: Wiring = or_value("{}"),
+        /// Action when the host that started the machine is lost.
+        #[serde(skip_serializing_if = "is_unset")]
+        link: Link = or_value("{}"),
+        /// Program amax(t).
+        program: Vec<Segment> = needed(""),
+        /// Commands at stated times.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        command: Vec<CommandAt> = or_value("[]"),
+        /// Changes of the enable and stop inputs.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        input: Vec<InputAt> = or_value("[]"),
+        /// Faults that the run injects.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        fault: Vec<FaultAt> = or_value("[]"),
+        /// Late ticks of the loop.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        late: Vec<LateAt> = or_value("[]"),
+        /// Part of the run that `steps.vcd` shows. The default is 200 ms around the first injected fault, else around the first slip
+        /// or latched fault, else the first 200 ms of motion.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        scope: Option<Scope> = optional(""),
+    }
 }

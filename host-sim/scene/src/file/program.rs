@@ -1,38 +1,41 @@
 //! `[[program]]`: the program amax(t).
 
+use cophase_core::settings::key::optional;
+use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
 
-/// Entry of the program: a level and the transition to it, or a repeated block.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Segment {
-    /// Level of amax, in units of 9.80665 m/s².
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub amax_g: Option<f64>,
-    /// Duration of the transition, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ramp_s: Option<f64>,
-    /// Duration of the hold, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hold_s: Option<f64>,
-    /// Shape of the transition.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub shape: Option<Shape>,
-    /// Number of times that `segments` are played.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub repeat: Option<u32>,
-    /// Repeated block; blocks may contain blocks.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub segments: Option<Vec<Segment>>,
+keys! {
+    /// Entry of the program: a level and the transition to it, or a repeated block.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct Segment {
+        /// Level of amax, in units of 9.80665 m/s².
+        #[serde(skip_serializing_if = "Option::is_none")]
+        amax_g: Option<f64> = optional("3"),
+        /// Duration of the transition, s.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        ramp_s: Option<f64> = optional("4"),
+        /// Duration of the hold, s.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        hold_s: Option<f64> = optional("6"),
+        /// Shape of the transition.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        shape: Option<Shape> = optional("linear"),
+        /// Number of times that `segments` are played.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        repeat: Option<u32> = optional("2").because("the counts that a program holds"),
+        /// Repeated block; blocks may contain blocks.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        segments: Option<Vec<Segment>> = optional(""),
+    }
 }
 
-/// Shape of the transition to a level.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Shape {
-    /// Linear in time.
-    Linear,
-    /// Smooth, with a continuous second derivative.
-    #[default]
-    Smooth,
+words! {
+    /// Shape of the transition to a level.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+    pub enum Shape {
+        /// Linear in time.
+        Linear = "linear",
+        /// Smooth, with a continuous second derivative.
+        Smooth = "smooth",
+    }
 }

@@ -2,62 +2,69 @@
 
 use std::fmt;
 
+use cophase_core::settings::key::{or, or_value};
 use cophase_core::settings::{
     ActiveLevel, HostLossReaction, HostLossSettings, InputWiring, WiringSettings,
 };
+use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
 
-/// Level of each line in the state that its name states.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Wiring {
-    /// STEP outputs: a step pulse.
-    pub step: Level,
-    /// DRIVE ENABLE output: drives on.
-    pub drive_enable: Level,
-    /// INDEX inputs: a crank passes its sensor.
-    pub index: Level,
-    /// ALARM inputs: an alarm.
-    pub alarm: Level,
-    /// ENABLE input: drives may be on.
-    pub enable: Level,
-    /// STOP input: the machine must stop.
-    pub stop: Level,
-    /// START input: the button is pressed.
-    pub start: Level,
-    /// Inputs whose pull resistor on the board is off.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub no_pull: Vec<InputName>,
+const DEFAULT: WiringSettings = WiringSettings::DEFAULT;
+
+keys! {
+    /// Level of each line in the state that its name states.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct Wiring {
+        /// STEP outputs: a step pulse.
+        step: Level = or_value(Level::of(DEFAULT.step).name()),
+        /// DRIVE ENABLE output: drives on.
+        drive_enable: Level = or_value(Level::of(DEFAULT.drive_enable).name()),
+        /// INDEX inputs: a crank passes its sensor.
+        index: Level = or_value(Level::of(DEFAULT.index.active).name()),
+        /// ALARM inputs: an alarm.
+        alarm: Level = or_value(Level::of(DEFAULT.alarm.active).name()),
+        /// ENABLE input: drives may be on.
+        enable: Level = or_value(Level::of(DEFAULT.enable.active).name()),
+        /// STOP input: the machine must stop.
+        stop: Level = or_value(Level::of(DEFAULT.stop.active).name()),
+        /// START input: the button is pressed.
+        start: Level = or_value(Level::of(DEFAULT.start.active).name()),
+        /// Inputs whose pull resistor on the board is off.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        no_pull: Vec<InputName> = or_value("[]"),
+    }
 }
 
-/// Level of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Level {
-    /// Low.
-    Low,
-    /// High.
-    High,
+words! {
+    /// Level of a line.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+    pub enum Level {
+        /// Low.
+        Low = "low",
+        /// High.
+        High = "high",
+    }
 }
 
-/// Kind of input.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum InputName {
-    /// Index sensors.
-    Index,
-    /// Alarm outputs of the drives.
-    Alarm,
-    /// Enable input.
-    Enable,
-    /// Stop input.
-    Stop,
-    /// Start button.
-    Start,
+words! {
+    /// Kind of input.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+    pub enum InputName {
+        /// Index sensors.
+        Index = "index",
+        /// Alarm outputs of the drives.
+        Alarm = "alarm",
+        /// Enable input.
+        Enable = "enable",
+        /// Stop input.
+        Stop = "stop",
+        /// Start button.
+        Start = "start",
+    }
 }
 
-impl From<ActiveLevel> for Level {
-    fn from(level: ActiveLevel) -> Self {
+impl Level {
+    const fn of(level: ActiveLevel) -> Self {
         match level {
             ActiveLevel::Low => Self::Low,
             ActiveLevel::High => Self::High,
@@ -74,27 +81,7 @@ impl From<Level> for ActiveLevel {
     }
 }
 
-impl Default for Wiring {
-    fn default() -> Self {
-        const DEFAULT: WiringSettings = WiringSettings::DEFAULT;
-        Self {
-            step: DEFAULT.step.into(),
-            drive_enable: DEFAULT.drive_enable.into(),
-            index: DEFAULT.index.active.into(),
-            alarm: DEFAULT.alarm.active.into(),
-            enable: DEFAULT.enable.active.into(),
-            stop: DEFAULT.stop.active.into(),
-            start: DEFAULT.start.active.into(),
-            no_pull: Vec::new(),
-        }
-    }
-}
-
 impl Wiring {
-    pub(crate) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-
     /// Returns the settings of the core.
     pub fn settings(&self) -> WiringSettings {
         let input = |name: InputName, level: Level| InputWiring {
@@ -143,32 +130,29 @@ impl fmt::Display for Wiring {
     }
 }
 
-/// Loss of the host that started the machine.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Link {
-    /// Time without a frame of the host after which it is lost, s; 0: the machine goes on without it.
-    pub timeout_s: f64,
-    /// Action when it is lost.
-    pub reaction: LossReaction,
+keys! {
+    /// Loss of the host that started the machine.
+    #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+    pub struct Link {
+        /// Time without a frame of the host after which it is lost, s; 0: the machine goes on without it.
+        timeout_s: f64 = or(0.0),
+        /// Action when it is lost.
+        reaction: LossReaction = or_value("stop"),
+    }
 }
 
-/// Action when the host is lost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LossReaction {
-    /// Stop at the parking phase.
-    #[default]
-    Stop,
-    /// Stop as fast as the limits allow.
-    StopNow,
+words! {
+    /// Action when the host is lost.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+    pub enum LossReaction {
+        /// Stop at the parking phase.
+        Stop = "stop",
+        /// Stop as fast as the limits allow.
+        StopNow = "stop-now",
+    }
 }
 
 impl Link {
-    pub(crate) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-
     /// Returns the settings of the core.
     pub const fn settings(&self) -> HostLossSettings {
         HostLossSettings {

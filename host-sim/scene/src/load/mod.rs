@@ -3,18 +3,23 @@
 mod cam_file;
 mod explain;
 mod nearest;
-mod others;
 mod place;
+mod read;
 mod repair;
+#[cfg(test)]
+mod sweep;
 
 use std::path::Path;
+
+use toml::Spanned;
+use toml::de::DeTable;
 
 use super::built_in::SCENES;
 use super::{Scene, SceneError};
 use crate::file_kind::FileKind;
 use crate::input_file::{self, Unreadable};
 pub use cam_file::meant_net_turns;
-use explain::{explain, not_toml};
+use explain::not_toml;
 pub use nearest::nearest;
 
 /// Largest size of a scene file, bytes.
@@ -28,10 +33,10 @@ const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to s
 ///
 /// # Errors
 /// The file cannot be read, is too large, is not TOML, or has keys that no scene has; and those of `check`. The error names the file, and the
-/// line if there is one. For text that is not TOML, it is the first error. Of wrong keys and values, it lists up to ten.
+/// line if there is one. Of keys and values that no scene has, it lists up to ten; of what is wrong for this machine, the first.
 pub fn read_file<T>(
     path: &Path,
-    check: impl Fn(Scene) -> Result<T, SceneError>,
+    check: impl FnOnce(Scene) -> Result<T, SceneError>,
 ) -> Result<T, SceneError> {
     let origin = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -46,14 +51,12 @@ pub fn read_file<T>(
 pub fn read_text<T>(
     text: &str,
     folder: Option<&Path>,
-    check: impl Fn(Scene) -> Result<T, SceneError>,
+    check: impl FnOnce(Scene) -> Result<T, SceneError>,
 ) -> Result<T, SceneError> {
-    let read = |text: &str| {
-        let mut scene = parse(text)?;
+    scene(text, |mut scene| {
         cam_file::read_all(&mut scene, folder)?;
         check(scene)
-    };
-    read(text).map_err(|first| others::find(text, first, read))
+    })
 }
 
 fn from_path(path: &Path) -> Result<String, SceneError> {
@@ -133,9 +136,28 @@ fn instead(path: &Path) -> String {
 /// Reads a scene from text.
 ///
 /// # Errors
-/// The text is not TOML, or has keys that no scene has.
+/// The text is not TOML, or has keys or values that no scene has.
 pub fn parse(text: &str) -> Result<Scene, SceneError> {
-    let deserializer = toml::Deserializer::parse(text).map_err(|error| {
+    scene(text, Ok)
+}
+
+fn scene<T>(
+    text: &str,
+    then: impl FnOnce(Scene) -> Result<T, SceneError>,
+) -> Result<T, SceneError> {
+    let document = document(text)?;
+    let document = document.get_ref();
+    if document.is_empty() {
+        return Err(SceneError::at("", format!("is empty; {START_FROM}")));
+    }
+    read::scene(text, document)
+        .and_then(then)
+        .map_err(|error| place::placed(error, text, document))
+}
+
+/// Reads TOML.
+fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
+    DeTable::parse(text).map_err(|error| {
         let at = error.span().map_or(0, |span| span.start.min(text.len()));
         let repaired = repair::repair(text, at);
         let at = repaired.as_ref().map_or(at, |repaired| repaired.begin);
@@ -159,28 +181,6 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
         );
         SceneError {
             line: Some(line),
-            ..SceneError::at(key, problem)
-        }
-    })?;
-    serde_path_to_error::deserialize(deserializer).map_err(|error| {
-        let path = error.path().to_string();
-        let inner = error.into_inner();
-        let written = inner.span().and_then(|span| text.get(span));
-        if text.lines().all(|line| {
-            let line = line.trim_start_matches('\u{feff}').trim();
-            line.is_empty() || line.starts_with('#')
-        }) {
-            return SceneError::at("", format!("is empty; {START_FROM}"));
-        }
-        let path = if path == "." { "" } else { &path };
-        let (key, problem) = explain(path, inner.message(), written.unwrap_or_default());
-        // A key that is missing at the top level has no line.
-        let nowhere = path.is_empty() && problem.starts_with("missing");
-        SceneError {
-            line: inner
-                .span()
-                .filter(|_| !nowhere)
-                .map(|span| place::line_at(text, span.start)),
             ..SceneError::at(key, problem)
         }
     })

@@ -15,7 +15,7 @@ pub type Points = heapless::Vec<f64, MAX_CAM_POINTS>;
 pub fn law_at(table: &CamTable, angle_deg: f64) -> (f64, f64) {
     let law = law(table.law);
     let (mut start_deg, mut turns) = (0.0, 0.0);
-    for segment in &table.segments {
+    for segment in &table.segment {
         let own = (angle_deg - start_deg) / segment.deg;
         if own < 1.0 {
             let motion = law.at(own);
@@ -32,7 +32,7 @@ pub fn law_at(table: &CamTable, angle_deg: f64) -> (f64, f64) {
 /// Returns the largest difference of a table's acceleration from that of its law, relative to the law's peak. A table from a file has no
 /// law.
 pub fn off_law(table: &CamTable, points: &Points) -> Option<f64> {
-    (!table.segments.is_empty()).then(|| off_law_of(table, points))
+    (!table.segment.is_empty()).then(|| off_law_of(table, points))
 }
 
 /// Returns the largest difference of a table's acceleration from that of its law of segments, relative to the law's peak.
@@ -43,7 +43,7 @@ pub fn off_law_of(table: &CamTable, points: &Points) -> f64 {
     let between = (0..samples).map(|i| 360.0 * i as f64 / samples as f64);
     // The difference is largest at points, and where a segment ends between two points.
     let mut end_deg = 0.0;
-    let ends = table.segments.iter().map(|segment| {
+    let ends = table.segment.iter().map(|segment| {
         end_deg += segment.deg;
         end_deg
     });

@@ -240,7 +240,7 @@ impl Table for FiveBarTable {
         check(self)?;
         let path = path(self)?;
         let (tables, _) = tables(self, &path)?;
-        let is_made = |table: &CamTable| table.segments.is_empty() && table.file.is_none();
+        let is_made = |table: &CamTable| table.segment.is_empty() && table.file.is_none();
         let own = |table: &CamTable| is_made(table) && JOINTS.contains(&table.name.as_str());
         if let Some(i) = scene.cam_table.iter().position(|table| !own(table)) {
             return Err(SceneError::at(

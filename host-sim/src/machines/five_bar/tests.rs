@@ -129,7 +129,7 @@ fn the_path_returns_and_its_velocity_matches_its_position() {
 /// scene imports no equation.
 #[test]
 fn the_default_sensor_is_that_of_the_source() {
-    let contact: cophase_scene::file::ContactTable = toml::from_str("force_n = 1").unwrap();
+    let row = cophase_scene::keys::row("five_bar.contact.sensor_n").unwrap();
     let source = crate::machines::five_bar::arm::ForceSensor::SOURCE;
-    assert_eq!(contact.sensor_n, source.full_scale_n);
+    assert_eq!(row.number(), source.full_scale_n);
 }

@@ -1,10 +1,12 @@
-//! Messages of the TOML reader and of serde, in the words of authors of scenes.
+//! Sentences about the form of a scene, and messages of the TOML reader in the words of authors of scenes.
 
 use cophase_core::problem::Problem;
+use cophase_core::settings::key::Kind;
+use toml::de::DeValue;
 
 use super::nearest::nearest;
-use super::place::{example, example_value, home_of};
 use super::repair::{QUOTES, Repaired, commas_in_list, pasted_in_text, repair_value};
+use crate::keys;
 
 /// Longest piece of a file that a message repeats, in characters.
 const MOST_QUOTED: usize = 48;
@@ -13,7 +15,7 @@ const MOST_QUOTED: usize = 48;
 const MOST_REPAIRED: usize = 160;
 
 /// The problem of a key that no scene has at its place.
-pub(super) const UNKNOWN_KEY: &str = "unknown key";
+const UNKNOWN_KEY: &str = "unknown key";
 
 /// Names that other programs and data sheets have for keys.
 const USUAL: [(&str, &str); 12] = [
@@ -31,24 +33,6 @@ const USUAL: [(&str, &str); 12] = [
     ("hold", "hold_s"),
 ];
 
-/// Tables that occur once in a scene.
-const TABLES: [&str; 9] = [
-    "machine", "cam", "control", "limits", "pulse", "axes", "index", "drift", "scope",
-];
-
-/// Lists of tables: each entry has a heading of its own.
-const LISTS: [&str; 9] = [
-    "program",
-    "axis",
-    "command",
-    "input",
-    "fault",
-    "late",
-    "cam_table",
-    "cam_table.segment",
-    "limits.band",
-];
-
 /// Returns the problem of a line that is not TOML. `key` is the key on it, if it can be recognised, and `at` the text to which the message
 /// of the reader refers.
 pub(super) fn not_toml(
@@ -61,7 +45,9 @@ pub(super) fn not_toml(
     let message = one_line(message);
     let source = source.trim_start_matches('\u{feff}').trim();
     if message.starts_with("duplicate key") {
-        return if source.starts_with('[') && LISTS.contains(&key) {
+        return if source.starts_with('[')
+            && keys::row(key).is_some_and(|row| list_of_tables(&row.kind))
+        {
             format!("given before, and it is a list; write [[{key}]] at each of its entries")
         } else if source.starts_with('[') || key.ends_with(at) {
             "given before; keep one of the two".to_owned()
@@ -77,7 +63,7 @@ pub(super) fn not_toml(
             .to_owned();
     }
     let quoted_source = quoted(source, MOST_QUOTED);
-    let is_text = example_value(key).is_none_or(|value| value.is_str());
+    let is_text = keys::row(key).is_none_or(|row| matches!(row.kind, Kind::Text | Kind::Word(_)));
     let meant = repaired.filter(|repaired| is_text || repaired.rules != [QUOTES]);
     let Some(Repaired { rules, line, .. }) = meant else {
         let has_no_value = source
@@ -92,7 +78,7 @@ pub(super) fn not_toml(
             message if message.contains("literal string") => "there is no value that TOML knows",
             message => message,
         };
-        let form = match example(key) {
+        let form = match keys::example(key) {
             Some(example) => format!("the form is `{}`", quoted(&example, MOST_REPAIRED)),
             None => "write `key = value`, a line each, under `[table]` headings: text in quotes, numbers without units".to_owned(),
         };
@@ -105,166 +91,172 @@ pub(super) fn not_toml(
     format!("is not TOML, at `{quoted_source}`: {rules}{right}")
 }
 
-/// Returns key and sentence for a message of serde; `written` is its text in the file.
-///
-/// serde gives the known keys in the message only, quoted with backticks. The form is that of
-/// `serde::de::Error::unknown_field`, `unknown_variant`, `missing_field`, `invalid_type` and `invalid_length`.
-pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, String) {
-    let message = one_line(message);
-    let path: String = path
-        .split('.')
-        .map(|step| short(&one_line(step)))
-        .collect::<Vec<_>>()
-        .join(".");
-    let path = path.as_str();
-    let mut names = message.split('`').skip(1).step_by(2);
-    if let Some(table) = TABLES.iter().find(|table| {
-        path.strip_prefix(**table)
-            .is_some_and(|rest| rest.starts_with('['))
-    }) {
-        let problem = format!("is a list here; there is one for all, so write [{table}], once");
-        return ((*table).to_owned(), problem);
-    }
-    if message.starts_with("unknown field") {
-        let unknown = names.next().unwrap_or_default();
-        let known: Vec<&str> = names.collect();
-        return (join(path, unknown), unknown_key(unknown, &known));
-    }
-    if message.starts_with("unknown variant") {
-        let unknown = names.next().unwrap_or_default();
-        let known: Vec<&str> = names.collect();
-        if let Some((rule, plain)) = pasted_in_text(unknown)
-            && known.contains(&plain.as_str())
-        {
-            return (path.to_owned(), format!("{rule}: write \"{plain}\""));
+/// Returns the sentence about a key that is missing.
+pub(super) fn missing(path: &str) -> String {
+    // A reader who has no servo meets the keys of one first.
+    let other = match path.rsplit_once('.') {
+        Some(("axes.servo", _)) => "; if no axis is a servo, leave axes.servo out",
+        Some(("axes.induction", _)) => {
+            "; if no axis has an induction motor, leave axes.induction out"
         }
-        let meant = nearest(unknown, &known).map(|name| format!("did you mean \"{name}\"? "));
-        let problem = format!(
-            "\"{}\" is none of its values; {}give one of {}",
-            short(unknown),
-            meant.unwrap_or_default(),
-            list(&known)
-        );
-        return (path.to_owned(), problem);
-    }
-    if message.starts_with("missing field") {
-        let key = join(path, names.next().unwrap_or_default());
-        // A reader who has no servo meets the keys of one first.
-        let other = match path {
-            "axes.servo" => "; if no axis is a servo, leave axes.servo out",
-            "axes.induction" => "; if no axis has an induction motor, leave axes.induction out",
-            _ => "",
-        };
-        let problem = match example(&key) {
-            Some(example) => {
-                format!("missing; it has no default, so give it, such as `{example}`{other}")
-            }
-            None => format!("missing; it has no default, so give it{other}"),
-        };
-        return (key, problem);
-    }
-    (path.to_owned(), wrong_type(path, &message, written))
+        _ => "",
+    };
+    format!(
+        "missing; it has no default, so give it{}{other}",
+        such_as(", ", path)
+    )
 }
 
-fn unknown_key(unknown: &str, known: &[&str]) -> String {
-    let usual = USUAL
-        .iter()
-        .find(|(usual, key)| *usual == unknown && known.contains(key));
-    let meant = if let Some(key) = usual
-        .map(|(_, key)| *key)
-        .or_else(|| nearest(unknown, known))
+/// Returns the words about an example of a key, behind a mark; empty if there is none.
+fn such_as(mark: &str, path: &str) -> String {
+    keys::example(path).map_or(String::new(), |example| {
+        format!("{mark}such as `{example}`")
+    })
+}
+
+/// Returns the sentence about a word that is none of a key's.
+pub(super) fn no_word(word: &str, words: &[&str]) -> String {
+    if let Some((rule, plain)) = pasted_in_text(word)
+        && words.contains(&plain.as_str())
     {
-        match Problem::unit(key) {
-            "" => format!("did you mean `{key}`? "),
-            unit => format!("did you mean `{key}`, in {unit}? "),
-        }
-    } else if let Some(home) = home_of(unknown) {
-        format!("it belongs {home}; ")
-    } else {
-        String::new()
-    };
-    format!("{UNKNOWN_KEY}; {meant}known here: {}", known.join(", "))
+        return format!("{rule}: write \"{plain}\"");
+    }
+    let meant = nearest(word, words).map(|name| format!("did you mean \"{name}\"? "));
+    format!(
+        "\"{}\" is none of its values; {}give one of {}",
+        short(word),
+        meant.unwrap_or_default(),
+        list(words)
+    )
 }
 
-/// Explains messages such as "invalid type: string "10", expected f64".
-fn wrong_type(path: &str, message: &str, written: &str) -> String {
-    let such_as = example(path).map_or(String::new(), |example| format!("; such as `{example}`"));
-    let source = short(written);
-    if message == "wanted string or table" {
-        let kind = match written.chars().next() {
-            Some('[') => "a list",
-            Some('t' | 'f') => "true or false",
-            _ => "a number",
-        };
-        return format!("`{source}` is {kind}, where text in quotes belongs{such_as}");
-    }
-    let Some((found, expected)) = message
-        .strip_prefix("invalid ")
-        .and_then(|rest| rest.split_once(", expected "))
-    else {
-        // A message of the reader itself: the number is too large.
-        let message = message.replace(
-            "floating-point number overflowed",
-            "the number is too large",
-        );
-        return format!("`{source}`: {message}{such_as}");
-    };
-    let expected_kind = match expected {
-        "f64" => "a number",
-        "usize" | "u32" | "u64" => "a whole number, 0 or more,",
-        "a string" => "text in quotes",
-        "a boolean" => "true or false",
-        "an array of length 2" => "a list of two numbers",
-        "an array of length 3" => "a list of three numbers",
-        _ if expected.starts_with("a sequence") => "a list",
-        _ if expected.starts_with("struct") => "a table",
-        other => other,
-    };
-    let whole = expected_kind.starts_with("a whole");
-    if let Some(length) = found.strip_prefix("length ") {
-        if let Some(rule) = commas_in_list(&format!("{path} = {written}")) {
-            return format!("`{source}` has {length} in it, where {expected_kind} belongs; {rule}");
+/// Returns the known key that an unknown one was probably meant to be.
+pub(super) fn meant<'a>(unknown: &str, known: &[&'a str]) -> Option<&'a str> {
+    let usual = USUAL.iter().find(|(usual, _)| *usual == unknown);
+    usual
+        .and_then(|(_, key)| known.iter().copied().find(|name| name == key))
+        .or_else(|| nearest(unknown, known))
+}
+
+/// Returns the sentence about a key that no scene has at its place. The known keys are listed once for a table.
+pub(super) fn unknown_key(
+    unknown: &str,
+    meant: Option<&str>,
+    known: &[&str],
+    is_first: bool,
+) -> String {
+    let mut parts = vec![UNKNOWN_KEY.to_owned()];
+    if let Some(key) = meant {
+        parts.push(match Problem::unit(key) {
+            "" => format!("did you mean `{key}`?"),
+            unit => format!("did you mean `{key}`, in {unit}?"),
+        });
+    } else {
+        let homes = keys::homes(unknown);
+        let place = homes.join(" or ");
+        match homes.first() {
+            Some(home) if home.starts_with('[') => parts.push(format!("it belongs under {place}")),
+            Some(_) => parts.push(format!("it belongs {place}")),
+            None => {}
         }
-        return format!("`{source}` has {length} in it, where {expected_kind} belongs{such_as}");
     }
-    let (_, found) = found.split_once(": ").unwrap_or(("", found));
-    let kind = match found.split([' ', '`']).next().unwrap_or_default() {
-        "string" => "text",
-        "integer" if whole && written.starts_with('-') => "negative",
-        "integer" if whole => "too large",
-        "integer" => "a number",
-        "floating" if whole => "a number with a fraction or exponent",
-        "floating" => "a number",
-        "boolean" => "true or false",
-        "sequence" => "a list",
-        "map" if written.starts_with(['[', '{']) => "a table",
-        "map" => "a date",
-        _ => "something else",
+    if is_first {
+        parts.push(format!("known here: {}", known.join(", ")));
+    }
+    parts.join("; ").replace("?;", "?")
+}
+
+/// Returns the heading to which all unknown keys of a table belong, if there are two or more. Then their own is wrong, or missing.
+pub(super) fn other_heading(unknown: &[String]) -> Option<String> {
+    // No scene has some keys.
+    let homes = unknown.iter().map(|key| keys::homes(key));
+    let mut homes = homes.filter(|homes| !homes.is_empty());
+    let first = homes.next()?;
+    let mut shared = homes.fold(first, |mut shared, homes| {
+        shared.retain(|home| homes.contains(home));
+        shared
+    });
+    let heading = shared.pop()?;
+    let is_one = shared.is_empty() && unknown.len() > 1 && heading.starts_with('[');
+    is_one.then_some(heading)
+}
+
+/// Returns the sentence about keys of a heading that are in a table without it, or with another one.
+pub(super) fn wrong_heading(table: &str, unknown: &[String], heading: &str) -> String {
+    let list = unknown.join(", ");
+    match table {
+        "" => format!("the heading {heading} is missing above this line: {list} are its keys"),
+        table => format!(
+            "{list} are keys of {heading}; write {heading} in the place of [{table}], or move them there"
+        ),
+    }
+}
+
+fn list_of_tables(kind: &Kind) -> bool {
+    matches!(kind, Kind::List(Kind::Table(_), _))
+}
+
+/// Returns the sentence about a value that has not the form of its key; `source` is its text.
+pub(super) fn wrong_form(path: &str, kind: &Kind, value: &DeValue, written: &str) -> String {
+    let source = short(written);
+    let such_as = such_as("; ", path);
+    let is_top = !path.contains('.');
+    let is_whole = matches!(kind, Kind::Whole(..));
+    let expected = match kind {
+        Kind::Number => "a number",
+        Kind::Whole(0, _) => "a whole number, 0 or more,",
+        Kind::Whole(..) => "a whole number",
+        Kind::Flag => "true or false",
+        Kind::Text | Kind::Word(_) => "text in quotes",
+        Kind::List(_, Some(2)) => "a list of two numbers",
+        Kind::List(_, Some(3)) => "a list of three numbers",
+        Kind::List(_, Some(_)) => "a list of four numbers",
+        Kind::List(_, None) => "a list",
+        Kind::Table(_) => "a table",
     };
-    if kind == "a table" && expected_kind == "a list" && !path.contains('.') {
-        return format!("is a table, where a list of tables belongs; write [[{path}]]");
-    }
-    let right = match (kind, written.trim_matches(['"', '\''])) {
-        ("a table", table)
-            if expected_kind == "a list"
-                && !table.contains('\n')
-                && table.len() < MOST_REPAIRED =>
+    let found = match value {
+        DeValue::Array(list) if matches!(kind, Kind::List(..)) => {
+            let right = commas_in_list(&format!("{path} = {written}"))
+                .map_or(such_as, |rule| format!("; {rule}"));
+            let length = list.len();
+            return format!("`{source}` has {length} in it, where {expected} belongs{right}");
+        }
+        DeValue::Array(_) if matches!(kind, Kind::Table(_)) && is_top => {
+            return format!("is a list here; there is one for all, so write [{path}], once");
+        }
+        DeValue::Table(_) if list_of_tables(kind) && is_top => {
+            return format!("is a table, where a list of tables belongs; write [[{path}]]");
+        }
+        DeValue::Float(_) if matches!(kind, Kind::Number) => {
+            return format!("`{source}`: the number is too large{such_as}");
+        }
+        DeValue::String(_) => "text",
+        DeValue::Integer(_) if is_whole && written.starts_with('-') => "negative",
+        DeValue::Integer(_) if is_whole => "too large",
+        DeValue::Float(_) if is_whole => "a number with a fraction or exponent",
+        DeValue::Integer(_) | DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
+        DeValue::Datetime(_) => "a date",
+    };
+    let right = match (value, written.trim_matches(['"', '\''])) {
+        (DeValue::Table(_), table)
+            if expected == "a list" && !table.contains('\n') && table.len() < MOST_REPAIRED =>
         {
             format!("; write [{table}]")
         }
-        ("text", inner) if expected_kind == "a number" || whole => {
-            let number = |text: &str| {
-                text.parse::<f64>()
-                    .is_ok_and(|x| !whole || x.fract() == 0.0)
-            };
+        (DeValue::String(_), inner) if is_whole || matches!(kind, Kind::Number) => {
             let inner = repair_value(inner).unwrap_or_else(|| inner.to_owned());
-            if number(&inner) {
-                format!("; write {inner}, without quotes")
-            } else {
-                such_as
+            let number: Result<f64, _> = inner.parse();
+            match number {
+                Ok(number) if !is_whole || number.fract() == 0.0 => {
+                    format!("; write {inner}, without quotes")
+                }
+                _ => such_as,
             }
         }
-        ("text", inner) if expected_kind == "a list of two numbers" => {
+        (DeValue::String(_), inner) if matches!(kind, Kind::List(_, Some(2))) => {
             let numbers: Vec<_> = inner.split([':', '/', ',', 'x']).map(str::trim).collect();
             match numbers[..] {
                 [one, other] if [one, other].iter().all(|text| text.parse::<f64>().is_ok()) => {
@@ -273,25 +265,13 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
                 _ => such_as,
             }
         }
-        _ if kind.contains("fraction") && path.ends_with("steps_per_turn") => {
+        (DeValue::Float(_), _) if is_whole && path.ends_with("steps_per_turn") => {
             "; give the motor's own, and its belt or gearbox as gear = [motor turns, crank turns]"
                 .to_owned()
         }
         _ => such_as,
     };
-    format!("`{source}` is {kind}, where {expected_kind} belongs{right}")
-}
-
-fn join(path: &str, key: &str) -> String {
-    let key = short(key);
-    // If serde was inside the key, the path already ends with it.
-    if path.is_empty() || path == key {
-        key
-    } else if path.ends_with(&format!(".{key}")) {
-        path.to_owned()
-    } else {
-        format!("{path}.{key}")
-    }
+    format!("`{source}` is {found}, where {expected} belongs{right}")
 }
 
 fn list(names: &[&str]) -> String {
@@ -299,11 +279,11 @@ fn list(names: &[&str]) -> String {
     names.join(", ")
 }
 
-fn one_line(message: &str) -> String {
+pub(super) fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn short(text: &str) -> String {
+pub(super) fn short(text: &str) -> String {
     quoted(text, MOST_QUOTED)
 }
 
