@@ -157,6 +157,11 @@ impl Key {
 pub trait Value {
     /// Its form.
     const KIND: Kind;
+
+    /// Returns true if a scene with this value is written without the key.
+    fn is_left_out(&self) -> bool {
+        false
+    }
 }
 
 macro_rules! whole {
@@ -186,6 +191,10 @@ impl Value for bool {
 
 impl<T: Value> Value for Option<T> {
     const KIND: Kind = T::KIND;
+
+    fn is_left_out(&self) -> bool {
+        self.is_none()
+    }
 }
 
 impl<T: Value> Value for (T, T) {
@@ -199,6 +208,10 @@ impl<T: Value, const N: usize> Value for [T; N] {
 #[cfg(feature = "alloc")]
 impl<T: Value> Value for alloc::vec::Vec<T> {
     const KIND: Kind = Kind::List(&T::KIND, None);
+
+    fn is_left_out(&self) -> bool {
+        self.is_empty()
+    }
 }
 
 #[cfg(feature = "alloc")]
@@ -207,18 +220,18 @@ impl Value for alloc::string::String {
 }
 
 /// Defines a table of a scene: its struct and the rows of its keys. With a path, it is a table of numbers of the core, with its defaults
-/// and its check. Fields of the last part are no keys.
+/// and its check. `left out if` has a function of a table: whether a scene is written without it. Fields of the last part are no keys.
 #[macro_export]
 macro_rules! keys {
     ($(#[$attribute:meta])+ pub struct $Table:ident in $path:literal {
         $($(#[doc = $doc:literal])+ $name:ident: $Type:ty = $row:expr,)+
     }) => {
-        $crate::keys! {
-            $(#[$attribute])+
-            #[derive(Clone, Copy, Debug, PartialEq)]
-            #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-            pub struct $Table { $($(#[doc = $doc])+ $name: $Type = $row,)+ }
-        }
+        $(#[$attribute])+
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub struct $Table { $($(#[doc = $doc])+ pub $name: $Type,)+ }
+
+        $crate::keys! { rows of $Table { $($(#[doc = $doc])+ $name: $Type = $row,)+ } }
 
         impl $Table {
             /// Values of keys that are left out.
@@ -246,15 +259,24 @@ macro_rules! keys {
             }
         }
     };
-    ($(#[$attribute:meta])+ pub struct $Table:ident {
-        $($(#[doc = $doc:literal])+ $(#[serde($($serde:tt)+)])* $name:ident: $Type:ty = $row:expr,)+
+    ($(#[$attribute:meta])+ pub struct $Table:ident $(left out if $is_left_out:path,)? {
+        $($(#[doc = $doc:literal])+ $name:ident: $Type:ty = $row:expr,)+
     } $(and { $($(#[$note:meta])+ $field:ident: $Field:ty,)+ })?) => {
         $(#[$attribute])+
         pub struct $Table {
-            $($(#[doc = $doc])+ $(#[serde($($serde)+)])* pub $name: $Type,)+
+            $(
+                $(#[doc = $doc])+
+                #[serde(skip_serializing_if = "cophase_core::settings::key::Value::is_left_out")]
+                pub $name: $Type,
+            )+
             $($($(#[$note])+ pub $field: $Field,)+)?
         }
 
+        $crate::keys! { rows of $Table $(left out if $is_left_out,)? { $($(#[doc = $doc])+ $name: $Type = $row,)+ } }
+    };
+    (rows of $Table:ident $(left out if $is_left_out:path,)? {
+        $($(#[doc = $doc:literal])+ $name:ident: $Type:ty = $row:expr,)+
+    }) => {
         impl $Table {
             /// Rows of the keys.
             pub const KEYS: &'static [$crate::settings::key::Key] = &[$($crate::settings::key::Key {
@@ -267,6 +289,10 @@ macro_rules! keys {
 
         impl $crate::settings::key::Value for $Table {
             const KIND: $crate::settings::key::Kind = $crate::settings::key::Kind::Table(|| Self::KEYS);
+
+            $(fn is_left_out(&self) -> bool {
+                $is_left_out(self)
+            })?
         }
     };
 }

@@ -53,13 +53,10 @@ keys! {
         /// Damping of a stepper's drive, N·m·s/rad, of the motor.
         damping_nms: f64 = or(0.0).from(0.0, 1000.0),
         /// Pull-out torque of a stepper, of the motor, as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         pull_out: Vec<(f64, f64)> = or_value("[]").such_as("[[0, 5.0], [10, 4.6], [20, 2.5], [30, 1.7]]"),
         /// Drives of servos.
-        #[serde(skip_serializing_if = "Option::is_none")]
         servo: Option<ServoDrive> = optional(""),
         /// Induction motors with their frequency converters.
-        #[serde(skip_serializing_if = "Option::is_none")]
         induction: Option<InductionDrive> = optional(""),
     }
 }
@@ -78,15 +75,12 @@ keys! {
         /// Gain from the velocity error to the torque, N·m·s/rad.
         velocity_gain_nms: f64 = needed("1.5").from(1e-6, 1e5),
         /// Integral time of the velocity loop, s; without it, the loop has no integral part.
-        #[serde(skip_serializing_if = "Option::is_none")]
         integral_s: Option<f64> = optional("0.02").from(1e-5, 1e3),
         /// Torque limit, N·m, by the current limit.
-        #[serde(skip_serializing_if = "Option::is_none")]
         limit_nm: Option<f64> = optional("8.36").from(1e-3, 1e5),
         /// Part of the commanded velocity that is fed forward to the velocity loop, 0 to 1.
         velocity_feed_forward: f64 = or(1.0).from(0.0, 1.0),
         /// Following-error window, degrees of the crank. Beyond it, the drive raises its alarm; without it, the drive has no alarm.
-        #[serde(skip_serializing_if = "Option::is_none")]
         following_error_deg: Option<f64> = optional("20").from(0.01, 180.0),
     }
 }
@@ -104,7 +98,6 @@ keys! {
         /// Gain from the position error to the converter's frequency, 1/s.
         position_gain_per_s: f64 = needed("5").from(1e-3, 1e3),
         /// Following-error window, degrees of the crank. Beyond it, the converter raises its alarm; without it, there is no alarm.
-        #[serde(skip_serializing_if = "Option::is_none")]
         following_error_deg: Option<f64> = optional("20").from(0.01, 180.0),
     }
 }
@@ -147,28 +140,20 @@ keys! {
         /// True if the motor is mounted the other way round.
         reversed: bool = or_value("false"),
         /// Replaces the value in `[axes]`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         drive: Option<Drive> = optional("servo"),
         /// Replaces the value in `[axes]`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         steps_per_turn: Option<u32> = STEPS_PER_TURN.or_left_out(),
         /// Replaces the value in `[axes]`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         gear: Option<(u32, u32)> = optional("[3, 1]"),
         /// Replaces the value in `[axes]`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         ratio: Option<(u32, u32)> = optional("[1, 2]"),
         /// Replaces the value in `[axes]`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         offset_deg: Option<f64> = OFFSET_DEG.or_left_out(),
         /// Replaces the value in `[axes]`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         index: Option<bool> = optional("false"),
         /// Replaces the value in `[axes]`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         index_deg: Option<f64> = INDEX_DEG.or_left_out(),
         /// Name of the `[[cam_table]]` that it follows, instead of a gear.
-        #[serde(skip_serializing_if = "Option::is_none")]
         cam: Option<String> = optional("lift"),
         /// Angle of the cam table at the master's phase 0, degrees.
         cam_shift_deg: f64 = or(0.0),
@@ -177,12 +162,10 @@ keys! {
         /// True phase of the crank at power-up, relative to the phase that the loop assumes, degrees.
         start_deg: f64 = or(0.0).from(-180.0, 180.0).because("half a turn either way"),
         /// Replaces the value in `[axes]`, such as for a stiffer bearing.
-        #[serde(skip_serializing_if = "Option::is_none")]
         friction_nm: Option<f64> = optional("0.5").from(0.0, MOST_FRICTION_NM),
         /// Factor on its pull-out torque, such as for a weaker motor.
         pull_out_scale: f64 = or(1.0).from(0.0, 10.0),
         /// Steps with which the simulated drive makes a turn of its crank, where its switches, or a gear, differ from the settings.
-        #[serde(skip_serializing_if = "Option::is_none")]
         drive_steps_per_turn: Option<u32> = optional("1600").from(4.0, 1e6),
     }
 }

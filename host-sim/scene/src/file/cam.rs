@@ -19,19 +19,14 @@ keys! {
         /// Cam angle over which it returns, degrees; for the rest of the turn it rests.
         return_deg: f64 = needed("105"),
         /// Lead of the screws that move the pushers of axes with cam tables, mm per turn; without it, each axis turns a cam.
-        #[serde(skip_serializing_if = "Option::is_none")]
         screw_lead_mm: Option<f64> = optional("20"),
         /// Masses of the follower from the shaft to the pusher, referred to the pusher, kg.
-        #[serde(skip_serializing_if = "Option::is_none")]
         masses_kg: Option<[f64; 3]> = optional("[0.525, 0.102, 1.01]"),
         /// Stiffnesses before these masses, of shaft, arm and link, N/mm.
-        #[serde(skip_serializing_if = "Option::is_none")]
         stiffness_n_per_mm: Option<[f64; 3]> = optional("[7680, 7500, 102000]"),
         /// Dampers in parallel to them, N·s/m; give these or `zeta`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         dampers_ns_per_m: Option<[f64; 3]> = optional("[10, 10, 10]"),
         /// Damping factor of each link, from which its damper follows; give this or `dampers_ns_per_m`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         zeta: Option<f64> = optional(""),
         /// Second end of the shaft's damper.
         damper: Damper = or_value("cam"),

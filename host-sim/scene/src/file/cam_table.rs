@@ -22,10 +22,8 @@ keys! {
         /// Motion law of the segments.
         law: LawName = or_value("modified-sine"),
         /// Segments from the master's phase 0 on; the axis rests for the remainder of the turn. Give these or `file`.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         segment: Vec<CamSegment> = or_value("[]"),
         /// CSV file of points, relative to the scene's folder.
-        #[serde(skip_serializing_if = "Option::is_none")]
         file: Option<String> = optional("lift.csv"),
     } and {
         /// Points of that file, axis turns. The loader fills them in, and so do machines that compute tables.

@@ -1,5 +1,6 @@
 //! Settings of the loop beside its machine: limits of the shaft, and corrections. The core has the tables of the others.
 
+use super::is_unset;
 use cophase_core::keys;
 use cophase_core::settings::SPEED_HZ;
 use cophase_core::settings::key::{needed, optional, or, or_value};
@@ -20,15 +21,12 @@ keys! {
         jerk_hz_per_s2: f64 = needed("250").because(RESOLUTION),
         /// Greatest acceleration of a stop after a fault, rev/s², as the motors' torque allows. The default is the acceleration
         /// above.
-        #[serde(skip_serializing_if = "Option::is_none")]
         stop_acceleration_hz_per_s: Option<f64> = optional("100"),
         /// Greatest jerk of such a stop, rev/s³. The default is the jerk above.
-        #[serde(skip_serializing_if = "Option::is_none")]
         stop_jerk_hz_per_s2: Option<f64> = optional("1000"),
         /// Homing speed, rev/s, also used to reach the parking phase.
         homing_speed_hz: f64 = or(1.0).because("slow enough to find an index pulse at, and within limits.speed_hz"),
         /// Forbidden bands of speeds, lowest first.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         band: Vec<Band> = or_value("[]"),
     }
 }
@@ -47,7 +45,7 @@ keys! {
 keys! {
     /// Corrections of phase errors.
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-    pub struct Correction {
+    pub struct Correction left out if is_unset, {
         /// Part of a difference between cranks that trims remove per turn; 0 for no correction.
         gain: f64 = GAIN,
         /// True if homing moves each crank by an amount of its own, and checks that this crank follows.
@@ -55,10 +53,8 @@ keys! {
         /// True for cross-coupling of servos. Gains that are not given are derived from `[axes.servo]`.
         couple: bool = or_value("false"),
         /// Proportional gain of the cross-coupling, from the deviation of an axis from the mean of all to its setpoint.
-        #[serde(skip_serializing_if = "Option::is_none")]
         coupling: Option<f64> = COUPLING,
         /// Integral gain of the cross-coupling, 1/s.
-        #[serde(skip_serializing_if = "Option::is_none")]
         coupling_per_s: Option<f64> = COUPLING_PER_S,
     }
 }

@@ -16,34 +16,24 @@ keys! {
         /// Kind of fault.
         kind: FaultName = needed("slip"),
         /// Axis, for kinds that affect one axis.
-        #[serde(skip_serializing_if = "Option::is_none")]
         axis: Option<usize> = optional("1"),
         /// Second axis of a swap.
-        #[serde(skip_serializing_if = "Option::is_none")]
         with: Option<usize> = optional("1"),
         /// Lines that are swapped.
-        #[serde(skip_serializing_if = "Option::is_none")]
         lines: Option<Lines> = optional("sensors"),
         /// Electrical cycles lost; negative if gained.
-        #[serde(skip_serializing_if = "Option::is_none")]
         cycles: Option<i64> = optional("1").from(-1e4, 1e4),
         /// Rate at which a crank slips on its shaft, degrees/s; positive if it falls behind.
-        #[serde(skip_serializing_if = "Option::is_none")]
         rate_deg_per_s: Option<f64> = optional("30").from(-36_000.0, 36_000.0),
         /// Speed of a crank that runs away, rev/s.
-        #[serde(skip_serializing_if = "Option::is_none")]
         speed_hz: Option<f64> = optional("2").from(-200.0, 200.0),
         /// Number of missing or extra index pulses, one per turn, or of missed deadlines.
-        #[serde(skip_serializing_if = "Option::is_none")]
         count: Option<u32> = optional("3").from(1.0, 1e6),
         /// Error of an encoder's reading, counts.
-        #[serde(skip_serializing_if = "Option::is_none")]
         counts: Option<i64> = optional("50").from(-1e9, 1e9),
         /// Additional load torque of a crank, N·m.
-        #[serde(skip_serializing_if = "Option::is_none")]
         torque_nm: Option<f64> = optional("4").from(-1000.0, 1000.0),
         /// Duration, s; without it, the fault is permanent.
-        #[serde(skip_serializing_if = "Option::is_none")]
         for_s: Option<f64> = optional("0.1").from(1e-6, 1e6),
     }
 }
@@ -119,7 +109,7 @@ words! {
 keys! {
     /// Standard deviations of normally distributed noise. The same seed gives the same noise.
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-    pub struct Noise {
+    pub struct Noise left out if Noise::is_none, {
         /// Seed of all random numbers.
         seed: u64 = or(0.0),
         /// Noise of the crank phase of an index edge, degrees.

@@ -1,5 +1,6 @@
 //! Model level of a scene, and method of integration.
 
+use super::is_unset;
 use cophase_core::settings::key::{optional, or_value};
 use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
@@ -33,11 +34,10 @@ impl Fidelity {
 keys! {
     /// Method of integration for machines that torque moves.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-    pub struct Method {
+    pub struct Method left out if is_unset, {
         /// Name of the method.
         name: MethodName = or_value("auto"),
         /// Number of steps in a control tick. The default follows from the machine's fastest mode.
-        #[serde(skip_serializing_if = "Option::is_none")]
         steps_per_tick: Option<u32> = optional("4").from(1.0, Method::MOST_STEPS as f64),
     }
 }

@@ -31,10 +31,8 @@ keys! {
         /// Length of the rope between balancer and tool, mm. It has an effect only in the horizontal plane.
         rope_mm: f64 = or(1000.0),
         /// Point below the balancer, mm. The default is the point a quarter along the path, the middle of a path of two points.
-        #[serde(skip_serializing_if = "Option::is_none")]
         balancer_mm: Option<[f64; 2]> = optional(""),
         /// Surface along the path that the hand presses against.
-        #[serde(skip_serializing_if = "Option::is_none")]
         contact: Option<ContactTable> = optional(""),
     }
 }

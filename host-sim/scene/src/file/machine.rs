@@ -12,25 +12,18 @@ keys! {
         /// Mechanism between cranks and platform.
         mechanism: MechanismName = or_value("slider-crank"),
         /// Crank radius of a slider-crank or a Scotch yoke, mm.
-        #[serde(skip_serializing_if = "Option::is_none")]
         crank_radius_mm: Option<f64> = CRANK_RADIUS_MM,
         /// Crank radius over rod length of a slider-crank; give this or `rod_length_mm`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         lambda: Option<f64> = optional("0.25").because("the ratios of crank radius to rod length that this mechanism is built with"),
         /// Rod length of a slider-crank, mm; give this or `lambda`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         rod_length_mm: Option<f64> = optional("60").because("1.67 to 10 crank radii"),
         /// Lead of the screw that a crank-rocker drives, mm per turn.
-        #[serde(skip_serializing_if = "Option::is_none")]
         screw_lead_mm: Option<f64> = optional("30"),
         /// Length of a crank-rocker's crank over that of its rocker.
-        #[serde(skip_serializing_if = "Option::is_none")]
         crank_ratio: Option<f64> = optional("0.4852094"),
         /// Length of a crank-rocker's coupler over that of its rocker.
-        #[serde(skip_serializing_if = "Option::is_none")]
         coupler_ratio: Option<f64> = optional("1.5402148"),
         /// Distance of a crank-rocker's pivots over the length of its rocker.
-        #[serde(skip_serializing_if = "Option::is_none")]
         ground_ratio: Option<f64> = optional("1.927919"),
         /// Mass on the platform, kg.
         load_kg: f64 = LOAD_KG,
@@ -41,10 +34,8 @@ keys! {
         /// Radius of the mount circle of the cranks, mm.
         mount_radius_mm: f64 = MOUNT_RADIUS_MM,
         /// True to accept offsets and trims that tilt or warp the platform beyond its limits in each turn.
-        #[serde(skip_serializing_if = "std::ops::Not::not")]
         allow_commanded_tilt: bool = or_value("false"),
         /// Inertia of platform and load about a tilt axis, kg·m². The default is that of a uniform disc with the mount's radius.
-        #[serde(skip_serializing_if = "Option::is_none")]
         tilt_inertia_kgm2: Option<f64> = optional("0.1").from(1e-6, 1000.0),
         /// Stiffness of a rod with its bearings, N/µm.
         rod_n_per_um: f64 = or(50.0).from(0.01, 10_000.0),
@@ -88,14 +79,12 @@ keys! {
         /// Mass of the frame and of everything bolted to it, kg.
         mass_kg: f64 = needed("55").from(0.01, 1e6),
         /// Inertia about a tilt axis, kg·m². The default is that of a uniform disc with the mount's radius.
-        #[serde(skip_serializing_if = "Option::is_none")]
         tilt_inertia_kgm2: Option<f64> = optional("0.6").from(1e-6, 1e7),
         /// Stiffness of the whole suspension in heave, N/mm.
         suspension_n_per_mm: f64 = needed("60").from(1e-3, 1e9),
         /// Damping ratio of the suspension with everything that it carries.
         suspension_zeta: f64 = or(0.05).from(0.0, 2.0),
         /// Foundation block under the suspension; without it, the suspension is on the ground.
-        #[serde(skip_serializing_if = "Option::is_none")]
         foundation: Option<Foundation> = optional(""),
     }
 }
@@ -107,7 +96,6 @@ keys! {
         /// Mass, kg.
         mass_kg: f64 = needed("200").from(0.01, 1e6),
         /// Inertia about a tilt axis, kg·m². The default is that of a uniform disc with the mount's radius.
-        #[serde(skip_serializing_if = "Option::is_none")]
         tilt_inertia_kgm2: Option<f64> = optional("3").from(1e-6, 1e7),
         /// Stiffness of the ground under it in heave, N/mm.
         ground_n_per_mm: f64 = needed("20000").from(1e-3, 1e9),

@@ -55,31 +55,22 @@ keys! {
         /// Model level, or `auto` for the lowest one that answers the questions.
         fidelity: Fidelity = or_value("auto"),
         /// Questions for `fidelity = "auto"`, with their tolerances.
-        #[serde(skip_serializing_if = "Questions::is_none")]
         questions: Questions = or_value("{}"),
         /// Method of integration for machines that torque moves.
-        #[serde(skip_serializing_if = "is_unset")]
         method: Method = or_value("{}"),
         /// Cranks under one platform, and its load; this or `cam`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         machine: Option<Machine> = optional(""),
         /// Cam shafts, one per axis, each with a follower; this or `machine`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         cam: Option<CamShaft> = optional(""),
         /// Vibrating screen, instead of `machine`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         screen: Option<ScreenTable> = optional(""),
         /// Jaw crusher, instead of `machine`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         crusher: Option<CrusherTable> = optional(""),
         /// Suspended five-bar arm, instead of `machine`.
-        #[serde(skip_serializing_if = "Option::is_none")]
         five_bar: Option<FiveBarTable> = optional(""),
         /// Cam tables that axes follow.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         cam_table: Vec<CamTable> = or_value("[]"),
         /// Frame under the cranks, if it moves.
-        #[serde(skip_serializing_if = "Option::is_none")]
         frame: Option<Frame> = optional(""),
         /// Settings of the loop.
         control: Control = or_value("{}"),
@@ -90,41 +81,31 @@ keys! {
         /// Values for all axes.
         axes: Axes = needed(""),
         /// Values of single axes that differ from those.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         axis: Vec<AxisOverrides> = or_value("[]"),
         /// Filter of the index lines.
         index: Index = or_value("{}"),
         /// Limits on phase errors.
         drift: Drift = or_value("{}"),
         /// Corrections of phase errors.
-        #[serde(skip_serializing_if = "is_unset")]
         correction: Correction = or_value("{}"),
         /// Noise of sensors and loads.
-        #[serde(skip_serializing_if = "Noise::is_none")]
         noise: Noise = or_value("{}"),
         /// Active levels of the board's lines.
-        #[serde(skip_serializing_if = "is_unset")]
         wiring: Wiring = or_value("{}"),
         /// Action when the host that started the machine is lost.
-        #[serde(skip_serializing_if = "is_unset")]
         link: Link = or_value("{}"),
         /// Program amax(t).
         program: Vec<Segment> = needed(""),
         /// Commands at stated times.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         command: Vec<CommandAt> = or_value("[]"),
         /// Changes of the enable and stop inputs.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         input: Vec<InputAt> = or_value("[]"),
         /// Faults that the run injects.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         fault: Vec<FaultAt> = or_value("[]"),
         /// Late ticks of the loop.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         late: Vec<LateAt> = or_value("[]"),
         /// Part of the run that `steps.vcd` shows. The default is 200 ms around the first injected fault, else around the first slip
         /// or latched fault, else the first 200 ms of motion.
-        #[serde(skip_serializing_if = "Option::is_none")]
         scope: Option<Scope> = optional(""),
     }
 }

@@ -9,22 +9,16 @@ keys! {
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
     pub struct Segment {
         /// Level of amax, in units of 9.80665 m/s².
-        #[serde(skip_serializing_if = "Option::is_none")]
         amax_g: Option<f64> = optional("3"),
         /// Duration of the transition, s.
-        #[serde(skip_serializing_if = "Option::is_none")]
         ramp_s: Option<f64> = optional("4"),
         /// Duration of the hold, s.
-        #[serde(skip_serializing_if = "Option::is_none")]
         hold_s: Option<f64> = optional("6"),
         /// Shape of the transition.
-        #[serde(skip_serializing_if = "Option::is_none")]
         shape: Option<Shape> = optional("linear"),
         /// Number of times that `segments` are played.
-        #[serde(skip_serializing_if = "Option::is_none")]
         repeat: Option<u32> = optional("2").because("the counts that a program holds"),
         /// Repeated block; blocks may contain blocks.
-        #[serde(skip_serializing_if = "Option::is_none")]
         segments: Option<Vec<Segment>> = optional(""),
     }
 }

@@ -7,27 +7,20 @@ use serde::{Deserialize, Serialize};
 keys! {
     /// Requested outputs for `fidelity = "auto"`, each with its tolerance. Other outputs do not count.
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-    pub struct Questions {
+    pub struct Questions left out if Questions::is_none, {
         /// Largest lag of a crank behind its command, or lead, degrees.
-        #[serde(skip_serializing_if = "Option::is_none")]
         lag_deg: Option<f64> = optional("2").from(1e-9, 1e6),
         /// Largest difference between two cranks' lags, degrees.
-        #[serde(skip_serializing_if = "Option::is_none")]
         spread_deg: Option<f64> = optional("0.1").from(1e-9, 1e6),
         /// Largest tilt of the platform, mrad.
-        #[serde(skip_serializing_if = "Option::is_none")]
         tilt_mrad: Option<f64> = optional("0.01").from(1e-9, 1e6),
         /// Largest acceleration of the platform, percent of itself.
-        #[serde(skip_serializing_if = "Option::is_none")]
         amax_percent: Option<f64> = optional("20").from(1e-9, 1e6),
         /// Largest torque of a motor, percent of itself.
-        #[serde(skip_serializing_if = "Option::is_none")]
         torque_percent: Option<f64> = optional("5").from(1e-9, 1e6),
         /// Largest force on the ground beyond the weight, percent of itself.
-        #[serde(skip_serializing_if = "Option::is_none")]
         ground_percent: Option<f64> = optional("").from(1e-9, 1e6),
         /// True if the set of motors that slip is requested.
-        #[serde(skip_serializing_if = "Option::is_none")]
         slips: Option<bool> = optional("true"),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::is_unset;
 use cophase_core::settings::key::{or, or_value};
 use cophase_core::settings::{
     ActiveLevel, HostLossReaction, HostLossSettings, InputWiring, WiringSettings,
@@ -14,7 +15,7 @@ const DEFAULT: WiringSettings = WiringSettings::DEFAULT;
 keys! {
     /// Level of each line in the state that its name states.
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-    pub struct Wiring {
+    pub struct Wiring left out if is_unset, {
         /// STEP outputs: a step pulse.
         step: Level = or_value(Level::of(DEFAULT.step).name()),
         /// DRIVE ENABLE output: drives on.
@@ -30,7 +31,6 @@ keys! {
         /// START input: the button is pressed.
         start: Level = or_value(Level::of(DEFAULT.start.active).name()),
         /// Inputs whose pull resistor on the board is off.
-        #[serde(skip_serializing_if = "Vec::is_empty")]
         no_pull: Vec<InputName> = or_value("[]"),
     }
 }
@@ -133,7 +133,7 @@ impl fmt::Display for Wiring {
 keys! {
     /// Loss of the host that started the machine.
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-    pub struct Link {
+    pub struct Link left out if is_unset, {
         /// Time without a frame of the host after which it is lost, s; 0: the machine goes on without it.
         timeout_s: f64 = or(0.0),
         /// Action when it is lost.
