@@ -9,25 +9,25 @@ keys! {
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
     pub struct CrusherTable {
         /// Eccentricity of the shaft, mm.
-        eccentric_mm: f64 = needed("10"),
+        eccentric_mm: f64 = needed("10").from(0.1, 20_000.0),
         /// Length of the jaw from the eccentric to the toggle plate, mm.
-        jaw_mm: f64 = needed("800"),
+        jaw_mm: f64 = needed("800").from(0.1, 20_000.0),
         /// Length of the toggle plate, mm.
-        toggle_mm: f64 = needed("250"),
+        toggle_mm: f64 = needed("250").from(0.1, 20_000.0),
         /// Distance of the toggle's fixed pivot from the shaft, mm.
-        ground_mm: f64 = needed("790"),
+        ground_mm: f64 = needed("790").from(0.1, 20_000.0),
         /// Distance of the rock's force from the eccentric, along the jaw, mm.
-        force_mm: f64 = needed("650"),
+        force_mm: f64 = needed("650").from(0.1, 20_000.0),
         /// Mass of the jaw, kg. Its inertia is that of a uniform rod.
-        jaw_kg: f64 = needed("1470.2"),
+        jaw_kg: f64 = needed("1470.2").from(0.0, 1e6),
         /// Distance of the jaw's centre of mass from the eccentric, mm.
         jaw_centre_mm: f64 = needed("463.4"),
         /// Profile of the rock's force over the closing stroke.
         rock: Rock = or_value("linear-rise"),
         /// Peak force of the rock across the jaw, kN.
-        rock_kn: f64 = needed("1310"),
+        rock_kn: f64 = needed("1310").from(0.0, 1e5),
         /// Turns of the shaft since power-up between which rock is fed.
-        rock_turns: (f64, f64) = needed("[24, 54]"),
+        rock_turns: (f64, f64) = needed("[24, 54]").from(0.0, 1e7),
     }
 }
 

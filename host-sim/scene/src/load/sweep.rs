@@ -109,6 +109,10 @@ fn a_number_out_of_its_range_is_refused_with_the_nearest_end() {
                 .filter(|value| *value >= least as f64)
                 .map(|value| mistake(key, path, &value.to_string(), &outside))
                 .collect(),
+            Kind::List(Kind::Number, Some(length)) if high < f64::MAX => {
+                let value = format!("{:?}", vec![high * 1.01; length]);
+                vec![mistake(key, path, &value, &outside)]
+            }
             _ => Vec::new(),
         }
     });

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::machines::five_bar::arm::{FiveBarArm, ForceSensor, HybridLaw, Load, Rod, Surface};
 use cophase_scene::file::{Assembly, AxisOverrides, CamTable, ContactTable, FiveBarTable, Plane};
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
-use cophase_scene::{Scene, SceneError, in_range};
+use cophase_scene::{Scene, SceneError};
 
 use super::Arm;
 use super::path::{NoTable, Path};
@@ -42,28 +42,6 @@ fn links(table: &FiveBarTable) -> FiveBar {
 }
 
 fn check(table: &FiveBarTable) -> Result<(), SceneError> {
-    for (i, &length_mm) in table.links_mm.iter().enumerate() {
-        in_range(&format!("five_bar.links_mm[{i}]"), length_mm, 1.0, 10_000.0)?;
-    }
-    for (i, &mass_kg) in table.links_kg.iter().enumerate() {
-        in_range(&format!("five_bar.links_kg[{i}]"), mass_kg, 1e-3, 1e4)?;
-    }
-    in_range("five_bar.tool_kg", table.tool_kg, 0.0, 1e4)?;
-    in_range("five_bar.speed_mm_per_s", table.speed_mm_per_s, 1e-3, 1e5)?;
-    in_range("five_bar.blend_s", table.blend_s, 1e-3, 1e3)?;
-    in_range("five_bar.margin", table.margin, 1e-3, 1.0)?;
-    in_range("five_bar.lift_n", table.lift_n, 0.0, 1e5)?;
-    in_range("five_bar.rope_mm", table.rope_mm, 1.0, 1e5)?;
-    for (i, point) in table.path_mm.iter().enumerate() {
-        for (axis, &mm) in point.iter().enumerate() {
-            let key = format!("five_bar.path_mm[{i}][{axis}]");
-            in_range(&key, mm, -20_000.0, 20_000.0)?;
-        }
-    }
-    for (axis, &mm) in table.balancer_mm.iter().flatten().enumerate() {
-        let key = format!("five_bar.balancer_mm[{axis}]");
-        in_range(&key, mm, -20_000.0, 20_000.0)?;
-    }
     if table.path_mm.len() < 2 {
         return Err(SceneError::at(
             "five_bar.path_mm",
@@ -74,8 +52,6 @@ fn check(table: &FiveBarTable) -> Result<(), SceneError> {
         return Ok(());
     };
     let key = |name: &str| format!("five_bar.contact.{name}");
-    in_range(&key("sensor_n"), contact.sensor_n, 0.1, 1e5)?;
-    in_range(&key("force_n"), contact.force_n, 0.0, 1e4)?;
     let sensor = sensor(contact);
     // The law needs a reading above the force to hold it from both sides.
     if contact.force_n > sensor.max_n() - sensor.step_n() {
@@ -90,16 +66,6 @@ fn check(table: &FiveBarTable) -> Result<(), SceneError> {
             ),
         ));
     }
-    in_range(
-        &key("stiffness_n_per_mm"),
-        contact.stiffness_n_per_mm,
-        1e-3,
-        1e6,
-    )?;
-    in_range(&key("damping_ns_per_m"), contact.damping_ns_per_m, 0.0, 1e6)?;
-    in_range(&key("position_per_s2"), contact.position_per_s2, 0.0, 1e6)?;
-    in_range(&key("velocity_per_s"), contact.velocity_per_s, 0.0, 1e4)?;
-    in_range(&key("force_per_s"), contact.force_per_s, 0.0, 1e4)?;
     if table.path_mm.len() > 2 {
         return Err(SceneError::at(
             "five_bar.contact",

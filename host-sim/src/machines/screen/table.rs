@@ -12,14 +12,6 @@ use crate::drives::{AtCrank, DriveModel, PullOut};
 use crate::machines::{Made, Table};
 
 fn screen(table: &ScreenTable, scene: &Scene) -> Result<Screen, SceneError> {
-    in_range("screen.box_kg", table.box_kg, 1.0, 1e5)?;
-    in_range("screen.length_mm", table.length_mm, 100.0, 20_000.0)?;
-    in_range("screen.block_kg", table.block_kg, 0.01, 1e4)?;
-    in_range("screen.eccentricity_mm", table.eccentricity_mm, 0.1, 1000.0)?;
-    let stiffness = table.stiffness_n_per_mm;
-    in_range("screen.stiffness_n_per_mm", stiffness, 0.1, 1e6)?;
-    in_range("screen.zeta", table.zeta, 0.001, 0.7)?;
-    in_range("screen.gravity_mps2", table.gravity_mps2, 0.0, 20.0)?;
     if table.shafts_mm.len() != scene.axes.count {
         return Err(SceneError::at(
             "screen.shafts_mm",
