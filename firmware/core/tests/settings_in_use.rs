@@ -13,7 +13,7 @@ use cophase_core::drift::IndexPulse;
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings, SliderCrankSettings};
 use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
+    AxisSettings, BandSettings, CorrectionSettings, Drift, DriveKind, HostLossSettings,
     IndexSettings, LimitSettings, MachineSettings, Platform, PlatformSettings, PulseSettings,
     Settings, ShaftSettings, Transmission, WiringSettings, short_name,
 };
@@ -180,16 +180,18 @@ fn visit(settings: &mut Settings, on: &mut Change) {
     for trim in trims_turns {
         on.number("trims_turns", Start, trim);
     }
-    let DriftSettings {
+    let Drift {
         warp_limit_deg,
         common_limit_deg,
         reading_error_deg,
-        lag_s,
+        lag_us,
+        tilt_limit_mrad,
     } = drift;
     on.number("warp_limit_deg", Constants, warp_limit_deg);
     on.number("common_limit_deg", Constants, common_limit_deg);
     on.number("reading_error_deg", Constants, reading_error_deg);
-    on.number("lag_s", Constants, lag_s);
+    on.number("lag_us", Constants, lag_us);
+    on.number("tilt_limit_mrad", Constants, tilt_limit_mrad);
     let CorrectionSettings {
         gain,
         prove_wiring,
@@ -233,7 +235,6 @@ fn visit_platform(platform: &mut PlatformSettings, on: &mut Change) {
         platform,
         gravity_mps2,
         mount_radius_m,
-        tilt_limit_mrad,
         allow_commanded_tilt,
     } = platform;
     on.number("crank_radius_m", Constants, crank_radius_m);
@@ -242,7 +243,6 @@ fn visit_platform(platform: &mut PlatformSettings, on: &mut Change) {
     on.key("platform", Constants, platform, |_| Platform::Below);
     on.number("gravity_mps2", Constants, gravity_mps2);
     on.number("mount_radius_m", Constants, mount_radius_m);
-    on.number("tilt_limit_mrad", Constants, tilt_limit_mrad);
     on.flag("allow_commanded_tilt", Nothing, allow_commanded_tilt);
 }
 
@@ -345,7 +345,6 @@ fn platform(mechanism: MechanismSettings) -> Settings {
             platform: Platform::Above,
             gravity_mps2: 9.80665,
             mount_radius_m: 0.25,
-            tilt_limit_mrad: 3.0,
             allow_commanded_tilt: true,
         }),
         limits: LimitSettings {
@@ -370,11 +369,12 @@ fn platform(mechanism: MechanismSettings) -> Settings {
         index: IndexSettings { width_us: 2.0 },
         axes: core::iter::repeat_n(AXIS, 4).collect(),
         trims_turns: [0.001, -0.001].into_iter().collect(),
-        drift: DriftSettings {
+        drift: Drift {
             warp_limit_deg: 3.0,
             common_limit_deg: 15.0,
             reading_error_deg: 0.25,
-            lag_s: 1e-4,
+            lag_us: 100.0,
+            tilt_limit_mrad: 3.0,
         },
         correction: CorrectionSettings {
             gain: 0.3,

@@ -152,7 +152,7 @@ fn error_messages_name_the_problem_and_the_fix() {
         ),
         (
             SettingsFileError::Version { found: 1 },
-            "the settings file has format version 1, and version 7 is read here; make it again with the `cophase` of the \
+            "the settings file has format version 1, and version 8 is read here; make it again with the `cophase` of the \
              same version as the firmware",
         ),
         (

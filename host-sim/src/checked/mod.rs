@@ -41,8 +41,8 @@ pub struct Checked {
 impl Checked {
     /// Returns the limit of the tilt of the platform, mrad; `None` for a machine without one.
     pub fn tilt_limit_mrad(&self) -> Option<f64> {
-        let platform = self.settings.machine.platform()?;
-        Some(platform.tilt_limit_mrad)
+        self.settings.machine.platform()?;
+        Some(self.settings.drift.tilt_limit_mrad)
     }
 
     /// Returns the law between the speed of the master and the amplitude.

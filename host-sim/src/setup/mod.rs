@@ -11,7 +11,6 @@ mod numbers;
 mod settings;
 
 use cophase_core::problem::Problem;
-use cophase_core::settings::DriftSettings;
 use cophase_link::board;
 use cophase_scene::file::{Fidelity, Scene};
 use cophase_scene::{SceneError, program, range};
@@ -51,7 +50,6 @@ impl Checked {
             settings: settings::settings(
                 &scene,
                 settings,
-                DriftSettings::new(&scene.drift),
                 correction::correction(&scene, &settings)?,
                 cam_table::tables(&scene)?,
                 program.into_iter().map(|(entry, _)| entry),

@@ -4,20 +4,19 @@
 use cophase_core::axes::{CamSettings, MAX_CAMS};
 use cophase_core::program::{CAPACITY, EntrySettings};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, LimitSettings, MAX_BANDS,
-    MachineSettings, Settings, short_name,
+    AxisSettings, BandSettings, CorrectionSettings, LimitSettings, MAX_BANDS, MachineSettings,
+    Settings, short_name,
 };
 use cophase_link::board::{Board, Rp2040};
 use cophase_scene::file::{AxisOverrides, Scene};
 
 use super::cam_table;
 
-/// Returns the core's settings of a scene, with its converted mechanism and drift limits. Axes, bands and program entries beyond the
+/// Returns the core's settings of a scene, with its converted mechanism. Axes, bands and program entries beyond the
 /// capacity are left out; an earlier check refuses them.
 pub(super) fn settings(
     scene: &Scene,
     machine: MachineSettings,
-    drift: DriftSettings,
     correction: CorrectionSettings,
     cams: heapless::Vec<CamSettings, MAX_CAMS>,
     program: impl IntoIterator<Item = EntrySettings>,
@@ -56,7 +55,7 @@ pub(super) fn settings(
         axes: numbers.clone().map(|i| axis(scene, i)).collect(),
         cams,
         trims_turns: numbers.map(|i| trim_deg(i) / 360.0).collect(),
-        drift,
+        drift: scene.drift,
         correction,
         park_turns: scene.control.park_deg / 360.0,
         settle_s: scene.control.settle_s,

@@ -7,7 +7,7 @@ use cophase_core::mechanism::{
 };
 use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
+    AxisSettings, BandSettings, CorrectionSettings, Drift, DriveKind, HostLossSettings,
     IndexSettings, LimitSettings, MachineSettings, Platform, PlatformSettings, PulseSettings,
     Settings, ShaftSettings, Transmission, WiringSettings,
 };
@@ -88,7 +88,6 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
             },
             gravity_mps2: 9.80665,
             mount_radius_m: 0.25,
-            tilt_limit_mrad: script.between(0.1, 20.0),
             allow_commanded_tilt: true,
         }),
         limits: LimitSettings {
@@ -149,11 +148,12 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
         cams: core::iter::once(cam()).collect(),
         trims_turns: heapless::Vec::new(),
         program: heapless::Vec::new(),
-        drift: DriftSettings {
+        drift: Drift {
+            tilt_limit_mrad: script.between(0.1, 20.0),
             warp_limit_deg: script.between(1.0, 30.0),
             common_limit_deg: script.between(2.0, 90.0),
             reading_error_deg: script.between(0.05, 1.0),
-            lag_s: 0.0,
+            lag_us: 0.0,
         },
         correction: if script.one_in(3) {
             CorrectionSettings::NONE

@@ -19,6 +19,7 @@ macro_rules! followers {
         /// Settings of the follower of one axis.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
         pub enum FollowerSettings {
             $($(#[$doc])* $Name($Settings),)*
         }

@@ -25,6 +25,7 @@ const ROUNDING_TURNS: f64 = 2e-6;
 /// Cam table: positions of an axis over one turn of the master.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct CamSettings {
     /// Whole turns of the axis in one turn of the master, −1000 to 1000; 0 if the axis comes back.
     pub net_turns: i32,
@@ -165,6 +166,7 @@ impl CamSettings {
 /// Settings of an axis that follows a cam table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct CamTableSettings {
     /// Number of the table in the settings of the machine.
     pub table: u8,

@@ -14,6 +14,7 @@ use cophase_motion::settings::inside;
 /// Gear ratio of an axis, turns of the axis per turn of the master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct GearSettings {
     /// Turns of the axis, 1 to 1000.
     pub numerator: u32,

@@ -26,6 +26,7 @@ use cophase_motion::settings::inside;
 /// Settings of the crank-rocker: lengths over the rocker's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct CrankRockerSettings {
     /// Length of the crank, 0.1 to 0.9.
     pub crank: f64,

@@ -32,6 +32,7 @@ macro_rules! mechanisms {
         /// Settings of one mechanism, beside its crank radius.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
         pub enum MechanismSettings {
             $($(#[$doc])* $Name($Settings),)*
         }

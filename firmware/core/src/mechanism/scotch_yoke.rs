@@ -13,6 +13,7 @@ use crate::units::{Amax, Turns};
 /// Settings of the Scotch yoke. It has none beside its crank radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct ScotchYokeSettings {}
 
 impl ScotchYokeSettings {

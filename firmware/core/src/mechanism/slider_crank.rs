@@ -20,6 +20,7 @@ use cophase_motion::settings::inside;
 /// Settings of the slider-crank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct SliderCrankSettings {
     /// Crank radius over rod length, 0.1 to 0.6.
     pub lambda: f64,

@@ -9,6 +9,7 @@ use cophase_motion::settings::inside;
 /// Segment in physical units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct SegmentSettings {
     /// Level, m/s², from 0 up to the amplitude at the greatest speed of the shaft.
     pub amax_mps2: f64,
@@ -23,6 +24,7 @@ pub struct SegmentSettings {
 /// Entry of a program in physical units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub enum EntrySettings {
     /// Ramp to a level and hold it.
     Segment(SegmentSettings),

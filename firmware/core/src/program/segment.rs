@@ -8,6 +8,7 @@ use crate::units::Amax;
 /// Shape of a segment's ramp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub enum Shape {
     /// Linear in time.
     Linear,

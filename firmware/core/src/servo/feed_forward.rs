@@ -162,7 +162,6 @@ mod tests {
                     platform,
                     gravity_mps2: 9.80665,
                     mount_radius_m: 0.3,
-                    tilt_limit_mrad: 3.0,
                     allow_commanded_tilt: false,
                 };
                 let top = Turns::from_num(top_hz / hz);

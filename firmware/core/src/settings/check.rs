@@ -30,7 +30,7 @@ impl Settings {
         for (i, axis) in self.axes.iter().enumerate() {
             axis.check(self).map_err(|e| e.on_entry(i))?;
         }
-        self.drift_in_scene_units().check()?;
+        self.drift.check()?;
         self.correction.check()?;
         self.host_loss.check()?;
         self.check_trims()?;
@@ -44,21 +44,6 @@ impl Settings {
             tick_hz: self.tick_hz,
             park_deg: self.park_turns * 360.0,
             settle_s: self.settle_s,
-        }
-    }
-
-    /// Returns `[drift]` of a scene with these settings. Shafts without a platform have no tilt.
-    #[cold]
-    fn drift_in_scene_units(&self) -> Drift {
-        let platform = self.machine.platform();
-        Drift {
-            tilt_limit_mrad: platform.map_or(Drift::DEFAULT.tilt_limit_mrad, |platform| {
-                platform.tilt_limit_mrad
-            }),
-            warp_limit_deg: self.drift.warp_limit_deg,
-            common_limit_deg: self.drift.common_limit_deg,
-            reading_error_deg: self.drift.reading_error_deg,
-            lag_us: self.drift.lag_s * 1e6,
         }
     }
 

@@ -118,7 +118,7 @@ impl Settings {
         };
         let tilt_mrad = self.max_tilt_mrad(platform, levels)
             + ahead * self.machine.tilt_mrad_per_turn(self.tick_hz);
-        let limit_mrad = platform.tilt_limit_mrad;
+        let limit_mrad = self.drift.tilt_limit_mrad;
         let limit_deg = self.drift.warp_limit_deg;
         let problem = if tilt_mrad > limit_mrad * (1.0 + ROUNDING) {
             Problem::CommandedTilt {

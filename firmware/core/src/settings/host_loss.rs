@@ -6,6 +6,7 @@ use crate::problem::SettingsError;
 /// Action when the host is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub enum HostLossReaction {
     /// Stop at the parking phase.
     Stop,
@@ -18,6 +19,7 @@ pub enum HostLossReaction {
 /// The loop does not read these settings: the server of the host link does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct HostLossSettings {
     /// Time without a frame of the host after which it is lost, seconds, 0.1 to 60; 0: the machine continues without it.
     pub timeout_s: f64,

@@ -12,6 +12,7 @@ use crate::problem::SettingsError;
 /// Side of the cranks on which the platform is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub enum Platform {
     /// Below the cranks: at phase 0 gravity adds to the greatest acceleration, as in the patent.
     Below,
@@ -32,6 +33,7 @@ impl Platform {
 /// Machine that the axes move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub enum MachineSettings {
     /// Cranks under one platform, which tilts when they are apart.
     Platform(PlatformSettings),
@@ -42,6 +44,7 @@ pub enum MachineSettings {
 /// Shafts without a platform: those of a screen, a crusher, an arm, or a cam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct ShaftSettings {
     /// Amplitude amax over the squared speed of the shafts, metres, 0.1 mm to 1 m.
     pub length_m: f64,
@@ -50,6 +53,7 @@ pub struct ShaftSettings {
 /// Platform on cranks: mechanism, load and place of the cranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct PlatformSettings {
     /// Crank radius, metres, 0.1 mm to 0.5 m.
     pub crank_radius_m: f64,
@@ -63,8 +67,6 @@ pub struct PlatformSettings {
     pub gravity_mps2: f64,
     /// Radius of the circle on which the cranks stand, metres, 10 mm to 5 m.
     pub mount_radius_m: f64,
-    /// Limit on the platform's tilt by phase errors, mrad, as [`Drift::tilt_limit_mrad`](super::Drift::tilt_limit_mrad).
-    pub tilt_limit_mrad: f64,
     /// True to accept commanded phases that tilt or warp the platform beyond its limits.
     pub allow_commanded_tilt: bool,
 }

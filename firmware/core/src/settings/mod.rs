@@ -48,6 +48,7 @@ pub const TICK_HZ: core::ops::RangeInclusive<u32> = 500..=10_000;
 /// them.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct Settings {
     /// Name of the machine, for logs; see [`short_name`].
     pub name: heapless::String<NAME_BYTES>,
@@ -76,7 +77,7 @@ pub struct Settings {
     /// Trims that are set at start, turns, axis by axis; an axis without an entry has none.
     pub trims_turns: heapless::Vec<f64, MAX_AXES>,
     /// Limits of the phase-drift monitor.
-    pub drift: DriftSettings,
+    pub drift: Drift,
     /// Correction of phase errors.
     pub correction: CorrectionSettings,
     /// Crank phase at which the machine parks, turns.
@@ -119,7 +120,7 @@ keys! {
 }
 
 keys! {
-    /// Limits on phase errors, in the units of a scene.
+    /// Limits on the spatial modes of phase errors.
     pub struct Drift in "drift" {
         /// Platform tilt at the worst crank phase.
         tilt_limit_mrad: f64 = or(3.0).from(1e-3, 100.0),
@@ -137,6 +138,7 @@ keys! {
 /// Kind of drive of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub enum DriveKind {
     /// Step and direction pulses, open loop.
     Stepper,
@@ -162,6 +164,7 @@ impl DriveKind {
 /// Belt or gearbox between a motor and its crank: turns of both that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct Transmission {
     /// Turns of the motor, 1 to [`Self::MAX_TURNS`].
     pub motor_turns: u32,
@@ -188,6 +191,7 @@ impl Transmission {
 /// One motor and its crank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct AxisSettings {
     /// Kind of drive.
     pub drive: DriveKind,
@@ -233,26 +237,10 @@ impl AxisSettings {
     }
 }
 
-/// Limits on the spatial modes of the measured phase errors, in the ranges of [`Drift`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct DriftSettings {
-    /// Deviation of a crank from the plane through all cranks, degrees of crank angle. Of shafts without a platform it
-    /// limits that plane's own slope, too: they are to have equal phases.
-    pub warp_limit_deg: f64,
-    /// Mean lag of all cranks, degrees.
-    pub common_limit_deg: f64,
-    /// Error of a measured crank phase from noise alone, degrees. A phase error within this and two steps is
-    /// not distinguished from zero.
-    pub reading_error_deg: f64,
-    /// Time by which all cranks normally lag, seconds. The common lag that it causes at the present speed does
-    /// not count against the limit.
-    pub lag_s: f64,
-}
-
 /// Correction of phase errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct CorrectionSettings {
     /// Gain of the correction: the fraction of a difference between cranks that is trimmed in a turn, 0 (never) to 1.
     pub gain: f64,
@@ -262,19 +250,6 @@ pub struct CorrectionSettings {
     pub coupling: f64,
     /// Integral gain of the cross-coupling, 1/s, 0 to 10,000.
     pub coupling_per_s: f64,
-}
-
-impl DriftSettings {
-    /// Converts `[drift]` of a scene. The limit on tilt is the platform's own.
-    #[cold]
-    pub const fn new(given: &Drift) -> Self {
-        Self {
-            warp_limit_deg: given.warp_limit_deg,
-            common_limit_deg: given.common_limit_deg,
-            reading_error_deg: given.reading_error_deg,
-            lag_s: given.lag_us * 1e-6,
-        }
-    }
 }
 
 impl Default for Settings {
@@ -316,7 +291,7 @@ impl Settings {
             axes: heapless::Vec::new(),
             cams: heapless::Vec::new(),
             trims_turns: heapless::Vec::new(),
-            drift: DriftSettings::new(&Drift::DEFAULT),
+            drift: Drift::DEFAULT,
             correction: CorrectionSettings::NONE,
             park_turns: 0.0,
             settle_s: 0.0,

@@ -43,7 +43,6 @@ pub(crate) fn settings(axes: usize) -> Settings {
             platform: Platform::Above,
             gravity_mps2: 9.80665,
             mount_radius_m: 0.25,
-            tilt_limit_mrad: 3.0,
             allow_commanded_tilt: false,
         }),
         limits: LimitSettings {
@@ -60,7 +59,7 @@ pub(crate) fn settings(axes: usize) -> Settings {
         axes: core::iter::repeat_n(AXIS, axes).collect(),
         cams: heapless::Vec::new(),
         trims_turns: heapless::Vec::new(),
-        drift: DriftSettings::new(&Drift::DEFAULT),
+        drift: Drift::DEFAULT,
         correction: CorrectionSettings::NONE,
         park_turns: 0.5,
         settle_s: 0.1,

@@ -5,6 +5,7 @@
 /// Level of a line while it is active, that is, while its name applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub enum ActiveLevel {
     /// Low.
     Low,
@@ -18,6 +19,7 @@ pub enum ActiveLevel {
 /// direction of the pull, and a setting can only switch it off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct InputWiring {
     /// Active level.
     pub active: ActiveLevel,
@@ -28,6 +30,7 @@ pub struct InputWiring {
 /// Active levels of all lines but DIR, which [`reversed`](super::AxisSettings::reversed) inverts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct WiringSettings {
     /// STEP outputs: level of a step pulse.
     pub step: ActiveLevel,

@@ -11,11 +11,11 @@ pub mod nor;
 pub mod slots;
 
 use cophase_core::axes::{CamSettings, FollowerSettings, MAX_CAM_POINTS, MAX_CAMS};
-use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
+use cophase_core::mechanism::{CrankRockerSettings, MechanismSettings, SliderCrankSettings};
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::Settings;
 use cophase_core::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
+    AxisSettings, BandSettings, CorrectionSettings, Drift, DriveKind, HostLossSettings,
     IndexSettings, LimitSettings, MAX_BANDS, MachineSettings, NAME_BYTES, Platform,
     PlatformSettings, PulseSettings, Transmission, WiringSettings, short_name,
 };
@@ -37,7 +37,6 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
             platform: Platform::Above,
             gravity_mps2: 9.80665,
             mount_radius_m: 0.25,
-            tilt_limit_mrad: 3.0,
             allow_commanded_tilt: false,
         }),
         limits: LimitSettings {
@@ -79,12 +78,7 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
             .collect(),
         cams: Default::default(),
         trims_turns: (0..axes).map(|i| 1e-3 * i as f64).collect(),
-        drift: DriftSettings {
-            warp_limit_deg: 3.0,
-            common_limit_deg: 15.0,
-            reading_error_deg: 0.25,
-            lag_s: 0.0,
-        },
+        drift: Drift::DEFAULT,
         correction: CorrectionSettings::NONE,
         park_turns: 0.5,
         settle_s: 0.1,
@@ -119,6 +113,14 @@ pub fn longest() -> Settings {
         MAX_CAMS,
     )
     .collect();
+    if let MachineSettings::Platform(platform) = &mut longest.machine {
+        // The mechanism with the most numbers.
+        platform.mechanism = MechanismSettings::CrankRocker(CrankRockerSettings {
+            crank: 0.45,
+            coupler: 1.54,
+            ground: 1.93,
+        });
+    }
     for axis in &mut longest.axes {
         axis.steps_per_turn = u32::MAX;
         axis.cycle_steps = u32::MAX;

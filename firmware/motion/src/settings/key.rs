@@ -229,6 +229,7 @@ macro_rules! keys {
         $(#[$attribute])+
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
         pub struct $Table { $($(#[doc = $doc])+ pub $name: $Type,)+ }
 
         $crate::keys! { rows of $Table { $($(#[doc = $doc])+ $name: $Type = $row,)+ } }

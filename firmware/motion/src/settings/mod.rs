@@ -43,6 +43,7 @@ pub const fn tick_cycles(clock_hz: u32, tick_hz: u32) -> Result<u32, SettingsErr
 /// Limits of the master shaft. [`LimitSettings::check`] checks their ranges.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct LimitSettings {
     /// Greatest speed, rev/s, from 0.1 to 200.
     pub speed_hz: f64,
@@ -64,6 +65,7 @@ pub struct LimitSettings {
 /// Forbidden band: the shaft crosses its speeds without dwelling. Its edges are allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct BandSettings {
     /// Lower edge, rev/s.
     pub from_hz: f64,

@@ -84,7 +84,10 @@ impl Limits {
             bands: bands
                 .map(|band| [band.from_hz, band.to_hz].map(level))
                 .collect(),
-            tilt_mrad: settings.machine.platform().map(|own| own.tilt_limit_mrad),
+            tilt_mrad: settings
+                .machine
+                .platform()
+                .map(|_| settings.drift.tilt_limit_mrad),
         }
     }
 }

@@ -32,7 +32,7 @@ pub struct Geometry {
 impl Geometry {
     /// Geometry of a scene. None for a scene with cams, whose pushers do not tilt, or with a machine that its check refuses.
     pub fn new(scene: &Scene) -> Option<Self> {
-        let machine = platform(scene.machine.as_ref()?, &scene.drift).ok()?;
+        let machine = platform(scene.machine.as_ref()?).ok()?;
         let mechanism = AnyMechanism::of(&machine.mechanism, machine.crank_radius_m);
         let longest_travel_m = angles()
             .map(|alpha| mechanism.x_dot_mps(alpha, 1.0).abs())

@@ -157,7 +157,7 @@ mod tests {
         for name in ["default", "lost-steps", "patent-4"] {
             let scene = library::find(name).expect("built in").scene();
             let given = scene.machine.expect("cranks under a platform");
-            let settings = platform(&given, &scene.drift).expect("a scene that is built in");
+            let settings = platform(&given).expect("a scene that is built in");
             let platform = Platform::new(&settings, scene.axes.count);
             let count = platform.corners.count();
             for (apart, angle) in (0..12_000).map(|i| (i / 1000, f64::from(i % 1000) * 1e-3)) {

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use cophase_core::settings::{MachineSettings, PlatformSettings};
-use cophase_scene::file::{self, Drift, Rods};
+use cophase_scene::file::{self, Rods};
 use cophase_scene::{Scene, SceneError};
 
 use super::{CranksUnderPlatform, Platform};
@@ -12,11 +12,11 @@ use crate::machines::table::given;
 use crate::machines::{Made, Table};
 use crate::mechanism::{AnyMechanism, Configured};
 
-/// Returns the core's platform from `[machine]`, with its limit from `[drift]`, and checks it.
+/// Returns the core's platform from `[machine]`, and checks it.
 ///
 /// # Errors
 /// A key is missing, belongs to another mechanism, or is out of its range.
-pub fn platform(given: &file::Machine, drift: &Drift) -> Result<PlatformSettings, SceneError> {
+pub fn platform(given: &file::Machine) -> Result<PlatformSettings, SceneError> {
     let platform = PlatformSettings {
         mechanism: AnyMechanism::settings(given)?,
         crank_radius_m: AnyMechanism::radius_m(given)?,
@@ -24,7 +24,6 @@ pub fn platform(given: &file::Machine, drift: &Drift) -> Result<PlatformSettings
         platform: given.platform.into(),
         gravity_mps2: given.gravity_mps2,
         mount_radius_m: given.mount_radius_mm / 1e3,
-        tilt_limit_mrad: drift.tilt_limit_mrad,
         allow_commanded_tilt: given.allow_commanded_tilt,
     };
     MachineSettings::Platform(platform).check()?;
@@ -60,7 +59,7 @@ impl Table for file::Machine {
     }
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
-        let settings = platform(self, &scene.drift)?;
+        let settings = platform(self)?;
         let machine = CranksUnderPlatform {
             platform: Platform::new(&settings, scene.axes.count),
             given: self.clone(),

@@ -4,7 +4,7 @@ use core::hash::{Hash, Hasher};
 
 use super::modes::{Modes, Mount};
 use crate::functions::multiply;
-use crate::settings::{DriftSettings, MachineSettings, turns};
+use crate::settings::{Drift, MachineSettings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
@@ -82,16 +82,16 @@ impl DriftLimits {
 
     /// Limits from checked settings.
     #[cold]
-    pub fn new(settings: &DriftSettings, machine: &MachineSettings, tick_hz: u32) -> Self {
+    pub fn new(settings: &Drift, machine: &MachineSettings, tick_hz: u32) -> Self {
         let warp = turns(settings.warp_limit_deg / 360.0);
-        let tilt = machine.platform().map_or(warp, |platform| {
-            turns((platform.tilt_limit_mrad / machine.tilt_mrad_per_turn(tick_hz)).min(0.5))
+        let tilt = machine.platform().map_or(warp, |_| {
+            turns((settings.tilt_limit_mrad / machine.tilt_mrad_per_turn(tick_hz)).min(0.5))
         });
         let reading = turns(settings.reading_error_deg / 360.0);
         Self {
             of_cranks: Limits { tilt, warp },
             common: turns(settings.common_limit_deg / 360.0),
-            lag: libm::round(settings.lag_s * f64::from(tick_hz) * 65_536.0) as i64,
+            lag: libm::round(settings.lag_us * 1e-6 * f64::from(tick_hz) * 65_536.0) as i64,
             reading,
         }
     }

@@ -9,7 +9,7 @@ pub(super) const TICK_CYCLES: u32 = CLOCK_HZ / 2000;
 
 pub(super) fn settings(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Settings {
     let mut settings = sample::settings(count);
-    sample::platform(&mut settings).tilt_limit_mrad = tilt_mrad;
+    settings.drift.tilt_limit_mrad = tilt_mrad;
     settings.drift.warp_limit_deg = warp_deg;
     settings.drift.common_limit_deg = common_deg;
     settings
