@@ -64,17 +64,16 @@ hold_s = 1
 "#;
 
 fn reversed(checked: &Checked, axis: usize) -> bool {
-    checked.overrides(axis).is_some_and(|own| own.reversed)
+    checked.scene.resolved(axis).own.reversed
 }
 
 /// True if the axis has pulses. The counts of a servo make no edges.
 fn has_pulses(checked: &Checked, axis: usize) -> bool {
-    checked.scene.drive(axis).kind().takes_pulses()
+    checked.scene.resolved(axis).drive.kind().takes_pulses()
 }
 
 fn steps_per_turn(checked: &Checked, axis: usize) -> f64 {
-    let own = checked.overrides(axis).and_then(|own| own.steps_per_turn);
-    f64::from(own.unwrap_or(checked.scene.axes.steps_per_turn))
+    f64::from(checked.scene.resolved(axis).steps_per_turn)
 }
 
 fn last_steps(trace: &Trace, axis: usize) -> i64 {

@@ -150,7 +150,7 @@ fn built_in_machines_are_exactly_in_phase() {
                 gear: (1, 1),
                 offset_eighths: 0,
                 steps_per_turn: common.steps_per_turn,
-                reversed: checked.overrides(i).is_some_and(|own| own.reversed),
+                reversed: checked.scene.resolved(i).own.reversed,
                 servo: common.drive == Drive::Servo,
             })
             .collect();

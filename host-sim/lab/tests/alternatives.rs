@@ -33,7 +33,7 @@ fn the_alternatives_of_an_accepted_name_include_the_cause() {
         let checked = Checked::new(case.scene_of(false)).expect("a case that can be run");
         let axis_settings = &checked.settings.axes[axis];
         let has_encoder = checked.scene.axes.encoder;
-        let is_stepper = checked.scene.drive(axis).kind().is_open_loop();
+        let is_stepper = checked.scene.resolved(axis).drive.kind().is_open_loop();
         for bits in 0..64_u8 {
             let bit = |place: u8| bits >> place & 1 != 0;
             let names = accepted(

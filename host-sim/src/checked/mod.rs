@@ -11,7 +11,7 @@ use cophase_core::problem::SettingsError;
 use cophase_core::program::EntrySettings;
 use cophase_core::settings::{AxisSettings, MachineSettings, Settings};
 use cophase_scene::SceneError;
-use cophase_scene::file::{AxisOverrides, CamTable, Fidelity, Scene};
+use cophase_scene::file::{CamTable, Fidelity, Scene};
 use cophase_scene::program;
 
 use crate::dynamics::{Chosen, scheme};
@@ -72,7 +72,7 @@ impl Checked {
     pub fn cranks_apart(&self) -> Option<&'static str> {
         let axes = &self.settings.axes;
         let trims = &self.settings.trims_turns;
-        let starts = |i: usize| self.overrides(i).map_or(0.0, |own| own.start_deg);
+        let starts = |i: usize| self.scene.resolved(i).own.start_deg;
         let differ = |one: fn(&AxisSettings) -> f64| {
             axes.windows(2).any(|pair| one(&pair[0]) != one(&pair[1]))
         };
@@ -199,10 +199,5 @@ impl Checked {
             .axes
             .get(number)
             .is_some_and(|axis| axis.index_turns.is_some())
-    }
-
-    /// Returns the values of axis `number` that differ from those of all axes.
-    pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
-        self.scene.overrides(number)
     }
 }

@@ -23,10 +23,9 @@ impl AtCrank {
     /// Motor of axis `number` of a scene, whose pull-out curve has been checked.
     pub fn new(scene: &Scene, number: usize) -> Self {
         let axes = &scene.axes;
-        let ratio = scene.gear(number).ratio();
-        let scale = scene
-            .overrides(number)
-            .map_or(1.0, |own| own.pull_out_scale);
+        let axis = scene.resolved(number);
+        let ratio = axis.gear.ratio();
+        let scale = axis.own.pull_out_scale;
         Self {
             motor_turns: ratio,
             rotor_inertia_kgm2: axes.rotor_inertia_kgm2 * (ratio * ratio),
@@ -36,7 +35,7 @@ impl AtCrank {
 
     /// Motor with its drive of axis `number` of a scene, if the scene has their keys.
     pub fn motor(scene: &Scene, number: usize) -> Option<Motor> {
-        let model = DriveModel::of(scene.drive(number));
+        let model = DriveModel::of(scene.resolved(number).drive);
         (model.motor)(&scene.axes, &Self::new(scene, number))
     }
 }

@@ -74,7 +74,8 @@ pub(super) use drives;
 /// # Errors
 /// The first key that acts on none.
 pub fn check_keys(scene: &Scene) -> Result<(), SceneError> {
-    let acts = |key| (0..scene.axes.count).any(|i| DriveModel::of(scene.drive(i)).uses(key));
+    let acts =
+        |key| (0..scene.axes.count).any(|i| DriveModel::of(scene.resolved(i).drive).uses(key));
     let keys = DriveModel::ALL.iter().flat_map(|model| model.keys);
     let mut given = keys.filter(|key| (key.is_given)(&scene.axes));
     match given.find(|key| !acts(key.key)) {

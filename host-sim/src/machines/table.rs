@@ -81,9 +81,8 @@ impl Made {
         machine: Arc<dyn Machine>,
     ) -> Result<Self, SceneError> {
         check_tilt_limit(scene, table, machine.axis_noun())?;
-        let ratio = |i: usize| scene.overrides(i).and_then(|own| own.ratio);
         let turns_on = |&i: &usize| {
-            let (shaft, master) = ratio(i).unwrap_or(scene.axes.ratio);
+            let (shaft, master) = scene.resolved(i).ratio;
             shaft != master
         };
         if let Some(i) = (0..scene.axes.count).find(turns_on) {
@@ -96,7 +95,9 @@ impl Made {
                 ),
             ));
         }
-        if let Some(i) = (0..scene.axes.count).find(|&i| !scene.drive(i).kind().takes_pulses()) {
+        if let Some(i) =
+            (0..scene.axes.count).find(|&i| !scene.resolved(i).drive.kind().takes_pulses())
+        {
             return Err(SceneError::at(
                 "axes.drive",
                 format!(

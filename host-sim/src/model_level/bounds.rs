@@ -109,10 +109,8 @@ fn top(checked: &Checked) -> Result<Checked, SceneError> {
 fn duty(top: &Checked) -> Result<Duty<'static>, SceneError> {
     let settings = &top.settings;
     let standing = (0..settings.axes.len()).map(|i| {
-        let overrides = top.overrides(i);
-        overrides.map_or(0.0, |overrides| {
-            (overrides.start_deg + overrides.trim_deg).to_radians()
-        })
+        let own = top.scene.resolved(i).own;
+        (own.start_deg + own.trim_deg).to_radians()
     });
     let (least, most) = standing.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), rad| {
         (least.min(rad), most.max(rad))

@@ -5,7 +5,7 @@ use cophase_core::axes::{
 };
 use cophase_scene::SceneError;
 use cophase_scene::entry::ordinal;
-use cophase_scene::file::{CamSegment, CamTable, Scene};
+use cophase_scene::file::{Axis, CamSegment, CamTable, Scene};
 use cophase_scene::load::{meant_net_turns, nearest};
 
 use crate::machines::Table;
@@ -133,18 +133,16 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
     ))
 }
 
-/// Returns the follower of axis `number`.
-pub(super) fn follower(scene: &Scene, number: usize, ratio: (u32, u32)) -> FollowerSettings {
-    let overrides = scene.overrides(number);
-    let chosen = overrides.and_then(|own| Some((own.cam.as_ref()?, own.cam_shift_deg)));
-    let Some((name, shift_deg)) = chosen else {
-        return FollowerSettings::gear(ratio);
+/// Returns the follower of an axis.
+pub(super) fn follower(scene: &Scene, axis: &Axis) -> FollowerSettings {
+    let Some(name) = &axis.own.cam else {
+        return FollowerSettings::gear(axis.ratio);
     };
     // Names have been checked.
     let table = scene.cam_table.iter().position(|table| table.name == *name);
     FollowerSettings::CamTable(CamTableSettings {
         table: table.unwrap_or(MAX_CAMS) as u8,
-        shift_turns: shift_deg / 360.0,
+        shift_turns: axis.own.cam_shift_deg / 360.0,
     })
 }
 

@@ -63,7 +63,7 @@ pub fn servos(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneEr
     };
     let share_kg = load_kg / axes.count as f64;
     // In terms of the motors, the load of a crank is divided by the squared turns of its motor per crank turn.
-    let gears = (0..axes.count).map(|number| scene.gear(number).ratio());
+    let gears = (0..axes.count).map(|number| scene.resolved(number).gear.ratio());
     let least_turns = gears.fold(f64::INFINITY, f64::min);
     let load_kgm2 = share_kg * (lever_m / least_turns) * (lever_m / least_turns);
     Ok(Plant {

@@ -172,7 +172,7 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
     let Some(axis) = fault.axis else {
         return Ok(());
     };
-    let takes_pulses = |axis| scene.drive(axis).kind().takes_pulses();
+    let takes_pulses = |axis| scene.resolved(axis).drive.kind().takes_pulses();
     let wrong = |key: &str, problem: String| Err(SceneError::at(at(i, key), problem));
     match fault.kind {
         FaultName::SwappedWiring if fault.with == Some(axis) => wrong(
@@ -188,7 +188,7 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
                 "one of the two takes pulses and the other setpoints, whose lines fit no other; give two of a kind".to_owned(),
             )
         }
-        FaultName::LostSteps if !scene.drive(axis).kind().is_open_loop() => wrong(
+        FaultName::LostSteps if !scene.resolved(axis).drive.kind().is_open_loop() => wrong(
             "axis",
             format!("axis {axis} is a servo, which has no steps for \"lost-steps\" to lose; give a stepper's"),
         ),
@@ -203,15 +203,10 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
             "kind",
             "no encoder is read that could be off: set axes.encoder = true".to_owned(),
         ),
-        FaultName::IndexMissing | FaultName::IndexExtra if !has_index(scene, axis) => wrong(
+        FaultName::IndexMissing | FaultName::IndexExtra if scene.resolved(axis).index_deg.is_none() => wrong(
             "axis",
             format!("axis {axis} has no index sensor; give it one with index = true, or another axis"),
         ),
         _ => Ok(()),
     }
-}
-
-fn has_index(scene: &Scene, axis: usize) -> bool {
-    let overrides = scene.overrides(axis).and_then(|own| own.index);
-    overrides.unwrap_or(scene.axes.index)
 }

@@ -36,7 +36,7 @@ pub(super) fn check_overrides(
         ));
     }
     let has_crank = scene.cam.is_none() && overrides.cam.is_none();
-    let takes_pulses = has_crank && scene.drive(overrides.number).kind().takes_pulses();
+    let takes_pulses = has_crank && scene.resolved(overrides.number).drive.kind().takes_pulses();
     if overrides.drive_steps_per_turn.is_none() || takes_pulses {
         return Ok(());
     }
@@ -122,7 +122,7 @@ pub(super) fn check_drives(scene: &Scene) -> Result<(), SceneError> {
         }
         let problem = if axes.pull_out.is_empty() {
             "scales nothing: axes.pull_out is missing; give the motors' torque as [[speed_hz, torque_nm], …]"
-        } else if !DriveModel::of(scene.drive(own.number)).uses("axes.pull_out") {
+        } else if !DriveModel::of(scene.resolved(own.number).drive).uses("axes.pull_out") {
             "scales the torque at which a stepper loses its step, and this axis is a servo; leave it out"
         } else {
             continue;
@@ -134,8 +134,8 @@ pub(super) fn check_drives(scene: &Scene) -> Result<(), SceneError> {
         return Ok(());
     }
     let mut steps = (0..axes.count)
-        .filter(|&number| scene.drive(number).kind().is_open_loop())
-        .map(|number| scene.steps_per_turn(number));
+        .filter(|&number| scene.resolved(number).drive.kind().is_open_loop())
+        .map(|number| scene.resolved(number).steps_per_turn);
     match steps.find(|steps| steps % axes.full_steps_per_turn != 0) {
         Some(steps) => Err(SceneError::at(
             "axes.steps_per_turn",

@@ -8,7 +8,7 @@ use cophase_core::settings::{
     Settings, short_name,
 };
 use cophase_link::board::{Board, Rp2040};
-use cophase_scene::file::{AxisOverrides, Scene};
+use cophase_scene::file::Scene;
 
 use super::cam_table;
 
@@ -32,7 +32,6 @@ pub(super) fn settings(
         })
         .collect();
     let numbers = 0..scene.axes.count;
-    let trim_deg = |i| scene.overrides(i).map_or(0.0, |own| own.trim_deg);
     Settings {
         name: short_name(&scene.name),
         tick_hz: scene.control.tick_hz,
@@ -54,7 +53,9 @@ pub(super) fn settings(
         index: scene.index,
         axes: numbers.clone().map(|i| axis(scene, i)).collect(),
         cams,
-        trims_turns: numbers.map(|i| trim_deg(i) / 360.0).collect(),
+        trims_turns: numbers
+            .map(|i| scene.resolved(i).own.trim_deg / 360.0)
+            .collect(),
         drift: scene.drift,
         correction,
         park_turns: scene.control.park_deg / 360.0,
@@ -66,38 +67,30 @@ pub(super) fn settings(
     }
 }
 
-/// Returns the settings of an axis from `[axes]` and its `[[axis]]` entry.
+/// Returns the settings of an axis.
 fn axis(scene: &Scene, number: usize) -> AxisSettings {
-    let axes = &scene.axes;
-    let overrides = scene.overrides(number);
-    let own = |pick: fn(&AxisOverrides) -> Option<f64>| overrides.and_then(pick);
-    let has_index = overrides.and_then(|own| own.index).unwrap_or(axes.index);
-    let index_deg = own(|a| a.index_deg).unwrap_or(axes.index_deg);
-    let drive = scene.drive(number).kind();
-    let steps_per_turn = scene.steps_per_turn(number);
+    let common = &scene.axes;
+    let axis = scene.resolved(number);
+    let drive = axis.drive.kind();
     AxisSettings {
         drive,
-        steps_per_turn,
-        gear: scene.gear(number),
-        reversed: overrides.is_some_and(|a| a.reversed),
-        follower: cam_table::follower(
-            scene,
-            number,
-            overrides.and_then(|a| a.ratio).unwrap_or(axes.ratio),
-        ),
-        offset_turns: own(|a| a.offset_deg).unwrap_or(axes.offset_deg) / 360.0,
-        index_turns: has_index.then_some(index_deg / 360.0),
-        index_width_turns: axes.index_width_deg / 360.0,
-        index_delay_s: axes.index_delay_us * 1e-6,
-        encoder: axes.encoder,
+        steps_per_turn: axis.steps_per_turn,
+        gear: axis.gear,
+        reversed: axis.own.reversed,
+        follower: cam_table::follower(scene, &axis),
+        offset_turns: axis.offset_deg / 360.0,
+        index_turns: axis.index_deg.map(|index_deg| index_deg / 360.0),
+        index_width_turns: common.index_width_deg / 360.0,
+        index_delay_s: common.index_delay_us * 1e-6,
+        encoder: common.encoder,
         cycle_steps: if drive.is_open_loop() {
-            cycle_steps(steps_per_turn, axes.full_steps_per_turn)
+            cycle_steps(axis.steps_per_turn, common.full_steps_per_turn)
         } else {
             0
         },
-        trim_limit_turns: axes.trim_limit_deg / 360.0,
-        trim_rate_hz: axes.trim_rate_deg_per_s / 360.0,
-        rotor_inertia_kgm2: axes.rotor_inertia_kgm2,
+        trim_limit_turns: common.trim_limit_deg / 360.0,
+        trim_rate_hz: common.trim_rate_deg_per_s / 360.0,
+        rotor_inertia_kgm2: common.rotor_inertia_kgm2,
     }
 }
 

@@ -79,16 +79,13 @@ impl SimulatedMachine {
         let settings = &checked.settings;
         let in_common = &checked.scene.axes;
         let make = |i: usize| {
-            let overrides = checked.overrides(i);
+            let axis = checked.scene.resolved(i);
             let own = &settings.axes[i];
             let motor = AtCrank::new(&checked.scene, i);
-            let window_deg = (DriveModel::of(checked.scene.drive(i)).window_deg)(in_common);
+            let window_deg = (DriveModel::of(axis.drive).window_deg)(in_common);
             let window_turns = window_deg.map(|deg| deg / 360.0);
             let drive = AxisDrive::new(own.drive, own.cycle_steps, window_turns);
-            let start_turns = overrides.map_or(0.0, |own| own.start_deg / 360.0);
-            let friction_nm = overrides
-                .and_then(|own| own.friction_nm)
-                .unwrap_or(in_common.friction_nm);
+            let start_turns = axis.own.start_deg / 360.0;
             let home_turns = settings.home_turns(own);
             let ratio = own.follower.most_ratio(&settings.cams);
             SimulatedAxis::new(
@@ -98,10 +95,10 @@ impl SimulatedMachine {
                 drive,
                 &motor,
                 start_turns,
-                friction_nm,
+                axis.friction_nm,
             )
             .with_flag(Flag::new(own, &checked.scene.noise, i, checked.fidelity))
-            .with_drive_steps(overrides.and_then(|own| own.drive_steps_per_turn))
+            .with_drive_steps(axis.own.drive_steps_per_turn)
         };
         let axes = per_axis(settings.axes.len(), make);
         let rotors = torque::rotors(checked, &axes)?;

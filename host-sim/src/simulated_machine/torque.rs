@@ -95,16 +95,13 @@ fn rotors_kgm2(checked: &Checked) -> Result<Vec<f64>, SceneError> {
 
 /// Returns the dry friction of each rotor, N·m.
 fn friction_nm(checked: &Checked) -> Vec<f64> {
-    let friction = |i| {
-        let apart = checked.overrides(i).and_then(|own| own.friction_nm);
-        apart.unwrap_or(checked.scene.axes.friction_nm)
-    };
+    let friction = |i| checked.scene.resolved(i).friction_nm;
     (0..checked.settings.axes.len()).map(friction).collect()
 }
 
 fn motor(checked: &Checked, i: usize) -> Result<Motor, SceneError> {
     AtCrank::motor(&checked.scene, i).ok_or_else(|| {
-        let (key, what) = DriveModel::of(checked.scene.drive(i)).needs;
+        let (key, what) = DriveModel::of(checked.scene.resolved(i).drive).needs;
         SceneError::at(
             key,
             format!(

@@ -245,7 +245,7 @@ fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> Option<f64> 
     let record = &outcome.record;
     let homed = |event: &&Event| event.what == EventKind::State(State::Homing);
     let is_homed_once = record.events.iter().filter(homed).count() == 1;
-    let start_deg = checked.overrides(axis).map_or(0.0, |own| own.start_deg);
+    let start_deg = checked.scene.resolved(axis).own.start_deg;
     let axis = &record.axes[axis];
     let away_turns = axis.actual_turns? - axis.command_turns - start_deg / 360.0;
     is_homed_once.then_some(away_turns)

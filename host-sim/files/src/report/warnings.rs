@@ -134,7 +134,7 @@ fn lacking(checked: &Checked) -> Option<String> {
         format!(
             "The motors lack torque: that of axis {axis} needs {ratio:.1} times what it has. Lower the program's speed or the load, \
              or take stronger motors ({}).",
-            DriveModel::of(checked.scene.drive(axis)).torque_key
+            DriveModel::of(checked.scene.resolved(axis).drive).torque_key
         )
     })
 }

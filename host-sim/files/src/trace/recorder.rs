@@ -61,7 +61,7 @@ impl<'a> Recorder<'a> {
     ) -> Result<Self, RecordError> {
         let axes = checked.scene.axes.count;
         let reversed = (0..axes)
-            .map(|i| checked.overrides(i).is_some_and(|own| own.reversed))
+            .map(|i| checked.scene.resolved(i).own.reversed)
             .collect();
         let files = files.into_iter();
         let files: Vec<_> = files

@@ -70,7 +70,7 @@ fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, beyond_limi
     match fault.kind {
         FaultName::LostSteps => {
             let cycles = fault.cycles.unwrap_or(1).unsigned_abs() as f64;
-            let motor_turns = scene.gear(fault.axis.unwrap_or_default()).ratio();
+            let motor_turns = scene.resolved(fault.axis.unwrap_or_default()).gear.ratio();
             cycles * 4.0 / f64::from(scene.axes.full_steps_per_turn) / motor_turns
         }
         FaultName::Slip => {
@@ -100,7 +100,7 @@ fn lag_turns(scene: &Scene) -> f64 {
     let axes = &scene.axes;
     match (DriveModel::of(axes.drive).window_deg)(axes) {
         Some(window_deg) => 2.0 * window_deg / 360.0,
-        None => 2.0 / f64::from(axes.full_steps_per_turn) / scene.gear(0).ratio(),
+        None => 2.0 / f64::from(axes.full_steps_per_turn) / scene.resolved(0).gear.ratio(),
     }
 }
 

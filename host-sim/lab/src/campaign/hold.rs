@@ -67,7 +67,7 @@ impl Hold {
 /// Largest growth of the tilt that is allowed, mrad. It is the tilt of one crank that is off by the sum of three parts: two steps, the
 /// angle by which its rotor may settle in its field where torque moves it, and the travel that the fault causes at rest, from `rest_s` on.
 pub fn allowed_mrad(scene: &Scene, geometry: &Geometry, rest_s: f64) -> f64 {
-    let steps_turns = 2.0 / scene.steps_per_crank_turn(0);
+    let steps_turns = 2.0 / scene.resolved(0).steps_per_crank_turn();
     let settling_turns = bound::torque_turns(scene);
     let fault_turns = scene
         .fault
@@ -94,9 +94,9 @@ fn at_rest_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, rest_s: f6
         ),
         // A stuck stepper that is released at rest goes to the nearest pole of its field. That is half an electrical cycle, or two full
         // steps, at most.
-        FaultName::Stuck if scene.drive(axis).kind().is_open_loop() => {
+        FaultName::Stuck if scene.resolved(axis).drive.kind().is_open_loop() => {
             let is_let_go = left_s.is_some_and(|left_s| left_s > 0.0);
-            let motor_turns = scene.gear(axis).ratio();
+            let motor_turns = scene.resolved(axis).gear.ratio();
             let pole_turns = 2.0 / f64::from(scene.axes.full_steps_per_turn) / motor_turns;
             return if is_let_go { pole_turns } else { 0.0 };
         }
@@ -168,7 +168,7 @@ mod tests {
         let mut stuck = FaultAt::new(1.0, FaultName::Stuck);
         assert_eq!(turns(&stuck, 1.2), 0.0);
         stuck.for_s = Some(0.5);
-        assert!(scene.drive(0).kind().is_open_loop());
+        assert!(scene.resolved(0).drive.kind().is_open_loop());
         assert!((turns(&stuck, 1.2) - 3.6 / 360.0).abs() < 1e-12);
         assert_eq!(turns(&stuck, 1.6), 0.0);
     }

@@ -193,7 +193,7 @@ impl<'a> Watch<'a> {
                 ..Observation::default()
             },
             truth: Truth::new(checked),
-            responses: Responses::new(scene.steps_per_crank_turn(0)),
+            responses: Responses::new(scene.resolved(0).steps_per_crank_turn()),
             stops_itself: !scene.command.is_empty() || !scene.input.is_empty(),
             tick_hz: nearest(1.0 / tick_s) as u32,
             were_enabled: false,

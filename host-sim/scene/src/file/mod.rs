@@ -31,6 +31,7 @@ pub use fidelity::{Fidelity, Method, MethodName};
 pub use five_bar::{Assembly, ContactTable, FiveBarTable, Plane};
 pub use machine::{Foundation, Frame, Machine, MechanismName, Platform, Rods};
 pub use program::{Segment, Shape};
+pub use queries::Axis;
 pub use questions::Questions;
 pub use screen::ScreenTable;
 pub use wiring::{InputName, Level, Link, LossReaction, Wiring};

@@ -23,18 +23,33 @@ impl Scene {
         self.axis.iter().any(differs)
     }
 
-    /// Returns the values of axis `number` that differ from those of all axes.
-    pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
-        self.axis.iter().find(|own| own.number == number)
+    /// Returns axis `number` with its own values, and those of `[axes]` where it has none.
+    pub fn resolved(&self, number: usize) -> Axis<'_> {
+        static NONE: AxisOverrides = AxisOverrides::new(0);
+        let common = &self.axes;
+        let own = self.axis.iter().find(|own| own.number == number);
+        let own = own.unwrap_or(&NONE);
+        let (motor_turns, crank_turns) = own.gear.unwrap_or(common.gear);
+        let index_deg = own.index_deg.unwrap_or(common.index_deg);
+        Axis {
+            drive: own.drive.unwrap_or(common.drive),
+            steps_per_turn: own.steps_per_turn.unwrap_or(common.steps_per_turn),
+            gear: Transmission {
+                motor_turns,
+                crank_turns,
+            },
+            ratio: own.ratio.unwrap_or(common.ratio),
+            offset_deg: own.offset_deg.unwrap_or(common.offset_deg),
+            index_deg: own.index.unwrap_or(common.index).then_some(index_deg),
+            friction_nm: own.friction_nm.unwrap_or(common.friction_nm),
+            own,
+        }
     }
 
     /// Returns the sensors from which the controller reads phases, for lists: `index`, `encoder`, both, or `none`.
     pub fn sensors(&self) -> String {
         let axes = &self.axes;
-        let has_index = |number: &usize| {
-            let own = self.overrides(*number).and_then(|own| own.index);
-            own.unwrap_or(axes.index)
-        };
+        let has_index = |&number: &usize| self.resolved(number).index_deg.is_some();
         let sensing = (0..axes.count).filter(has_index).count();
         let index = match sensing {
             0 => None,
@@ -68,50 +83,40 @@ impl Scene {
             all.join(", ")
         }
     }
+}
 
-    /// Returns the steps, or encoder counts, per turn of the motor of axis `number`.
-    pub fn steps_per_turn(&self, number: usize) -> u32 {
-        let own = self.overrides(number).and_then(|own| own.steps_per_turn);
-        own.unwrap_or(self.axes.steps_per_turn)
-    }
+/// Axis as the machine has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis<'a> {
+    /// Drive.
+    pub drive: Drive,
+    /// Steps, or encoder counts, per turn of the motor.
+    pub steps_per_turn: u32,
+    /// Belt or gearbox.
+    pub gear: Transmission,
+    /// Crank turns per master turn, as numerator and denominator.
+    pub ratio: (u32, u32),
+    /// Crank phase relative to the master's, degrees.
+    pub offset_deg: f64,
+    /// Crank phase of the index sensor, degrees; `None` without a sensor.
+    pub index_deg: Option<f64>,
+    /// Friction torque at the crank, N·m.
+    pub friction_nm: f64,
+    /// Its `[[axis]]`, for keys that `[axes]` does not have.
+    pub own: &'a AxisOverrides,
+}
 
-    /// Returns the steps, or encoder counts, per turn of the crank of axis `number`.
-    pub fn steps_per_crank_turn(&self, number: usize) -> f64 {
-        f64::from(self.steps_per_turn(number)) * self.gear(number).ratio()
-    }
-
-    /// Returns the belt or gearbox of axis `number`.
-    pub fn gear(&self, number: usize) -> Transmission {
-        let own = self.overrides(number).and_then(|own| own.gear);
-        let (motor_turns, crank_turns) = own.unwrap_or(self.axes.gear);
-        Transmission {
-            motor_turns,
-            crank_turns,
-        }
-    }
-
-    /// Returns the drive of axis `number`.
-    pub fn drive(&self, number: usize) -> Drive {
-        let own = self.overrides(number).and_then(|own| own.drive);
-        own.unwrap_or(self.axes.drive)
+impl Axis<'_> {
+    /// Steps, or encoder counts, per turn of the crank.
+    pub fn steps_per_crank_turn(&self) -> f64 {
+        f64::from(self.steps_per_turn) * self.gear.ratio()
     }
 }
 
 impl AxisOverrides {
-    /// Returns true if an `[[axis]]` entry of this axis has its own value for a key of [`super::Axes`].
+    /// Returns true if an `[[axis]]` entry of this axis has its own value for a key.
     pub fn has(&self, name: &str) -> bool {
-        match name {
-            "drive" => self.drive.is_some(),
-            "steps_per_turn" => self.steps_per_turn.is_some(),
-            "gear" => self.gear.is_some(),
-            "ratio" => self.ratio.is_some(),
-            "offset_deg" => self.offset_deg.is_some(),
-            "index" => self.index.is_some(),
-            "cam" | "cam_shift_deg" => self.cam.is_some(),
-            "index_deg" => self.index_deg.is_some(),
-            "trim_deg" => true, // nothing else trims
-            _ => false,
-        }
+        toml::Table::try_from(self).is_ok_and(|own| own.contains_key(name))
     }
 }
 

@@ -66,7 +66,7 @@ fn cam_shafts(shaft: &CamShaft) -> Result<CamShafts, SceneError> {
 
 /// Checks pushers on screws, if the shaft has them: their axes follow tables.
 fn check_screws(shaft: &CamShaft, scene: &Scene) -> Result<(), SceneError> {
-    let follows = |number: usize| scene.overrides(number).is_some_and(|own| own.cam.is_some());
+    let follows = |number: usize| scene.resolved(number).own.cam.is_some();
     if shaft.screw_lead_mm.is_none() {
         return Ok(());
     }
@@ -84,7 +84,8 @@ fn check_screws(shaft: &CamShaft, scene: &Scene) -> Result<(), SceneError> {
             ),
         ));
     }
-    match (0..scene.axes.count).find(|&number| !scene.drive(number).kind().takes_pulses()) {
+    match (0..scene.axes.count).find(|&number| !scene.resolved(number).drive.kind().takes_pulses())
+    {
         None => Ok(()),
         Some(number) => Err(SceneError::at(
             "axes.drive",

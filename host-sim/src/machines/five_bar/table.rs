@@ -231,7 +231,7 @@ impl Table for FiveBarTable {
             .map(|(name, points_turns)| CamTable::of_points(name, points_turns))
             .collect();
         for (number, name) in JOINTS.iter().enumerate() {
-            if scene.overrides(number).is_none() {
+            if !scene.axis.iter().any(|own| own.number == number) {
                 scene.axis.push(AxisOverrides::new(number));
             }
             for axis in scene.axis.iter_mut().filter(|axis| axis.number == number) {

@@ -40,10 +40,7 @@ fn screen(table: &ScreenTable, scene: &Scene) -> Result<Screen, SceneError> {
         springs_m: length_m / 2.0,
         gravity_mps2: table.gravity_mps2,
         phases_turns: (0..axes.count)
-            .map(|i| {
-                let own = scene.overrides(i).and_then(|own| own.offset_deg);
-                own.unwrap_or(axes.offset_deg) / 360.0
-            })
+            .map(|i| scene.resolved(i).offset_deg / 360.0)
             .collect(),
         top_hz: scene.limits.speed_hz,
         common_limit_turns: scene.drift.common_limit_deg / 360.0,

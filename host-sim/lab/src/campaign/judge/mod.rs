@@ -71,7 +71,7 @@ pub fn judge(
     let bound_mrad = geometry.map_or(0.0, |geometry| {
         bound::tilt_mrad(scene, geometry, observation.out.as_ref())
     });
-    let steps = scene.steps_per_crank_turn(0);
+    let steps = scene.resolved(0).steps_per_crank_turn();
     let verdict = match scene.fault.first() {
         _ if diverged => Verdict::Diverged,
         None if slipped => Verdict::Moot,
@@ -181,7 +181,8 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
         Circumstances {
             has_encoder: scene.axes.encoder,
             is_stepper: scene
-                .drive(fault.axis.unwrap_or_default())
+                .resolved(fault.axis.unwrap_or_default())
+                .drive
                 .kind()
                 .is_open_loop(),
             watches_following_error: watches_following_error(scene, fault),
@@ -212,13 +213,14 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
 
 /// Returns true if the drive of a fault's axis raises its alarm when its motor does not follow.
 fn watches_following_error(scene: &Scene, fault: &FaultAt) -> bool {
-    let drive = scene.drive(fault.axis.unwrap_or_default());
+    let drive = scene.resolved(fault.axis.unwrap_or_default()).drive;
     (DriveModel::of(drive).window_deg)(&scene.axes).is_some()
 }
 
 /// Returns true if the two axes of a swap differ in one of their own settings.
 fn differs(scene: &Scene, fault: &FaultAt, what: fn(&AxisOverrides) -> f64) -> bool {
-    let of = |axis: Option<usize>| scene.overrides(axis?).map(what);
+    let own = |axis: usize| scene.axis.iter().find(|own| own.number == axis);
+    let of = |axis: Option<usize>| own(axis?).map(what);
     of(fault.axis) != of(fault.with)
 }
 

@@ -120,7 +120,7 @@ pub fn draw(
         FaultName::EncoderGlitch => {
             // The smallest glitch is more than the error of a reading and the travel of two ticks. The error of a reading is four
             // tolerances, each with two steps, and noise. The largest glitch is half a turn.
-            let per_turn = scene.steps_per_crank_turn(axis);
+            let per_turn = scene.resolved(axis).steps_per_crank_turn();
             let tick_turns = window.level_hz / f64::from(scene.control.tick_hz);
             let tolerance = scene.drift.reading_error_deg / 360.0 + 2.0 / per_turn;
             let noise = NOISES * 2.0_f64.sqrt() * scene.noise.encoder_counts / per_turn;
@@ -175,7 +175,7 @@ fn at_s(stream: &mut Stream, window: &Window) -> f64 {
 
 /// Returns the drive and the sensors of an axis.
 pub fn driven(scene: &Scene, axis: usize) -> Driven {
-    let kind = scene.drive(axis).kind();
+    let kind = scene.resolved(axis).drive.kind();
     match (kind.is_open_loop(), scene.axes.encoder) {
         (true, false) => Driven::Stepper,
         (true, true) => Driven::WatchedStepper,
