@@ -7,7 +7,7 @@ use super::Tolerance::Absolute;
 use super::{Figure, ReproducedError, Section};
 
 const DESIGN: &str = "host-sim/tests/machines/five_bar.rs";
-const FILE: &str = "host-sim/methods/tests/five_bar.rs";
+const FILE: &str = "host-sim/tests/machines/five_bar_arm.rs";
 
 pub(super) fn section() -> Result<Section, ReproducedError> {
     let found = design(&Requirement {

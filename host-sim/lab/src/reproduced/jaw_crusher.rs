@@ -7,7 +7,7 @@ use super::Tolerance::{Absolute, NotReproduced, Relative};
 use super::{Figure, ReproducedError, Section};
 
 const DESIGN: &str = "host-sim/tests/machines/flywheel.rs";
-const FILE: &str = "host-sim/methods/tests/crusher.rs";
+const FILE: &str = "host-sim/tests/machines/crusher_on_mains.rs";
 
 /// Slowest speed that the source prints, rad/s.
 const SLOWEST: f64 = 26.118;

@@ -1,4 +1,4 @@
-//! Every key of a scene, broken in each way that its row tells. Each mistake gives one error, at its key.
+//! Every key of a scene, broken in each way that its row excludes. Each mistake gives one error, at its key.
 
 use cophase_core::settings::key::{Absent, Key, Kind};
 
