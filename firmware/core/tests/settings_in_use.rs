@@ -78,7 +78,7 @@ fn visit(settings: &mut Settings, on: &mut Change) {
         machine,
         limits,
         pulse,
-        index: IndexSettings { width_us },
+        index,
         axes,
         cams,
         trims_turns,
@@ -142,15 +142,8 @@ fn visit(settings: &mut Settings, on: &mut Change) {
         on.number("band.from_hz", Constants, from_hz);
         on.number("band.to_hz", Constants, to_hz);
     }
-    let PulseSettings {
-        width_ns,
-        dir_setup_ns,
-        dir_hold_ns,
-    } = pulse;
-    on.number("width_ns", Constants, width_ns);
-    on.number("dir_setup_ns", Constants, dir_setup_ns);
-    on.number("dir_hold_ns", Constants, dir_hold_ns);
-    on.number("width_us", Constants, width_us);
+    pulse.visit(|row, value| on.number(row.name, Constants, value));
+    index.visit(|row, value| on.number(row.name, Constants, value));
     axes.iter_mut().for_each(|axis| visit_axis(axis, on));
     for CamSettings {
         net_turns,
@@ -180,18 +173,7 @@ fn visit(settings: &mut Settings, on: &mut Change) {
     for trim in trims_turns {
         on.number("trims_turns", Start, trim);
     }
-    let Drift {
-        warp_limit_deg,
-        common_limit_deg,
-        reading_error_deg,
-        lag_us,
-        tilt_limit_mrad,
-    } = drift;
-    on.number("warp_limit_deg", Constants, warp_limit_deg);
-    on.number("common_limit_deg", Constants, common_limit_deg);
-    on.number("reading_error_deg", Constants, reading_error_deg);
-    on.number("lag_us", Constants, lag_us);
-    on.number("tilt_limit_mrad", Constants, tilt_limit_mrad);
+    drift.visit(|row, value| on.number(row.name, Constants, value));
     let CorrectionSettings {
         gain,
         prove_wiring,
@@ -361,20 +343,13 @@ fn platform(mechanism: MechanismSettings) -> Settings {
             .into_iter()
             .collect(),
         },
-        pulse: PulseSettings {
-            width_ns: 400.0,
-            dir_setup_ns: 500.0,
-            dir_hold_ns: 500.0,
-        },
-        index: IndexSettings { width_us: 2.0 },
+        pulse: PulseSettings::DEFAULT,
+        index: IndexSettings::DEFAULT,
         axes: core::iter::repeat_n(AXIS, 4).collect(),
         trims_turns: [0.001, -0.001].into_iter().collect(),
         drift: Drift {
-            warp_limit_deg: 3.0,
-            common_limit_deg: 15.0,
-            reading_error_deg: 0.25,
             lag_us: 100.0,
-            tilt_limit_mrad: 3.0,
+            ..Drift::DEFAULT
         },
         correction: CorrectionSettings {
             gain: 0.3,

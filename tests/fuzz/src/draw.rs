@@ -153,7 +153,7 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
             warp_limit_deg: script.between(1.0, 30.0),
             common_limit_deg: script.between(2.0, 90.0),
             reading_error_deg: script.between(0.05, 1.0),
-            lag_us: 0.0,
+            ..Drift::DEFAULT
         },
         correction: if script.one_in(3) {
             CorrectionSettings::NONE

@@ -252,6 +252,16 @@ macro_rules! keys {
                 )?;)+
                 Ok(())
             }
+
+            /// Calls a function for each number with its row. It may change the number.
+            pub fn visit(&mut self, mut each: impl FnMut(&'static $crate::settings::key::Key, &mut f64)) {
+                let mut rows = Self::KEYS.iter();
+                $(if let Some(row) = rows.next() {
+                    let mut value = f64::from(self.$name);
+                    each(row, &mut value);
+                    self.$name = value as $Type;
+                })+
+            }
         }
 
         impl Default for $Table {
