@@ -152,8 +152,10 @@ fn error_messages_name_the_problem_and_the_fix() {
         ),
         (
             SettingsFileError::Version { found: 1 },
-            "the settings file has format version 1, and version 8 is read here; make it again with the `cophase` of the \
-             same version as the firmware",
+            &format!(
+                "the settings file has format version 1, and version {VERSION} is read here; make it again with the `cophase` of the \
+                 same version as the firmware"
+            ),
         ),
         (
             SettingsFileError::PayloadCrc { said: 1, found: 2 },

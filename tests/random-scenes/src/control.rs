@@ -175,18 +175,22 @@ pub fn drift(source: &mut Source, basis: &Basis, axes: &Axes) -> Drift {
             ..default
         };
     }
-    let tilt_limit_mrad = source.usual((1.0, 30.0), (1e-3, 100.0));
-    Drift {
-        tilt_limit_mrad: if basis.kind == Kind::Cranks {
-            tilt_limit_mrad
-        } else {
-            default.tilt_limit_mrad
-        },
-        warp_limit_deg: source.usual((1.0, 30.0), (1e-3, 90.0)),
-        common_limit_deg: source.usual((5.0, 90.0), (1e-3, 180.0)),
-        reading_error_deg: source.usual((0.05, 1.0), (0.01, 5.0)),
-        lag_us: lag_us.unwrap_or_else(|| source.number(0.0, 100_000.0)),
-    }
+    let mut drift = default;
+    drift.visit(|row, value| {
+        let range = (row.low, row.high);
+        let drawn = match row.name {
+            "tilt_limit_mrad" | "warp_limit_deg" => source.usual((1.0, 30.0), range),
+            "common_limit_deg" => source.usual((5.0, 90.0), range),
+            "reading_error_deg" => source.usual((0.05, 1.0), range),
+            "lag_us" => lag_us.unwrap_or_else(|| source.number(row.low, row.high)),
+            _ => source.number(row.low, row.high),
+        };
+        // Only a platform tilts.
+        if row.name != "tilt_limit_mrad" || basis.kind == Kind::Cranks {
+            *value = drawn;
+        }
+    });
+    drift
 }
 
 pub fn correction(source: &mut Source, basis: &Basis, axes: &Axes) -> Correction {
