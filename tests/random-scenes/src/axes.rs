@@ -75,7 +75,7 @@ pub fn axes(
     let fastest_hz = basis.crank_hz() * cam::steepest(tables) + offset_hz;
     let (full_steps_per_turn, steps_per_turn) = steps(source, basis, pulse, fastest_hz);
     let motors = motors::motors(source, basis, limits, full_steps_per_turn);
-    let mut axes = crate::plain().axes;
+    let mut axes = crate::plain::scene().axes;
     axes.count = basis.count;
     axes.drive = basis.drive;
     axes.steps_per_turn = steps_per_turn;

@@ -20,12 +20,13 @@ mod faults;
 mod fidelity;
 mod machine;
 mod motors;
+mod plain;
 mod program;
 mod source;
 mod steady;
 mod tables;
 
-use cophase_scene::{Scene, SceneError, load};
+use cophase_scene::{SceneError, load};
 use host_sim::checked::Checked;
 
 use source::Source;
@@ -33,18 +34,6 @@ use source::Source;
 pub use basis::Kinds;
 pub use drawn::{Drawn, TABLE_FILE};
 pub use steady::steady;
-
-/// Returns a scene with the required keys only.
-fn plain() -> Scene {
-    const TEXT: &str = r#"
-name = "plain"
-machine = { load_kg = 1 }
-limits = { speed_hz = 1, acceleration_hz_per_s = 1, jerk_hz_per_s2 = 1 }
-axes = { count = 2, drive = "stepper", steps_per_turn = 200 }
-program = []
-"#;
-    load::parse(TEXT).expect("all other keys have defaults")
-}
 
 /// Draws a scene of any kind.
 pub fn scene(seed: u64) -> Drawn {

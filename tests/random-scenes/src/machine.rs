@@ -41,7 +41,7 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
     // An oscillation on the rods is as slow as some ticks allow, except in a few scenes.
     let (least, most) = (source.log_between(0.01, 0.3), source.log_between(0.3, 3.0));
     let stiffness = |ticks: f64| load_kg * (ticks * f64::from(tick_hz)).powi(2) * 1e-6;
-    let mut machine = crate::plain().machine.expect("it has one");
+    let mut machine = crate::plain::scene().machine.expect("it has one");
     machine.mechanism = mechanism;
     machine.crank_radius_mm = has_radius.then_some(crank_radius_mm);
     machine.lambda = (has_rod && !by_length).then_some(lambda);
