@@ -72,6 +72,7 @@ mod tests {
         let lost: Vec<u32> = [10, 15, 35, 40, 50].map(|tick| gaps.push(tick)).into();
         assert_eq!(lost, [0, 0, 3, 0, 1]);
         assert_eq!((gaps.recorded, gaps.lost, gaps.gaps), (5, 4, 2));
+        assert_eq!(gaps.ticks, Some((10, 50)));
         let (first, second) = (gaps.list[0], gaps.list[1]);
         assert_eq!((first.from_tick, first.samples), (20, 3));
         assert_eq!((second.from_tick, second.samples), (45, 1));
