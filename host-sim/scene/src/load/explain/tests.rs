@@ -20,7 +20,7 @@ fn assert_says(from: &str, to: &str, key: &str, problem: &str) {
 
 #[test]
 fn unknown_keys_suggest_the_nearest_key_and_its_table() {
-    let unknown = error("load_kg = 2", "x = 8").problem;
+    let unknown = error("load_kg = 2", "load_kg = 2\nx = 8").problem;
     let (_, machine) = unknown.split_once("known here: ").unwrap();
     assert!(machine.starts_with("mechanism, crank_radius_mm, "));
     assert_says(
