@@ -59,6 +59,8 @@ pub(crate) fn default(key: &Key) -> Option<toml::Value> {
         (Absent::Number(number), Kind::Whole(..)) => (number as i64).into(),
         (Absent::Number(number), _) => number.into(),
         (Absent::Value(text), Kind::Text | Kind::Word(_)) => text.into(),
+        (Absent::Value(text), Kind::Flag) => (text == "true").into(),
+        (Absent::Value("[]"), _) => toml::Value::Array(Vec::new()),
         (Absent::Value(text), _) => {
             let mut table: Table = toml::from_str(&format!("x = {text}")).ok()?;
             table.remove("x")?

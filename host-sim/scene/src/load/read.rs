@@ -66,19 +66,22 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn refuse(&mut self, line: Option<usize>, path: &str, problem: String) {
-        self.errors.push(SceneError {
-            line,
-            ..SceneError::at(path, problem)
-        });
+    /// Adds an error at a key. `at` is its byte in the text, if it has one.
+    fn refuse(&mut self, at: Option<usize>, path: &str, problem: String) {
+        self.add(at, SceneError::at(path, problem));
     }
 
-    /// Returns the values of a table, with the defaults of keys that are left out. `line` is its own, if it has one.
+    fn add(&mut self, at: Option<usize>, error: SceneError) {
+        let line = at.map(|byte| line_at(self.text, byte));
+        self.errors.push(SceneError { line, ..error });
+    }
+
+    /// Returns the values of a table, with the defaults of keys that are left out. `at` is its byte in the text, if it has one.
     fn table(
         &mut self,
         path: &str,
         table: &DeTable,
-        line: Option<usize>,
+        at: Option<usize>,
         keys: &'static [Key],
     ) -> Table {
         let mut values = Table::new();
@@ -99,12 +102,12 @@ impl<'a> Reader<'a> {
             let path = join(path, key.name);
             match key.absent {
                 Absent::Needed if meant.contains(&key.name) || self.is_misplaced(key) => {}
-                Absent::Needed => self.refuse(line, &path, explain::missing(&path)),
+                Absent::Needed => self.refuse(at, &path, explain::missing(&path)),
                 Absent::Nothing => {}
                 Absent::Number(_) | Absent::Value(_) => {
                     let value = match key.kind {
                         Kind::Table(keys) => {
-                            Some(self.table(&path, &DeTable::new(), line, keys()).into())
+                            Some(self.table(&path, &DeTable::new(), at, keys()).into())
                         }
                         _ => keys::default(key),
                     };
@@ -132,21 +135,20 @@ impl<'a> Reader<'a> {
             .iter()
             .map(|name| explain::short(&explain::one_line(name.get_ref())))
             .collect();
-        let line = |name: &Spanned<_>| Some(line_at(self.text, name.span().start));
-        let lines: Vec<_> = unknown.iter().map(|name| line(name)).collect();
         if let Some(heading) = explain::other_heading(&names) {
             let problem = explain::wrong_heading(path, &names, &heading);
-            self.refuse(lines[0], &join(path, &names[0]), problem);
+            let at = Some(unknown[0].span().start);
+            self.refuse(at, &join(path, &names[0]), problem);
             self.misplaced.push(heading);
             // Keys are missing because another table is here.
             return known;
         }
         let mut meant = Vec::new();
-        for (i, (name, line)) in names.iter().zip(lines).enumerate() {
+        for (i, (name, place)) in names.iter().zip(unknown).enumerate() {
             let nearest = explain::meant(name, &known);
             meant.extend(nearest);
             let problem = explain::unknown_key(name, nearest, &known, i == 0);
-            self.refuse(line, &join(path, name), problem);
+            self.refuse(Some(place.span().start), &join(path, name), problem);
         }
         meant
     }
@@ -159,11 +161,11 @@ impl<'a> Reader<'a> {
         kind: &Kind,
         given: &Spanned<DeValue>,
     ) -> Option<Value> {
-        let line = Some(line_at(self.text, given.span().start));
+        let at = Some(given.span().start);
         let source = self.text.get(given.span()).unwrap_or_default();
         let problem = match (kind, given.get_ref()) {
             (Kind::Table(keys), DeValue::Table(table)) => {
-                return Some(Value::Table(self.table(path, table, line, keys())));
+                return Some(Value::Table(self.table(path, table, at, keys())));
             }
             (Kind::List(kind, length), DeValue::Array(list))
                 if length.is_none_or(|length| length == list.len()) =>
@@ -191,10 +193,7 @@ impl<'a> Reader<'a> {
                     match out_of_range(key, size.unwrap_or(f64::NAN)) {
                         None => return Some(value),
                         Some(problem) => {
-                            self.errors.push(SceneError {
-                                line,
-                                ..SceneError::of(path, problem)
-                            });
+                            self.add(at, SceneError::of(path, problem));
                             return None;
                         }
                     }
@@ -202,7 +201,7 @@ impl<'a> Reader<'a> {
                 None => explain::wrong_form(path, kind, value, source),
             },
         };
-        self.refuse(line, path, problem);
+        self.refuse(at, path, problem);
         None
     }
 }
