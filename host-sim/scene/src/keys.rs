@@ -60,10 +60,12 @@ pub(crate) fn default(key: &Key) -> Option<toml::Value> {
         (Absent::Number(number), _) => number.into(),
         (Absent::Value(text), Kind::Text | Kind::Word(_)) => text.into(),
         (Absent::Value(text), Kind::Flag) => (text == "true").into(),
-        (Absent::Value("[]"), _) => toml::Value::Array(Vec::new()),
+        (Absent::Value(_), Kind::Table(_)) => Table::new().into(),
+        // No list of anything else has a default other than `[]`.
         (Absent::Value(text), _) => {
-            let mut table: Table = toml::from_str(&format!("x = {text}")).ok()?;
-            table.remove("x")?
+            let numbers = text.trim_matches(['[', ']']).split(',');
+            let numbers = numbers.filter_map(|number| number.trim().parse().ok());
+            toml::Value::Array(numbers.map(toml::Value::Integer).collect())
         }
         (Absent::Needed | Absent::Nothing, _) => return None,
     })
@@ -271,6 +273,11 @@ mod tests {
             }
             let has_default = !matches!(key.absent, Absent::Needed | Absent::Nothing);
             assert_eq!(default(key).is_some(), has_default, "{path}");
+            if let (Absent::Value(text), Some(list @ toml::Value::Array(_))) =
+                (key.absent, default(key))
+            {
+                assert_eq!(list.to_string(), text, "{path}");
+            }
         });
     }
 
