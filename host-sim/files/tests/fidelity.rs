@@ -298,9 +298,7 @@ fn a_question_that_cannot_be_answered_is_refused() {
         .to_string();
     assert!(said.contains("lag_deg"), "{said}");
     let zero = SOFT.replace("lag_deg = 0.05", "lag_deg = 0");
-    let said = Checked::new(load::parse(&zero).unwrap())
-        .unwrap_err()
-        .to_string();
+    let said = load::parse(&zero).unwrap_err().to_string();
     assert!(said.contains("questions.lag_deg"), "{said}");
 }
 

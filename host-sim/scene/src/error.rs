@@ -37,8 +37,8 @@ impl SceneError {
         }
     }
 
-    /// Joins several errors of a file.
-    pub(super) fn together(mut errors: Vec<Self>) -> Option<Self> {
+    /// Joins several errors of a file. `None` if there is none.
+    pub fn together(mut errors: Vec<Self>) -> Option<Self> {
         // Errors without a line, such as missing keys, come last.
         errors.sort_by_key(|error| error.line.unwrap_or(usize::MAX));
         let others = errors.split_off(errors.len().min(1));

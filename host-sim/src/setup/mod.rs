@@ -10,7 +10,7 @@ mod load;
 mod numbers;
 mod settings;
 
-use cophase_core::problem::Problem;
+use cophase_core::problem::{Problem, SettingsError};
 use cophase_link::board;
 use cophase_scene::file::{Fidelity, Scene};
 use cophase_scene::{SceneError, program, range};
@@ -33,7 +33,7 @@ impl Checked {
         faults::fill(&mut scene);
         // All others count the axes.
         let table = table(&scene)?;
-        check_count(&*table, scene.axes.count)?;
+        check_first(&*table, &scene)?;
         numbers::check_gears(&scene)?;
         table.fill(&mut scene)?;
         for (entry, overrides) in scene.axis.iter().enumerate() {
@@ -92,6 +92,20 @@ impl Checked {
             SceneError::at(key, problem)
         })
     }
+}
+
+/// Checks the number of axes, and the numbers of the limits that depend on no other table.
+///
+/// # Errors
+/// All of these that are wrong.
+fn check_first(table: &dyn Table, scene: &Scene) -> Result<(), SceneError> {
+    let tick_hz = f64::from(scene.control.tick_hz);
+    let ramps = settings::limits(&scene.limits).check_ramps(tick_hz);
+    let ramps = ramps.unwrap_or_else(|error| [Err(error), Ok(0.0)]);
+    let ramps = ramps.into_iter().filter_map(Result::err);
+    let ramps = ramps.map(SettingsError::from).map(SceneError::from);
+    let errors = ramps.chain(check_count(table, scene.axes.count).err());
+    SceneError::together(errors.collect()).map_or(Ok(()), Err)
 }
 
 /// Checks the number of axes.

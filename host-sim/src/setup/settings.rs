@@ -8,7 +8,7 @@ use cophase_core::settings::{
     Settings, short_name,
 };
 use cophase_link::board::{Board, Rp2040};
-use cophase_scene::file::Scene;
+use cophase_scene::file::{Limits, Scene};
 
 use super::cam_table;
 
@@ -21,16 +21,6 @@ pub(super) fn settings(
     cams: heapless::Vec<CamSettings, MAX_CAMS>,
     program: impl IntoIterator<Item = EntrySettings>,
 ) -> Settings {
-    let limits = &scene.limits;
-    let bands: heapless::Vec<_, MAX_BANDS> = limits
-        .band
-        .iter()
-        .take(MAX_BANDS)
-        .map(|band| BandSettings {
-            from_hz: band.from_hz,
-            to_hz: band.to_hz,
-        })
-        .collect();
     let numbers = 0..scene.axes.count;
     Settings {
         name: short_name(&scene.name),
@@ -38,17 +28,7 @@ pub(super) fn settings(
         clock_hz: Rp2040::CLOCK_HZ, // The board that scenes are simulated for.
         detect_at_once: false,
         machine,
-        limits: LimitSettings {
-            speed_hz: limits.speed_hz,
-            acceleration_hz_per_s: limits.acceleration_hz_per_s,
-            jerk_hz_per_s2: limits.jerk_hz_per_s2,
-            stop_acceleration_hz_per_s: limits
-                .stop_acceleration_hz_per_s
-                .unwrap_or(limits.acceleration_hz_per_s),
-            stop_jerk_hz_per_s2: limits.stop_jerk_hz_per_s2.unwrap_or(limits.jerk_hz_per_s2),
-            homing_speed_hz: limits.homing_speed_hz,
-            bands,
-        },
+        limits: limits(&scene.limits),
         pulse: scene.pulse,
         index: scene.index,
         axes: numbers.clone().map(|i| axis(scene, i)).collect(),
@@ -64,6 +44,27 @@ pub(super) fn settings(
         wiring: scene.wiring.settings(),
         host_loss: scene.link.settings(),
         program: program.into_iter().take(CAPACITY).collect(),
+    }
+}
+
+/// Returns the limits of the master shaft.
+pub(super) fn limits(limits: &Limits) -> LimitSettings {
+    let bands = limits.band.iter().take(MAX_BANDS);
+    LimitSettings {
+        speed_hz: limits.speed_hz,
+        acceleration_hz_per_s: limits.acceleration_hz_per_s,
+        jerk_hz_per_s2: limits.jerk_hz_per_s2,
+        stop_acceleration_hz_per_s: limits
+            .stop_acceleration_hz_per_s
+            .unwrap_or(limits.acceleration_hz_per_s),
+        stop_jerk_hz_per_s2: limits.stop_jerk_hz_per_s2.unwrap_or(limits.jerk_hz_per_s2),
+        homing_speed_hz: limits.homing_speed_hz,
+        bands: bands
+            .map(|band| BandSettings {
+                from_hz: band.from_hz,
+                to_hz: band.to_hz,
+            })
+            .collect(),
     }
 }
 

@@ -4,7 +4,7 @@ use cophase_scene::file::Scene;
 
 use crate::basis::{Basis, Kind, Kinds};
 use crate::source::Source;
-use crate::{axes, cam, control, events, faults, fidelity, machine, program};
+use crate::{axes, cam, control, events, faults, fidelity, machine, plain, program};
 
 /// Draws a scene, and the file of its cam table if it has one.
 pub(crate) fn scene_and_table(
@@ -84,9 +84,6 @@ pub(crate) fn scene_and_table(
         limits,
         pulse,
         cam: shaft,
-        screen: None,
-        crusher: None,
-        five_bar: None,
         cam_table,
         machine,
         axes,
@@ -100,6 +97,7 @@ pub(crate) fn scene_and_table(
         fault,
         late: events.late,
         scope: events.scope,
+        ..plain::scene()
     };
     (scene, table)
 }

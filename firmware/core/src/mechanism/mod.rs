@@ -18,7 +18,7 @@ mod square_law;
 pub use crank_rocker::{CrankRocker, CrankRockerSettings};
 pub use kinematics::{Kinematics, Mechanism};
 pub use scotch_yoke::{ScotchYoke, ScotchYokeSettings};
-pub use slider_crank::{SliderCrank, SliderCrankSettings};
+pub use slider_crank::{LAMBDA, SliderCrank, SliderCrankSettings};
 pub use square_law::SquareLaw;
 
 use core::hash::{Hash, Hasher};

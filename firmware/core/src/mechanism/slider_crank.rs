@@ -15,14 +15,19 @@ use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::{ONE_Q30, inverse_root_of_one_minus, multiply_q30, sine_cosine};
 use crate::problem::SettingsError;
 use crate::units::{Amax, Turns};
-use cophase_motion::settings::inside;
+use cophase_motion::settings::key::{Key, optional};
+
+/// `machine.lambda`
+pub const LAMBDA: Key = optional("0.25")
+    .from(0.1, 0.6)
+    .because("the ratios of crank radius to rod length that this mechanism is built with");
 
 /// Settings of the slider-crank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct SliderCrankSettings {
-    /// Crank radius over rod length, 0.1 to 0.6.
+    /// Crank radius over rod length, in the range of [`LAMBDA`].
     pub lambda: f64,
 }
 
@@ -41,7 +46,7 @@ impl SliderCrankSettings {
     /// λ is out of its range.
     #[cold]
     pub fn check(&self) -> Result<(), SettingsError> {
-        inside("machine.lambda", self.lambda, 0.1, 0.6)?;
+        LAMBDA.check("machine.lambda", self.lambda)?;
         Ok(())
     }
 }

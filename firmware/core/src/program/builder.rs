@@ -5,6 +5,12 @@ use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::problem::{Problem, SettingsError};
 use crate::units::{Amax, Turns};
 use cophase_motion::settings::inside;
+use cophase_motion::settings::key::{Key, optional};
+
+/// `program.ramp_s`
+pub const RAMP_S: Key = optional("4").from(0.0, 100_000.0);
+/// `program.hold_s`
+pub const HOLD_S: Key = optional("6").from(0.0, 1_000_000.0);
 
 /// Segment in physical units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,9 +19,9 @@ use cophase_motion::settings::inside;
 pub struct SegmentSettings {
     /// Level, m/s², from 0 up to the amplitude at the greatest speed of the shaft.
     pub amax_mps2: f64,
-    /// Length of the ramp, seconds, 0 to 100,000.
+    /// Length of the ramp, seconds, in the range of [`RAMP_S`].
     pub ramp_s: f64,
-    /// Time at the level, seconds, 0 to 1,000,000.
+    /// Time at the level, seconds, in the range of [`HOLD_S`].
     pub hold_s: f64,
     /// Shape of the ramp.
     pub shape: Shape,
@@ -107,8 +113,8 @@ impl<'a> ProgramBuilder<'a> {
     #[cold]
     pub fn segment(&mut self, settings: SegmentSettings) -> Result<(), SettingsError> {
         let amax_mps2 = inside("program.amax_mps2", settings.amax_mps2, 0.0, 10_000.0)?;
-        let ramp_s = inside("program.ramp_s", settings.ramp_s, 0.0, 100_000.0)?;
-        let hold_s = inside("program.hold_s", settings.hold_s, 0.0, 1_000_000.0)?;
+        let ramp_s = RAMP_S.check("program.ramp_s", settings.ramp_s)?;
+        let hold_s = HOLD_S.check("program.hold_s", settings.hold_s)?;
         let level = Amax::from_num(amax_mps2);
         let needed = self.mechanism.speed(level);
         let limit_hz = self.speed_limit_hz;

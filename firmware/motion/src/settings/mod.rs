@@ -124,27 +124,44 @@ impl LimitSettings {
         acceleration_hz_per_s.min(2.0 * libm::sqrt(jerk_hz_per_s2 * self.speed_hz))
     }
 
+    /// Checks the speed, and against it the acceleration and the jerk, which do not depend on each other.
+    ///
+    /// # Errors
+    /// The speed is out of its range.
+    #[cold]
+    pub fn check_ramps(
+        &self,
+        tick_hz: f64,
+    ) -> Result<[Result<f64, SettingsError>; 2], SettingsError> {
+        let one = (1_u64 << FRACTION_BITS) as f64;
+        let speed_hz = SPEED_HZ.check("limits.speed_hz", self.speed_hz)?;
+        let least = LEAST_JERK_BITS / one * tick_hz * tick_hz;
+        Ok([
+            inside(
+                "limits.acceleration_hz_per_s",
+                self.acceleration_hz_per_s,
+                least.max(0.01),
+                speed_hz * tick_hz,
+            ),
+            inside(
+                "limits.jerk_hz_per_s2",
+                self.jerk_hz_per_s2,
+                (least * tick_hz).max(0.01),
+                speed_hz * tick_hz * tick_hz,
+            ),
+        ])
+    }
+
     /// Checks every number alone and against the others, for a tick rate in Hz.
     ///
     /// # Errors
     /// The first setting that is wrong, with its key and the problem.
     #[cold]
     pub fn check(&self, tick_hz: f64) -> Result<(), SettingsError> {
-        let one = (1_u64 << FRACTION_BITS) as f64;
-        let speed_hz = SPEED_HZ.check("limits.speed_hz", self.speed_hz)?;
-        let least = LEAST_JERK_BITS / one * tick_hz * tick_hz;
-        inside(
-            "limits.acceleration_hz_per_s",
-            self.acceleration_hz_per_s,
-            least.max(0.01),
-            speed_hz * tick_hz,
-        )?;
-        inside(
-            "limits.jerk_hz_per_s2",
-            self.jerk_hz_per_s2,
-            (least * tick_hz).max(0.01),
-            speed_hz * tick_hz * tick_hz,
-        )?;
+        let [acceleration, jerk] = self.check_ramps(tick_hz)?;
+        acceleration?;
+        jerk?;
+        let speed_hz = self.speed_hz;
         // A fault stop is at least as fast as any other.
         inside(
             "limits.stop_acceleration_hz_per_s",

@@ -1,5 +1,6 @@
 //! `[machine]`: the mechanism and its load; `[frame]`: the frame under it.
 
+use cophase_core::mechanism::LAMBDA;
 use cophase_core::settings::key::{Kind, Value, needed, optional, or, or_value};
 use cophase_core::settings::rows::{CRANK_RADIUS_MM, GRAVITY_MPS2, LOAD_KG, MOUNT_RADIUS_MM};
 use cophase_core::{keys, words};
@@ -14,7 +15,7 @@ keys! {
         /// Crank radius of a slider-crank or a Scotch yoke, mm.
         crank_radius_mm: Option<f64> = CRANK_RADIUS_MM,
         /// Crank radius over rod length of a slider-crank; give this or `rod_length_mm`.
-        lambda: Option<f64> = optional("0.25").because("the ratios of crank radius to rod length that this mechanism is built with"),
+        lambda: Option<f64> = LAMBDA,
         /// Rod length of a slider-crank, mm; give this or `lambda`.
         rod_length_mm: Option<f64> = optional("60").because("1.67 to 10 crank radii"),
         /// Lead of the screw that a crank-rocker drives, mm per turn.

@@ -1,5 +1,6 @@
 //! `[[program]]`: the program amax(t).
 
+use cophase_core::program::{HOLD_S, RAMP_S};
 use cophase_core::settings::key::optional;
 use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
@@ -11,9 +12,9 @@ keys! {
         /// Level of amax, in units of 9.80665 m/s².
         amax_g: Option<f64> = optional("3"),
         /// Duration of the transition, s.
-        ramp_s: Option<f64> = optional("4"),
+        ramp_s: Option<f64> = RAMP_S,
         /// Duration of the hold, s.
-        hold_s: Option<f64> = optional("6"),
+        hold_s: Option<f64> = HOLD_S,
         /// Shape of the transition.
         shape: Option<Shape> = optional("linear"),
         /// Number of times that `segments` are played.

@@ -46,6 +46,7 @@ pub(super) fn not_toml(
     let source = source.trim_start_matches('\u{feff}').trim();
     if message.starts_with("duplicate key") {
         return if source.starts_with('[')
+            && !key.contains('[')
             && keys::row(key).is_some_and(|row| list_of_tables(&row.kind))
         {
             format!("given before, and it is a list; write [[{key}]] at each of its entries")
@@ -200,7 +201,7 @@ fn list_of_tables(kind: &Kind) -> bool {
 pub(super) fn wrong_form(path: &str, kind: &Kind, value: &DeValue, written: &str) -> String {
     let source = short(written);
     let such_as = such_as("; ", path);
-    let is_top = !path.contains('.');
+    let is_top = !path.contains(['.', '[']);
     let is_whole = matches!(kind, Kind::Whole(..));
     let expected = match kind {
         Kind::Number => "a number",
