@@ -70,8 +70,11 @@ function builtIn() {
   return [...kinds.values()];
 }
 
-function shortened(toml) {
-  for (const level of toml.program) level.hold_s = Math.min(level.hold_s, HOLD_S);
+function shortened({ program, segments = program }) {
+  for (const entry of segments) {
+    if (entry.segments) shortened(entry);
+    else if (entry.hold_s > HOLD_S) entry.hold_s = HOLD_S;
+  }
 }
 
 function compare(outcome, played) {
