@@ -39,6 +39,11 @@ pub struct Checked {
 }
 
 impl Checked {
+    /// Returns true if torque moves the shafts of its machine on its model level.
+    pub fn moves_by_torque(&self) -> bool {
+        self.machine.moves_by_torque(self.fidelity)
+    }
+
     /// Returns the limit of the tilt of the platform, mrad; `None` for a machine without one.
     pub fn tilt_limit_mrad(&self) -> Option<f64> {
         self.settings.machine.platform()?;

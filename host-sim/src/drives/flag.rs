@@ -8,7 +8,7 @@
 //! which that changes, so in exactly one, wherever ticks begin and end.
 
 use cophase_core::settings::AxisSettings;
-use cophase_scene::file::{Fidelity, Noise};
+use cophase_scene::file::Noise;
 
 use super::{Sensor, Stream};
 
@@ -52,18 +52,18 @@ const NOWHERE: (f64, f64) = (0.0, 0.0);
 const ROUNDING: f64 = 1e-6;
 
 impl Flag {
-    /// Creates the flag of axis `number` for a model level; none if it has no sensor.
+    /// Creates the flag of axis `number`; none if it has no sensor. A crank that no torque moves, moves by whole steps.
     pub fn new(
         axis: &AxisSettings,
         noise: &Noise,
         number: usize,
-        model_level: Fidelity,
+        moves_by_torque: bool,
     ) -> Option<Self> {
         let stream = |sensor| Stream::new(noise.seed, sensor, number, noise.index_deg / 360.0);
         let start_turns = axis.index_turns?;
         let mut width_turns = axis.index_width_turns;
-        if width_turns > 0.0 && !model_level.moves_by_torque() {
-            // A crank that moves by whole steps has no time between two edges in the same step.
+        if width_turns > 0.0 && !moves_by_torque {
+            // By whole steps there is no time between two edges in the same step.
             width_turns = width_turns.max(axis.steps_per_crank_turn().turns_of(1.0));
         }
         let end_turns = start_turns + width_turns;

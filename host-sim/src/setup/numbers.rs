@@ -123,7 +123,7 @@ pub(super) fn check_drives(scene: &Scene) -> Result<(), SceneError> {
         let problem = if axes.pull_out.is_empty() {
             "scales nothing: axes.pull_out is missing; give the motors' torque as [[speed_hz, torque_nm], …]"
         } else if !DriveModel::of(scene.resolved(own.number).drive).uses("axes.pull_out") {
-            "scales the torque at which a stepper loses its step, and this axis is a servo; leave it out"
+            "scales the torque at which a stepper loses its step, and this axis has none; leave it out"
         } else {
             continue;
         };

@@ -52,7 +52,6 @@ impl OffCommand {
         let axes = &checked.scene.axes;
         let lag_s = |i: usize| {
             let motor = checked
-                .fidelity
                 .moves_by_torque()
                 .then(|| AtCrank::motor(&checked.scene, i));
             motor

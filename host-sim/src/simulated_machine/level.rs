@@ -51,17 +51,23 @@ fn check_faults(checked: &Checked, model_level: Fidelity) -> Result<(), SceneErr
         return Err(SceneError::at(
             format!("fault[{i}].kind"),
             format!(
-                "\"{}\" has a crank be elsewhere than commanded, and cam shafts are where commanded; leave it \
-                 out, or give a scene with [machine]",
-                scene.fault[i].kind.name()
+                "\"{}\" has a {} be elsewhere than commanded, and those of {} are where commanded on each model level; leave it out",
+                scene.fault[i].kind.name(),
+                checked.machine.axis_noun(),
+                checked.machine.name()
             ),
         ));
     }
     if checked.machine.moves_by_torque(model_level) {
         return Ok(()); // `cranks_apart` reports that no crank moves alone on the rigid model level
     }
-    let right =
-        "torque moves no cranks on this model level; let fidelity be \"phased\", or leave it out";
+    let right = if moves_by_torque_on_any_level(&*checked.machine) {
+        "torque moves no cranks on this model level; let fidelity be \"phased\", or leave it out"
+            .to_owned()
+    } else {
+        let name = checked.machine.name();
+        format!("torque moves nothing on any model level of {name}; leave it out")
+    };
     let load_step = |fault: &FaultAt| fault.kind == FaultName::LoadStep;
     if let Some(i) = scene.fault.iter().position(load_step) {
         return Err(SceneError::at(

@@ -97,7 +97,12 @@ impl SimulatedMachine {
                 start_turns,
                 axis.friction_nm,
             )
-            .with_flag(Flag::new(own, &checked.scene.noise, i, checked.fidelity))
+            .with_flag(Flag::new(
+                own,
+                &checked.scene.noise,
+                i,
+                checked.moves_by_torque(),
+            ))
             .with_drive_steps(axis.own.drive_steps_per_turn)
         };
         let axes = per_axis(settings.axes.len(), make);

@@ -21,7 +21,7 @@ const COASTING_HZ: f64 = 50.0;
 /// # Errors
 /// Fails if the scene does not set what the model level needs.
 pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors>, SceneError> {
-    if !checked.machine.moves_by_torque(checked.fidelity) {
+    if !checked.moves_by_torque() {
         return Ok(None);
     }
     let settings = &checked.settings;

@@ -290,7 +290,7 @@ fn torque_keys_without_effect_are_refused() {
                 "pull_out_scale = 0.4\ndrive = \"pulse-servo\"\n",
             ),
             "axis[0].pull_out_scale",
-            "this axis is a servo",
+            "this axis has none",
             "leave it out",
         ),
         case(

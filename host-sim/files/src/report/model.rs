@@ -88,13 +88,10 @@ impl MethodReport {
                 Fidelity::QuasiStatic => {
                     "torques follow from the motion, and slips from torques: nothing is integrated".to_owned()
                 }
-                model_level
-                    if model_level.moves_by_torque()
-                        && checked.scene.method.name != MethodName::Auto =>
-                {
+                _ if outcome.method.is_some() && checked.scene.method.name != MethodName::Auto => {
                     "the scene sets it".to_owned()
                 }
-                model_level if model_level.moves_by_torque() => {
+                _ if checked.moves_by_torque() => {
                     "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution".to_owned()
                 }
                 Fidelity::Elastic => {

@@ -29,7 +29,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
         ));
     }
     let undamped = scene.axes.damping_nms == 0.0 && !scene.axes.pull_out.is_empty();
-    if undamped && checked.fidelity.moves_by_torque() {
+    if undamped && checked.moves_by_torque() {
         warnings.push(
             "Steppers without axes.damping_nms swing on for ever: real drives damp them, so give what yours do."
                 .to_owned(),
