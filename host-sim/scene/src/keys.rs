@@ -80,8 +80,10 @@ fn written(key: &Key) -> Option<String> {
     };
     match key.kind {
         Kind::Text | Kind::Word(_) => Some(format!("\"{text}\"")),
-        Kind::Table(keys) => Some(inline(keys())),
-        Kind::List(Kind::Table(keys), _) => Some(format!("[{}]", inline(keys()))),
+        Kind::Table(keys) if key.example.is_empty() => Some(inline(keys())),
+        Kind::List(Kind::Table(keys), _) if key.example.is_empty() => {
+            Some(format!("[{}]", inline(keys())))
+        }
         _ => Some(text.to_owned()).filter(|text| !text.is_empty()),
     }
 }

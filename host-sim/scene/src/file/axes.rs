@@ -16,7 +16,7 @@ keys! {
     /// Values for all axes, unless an `[[axis]]` has its own.
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
     pub struct Axes {
-        /// Number of axes, 2 to 6.
+        /// Number of axes. Each machine has its own numbers of them, at most 6.
         count: usize = needed("4"),
         /// Drive of the axes.
         drive: Drive = needed("stepper"),
@@ -78,7 +78,7 @@ keys! {
         integral_s: Option<f64> = optional("0.02").from(1e-5, 1e3),
         /// Torque limit, N·m, by the current limit.
         limit_nm: Option<f64> = optional("8.36").from(1e-3, 1e5),
-        /// Part of the commanded velocity that is fed forward to the velocity loop, 0 to 1.
+        /// Part of the commanded velocity that is fed forward to the velocity loop.
         velocity_feed_forward: f64 = or(1.0).from(0.0, 1.0),
         /// Following-error window, degrees of the crank. Beyond it, the drive raises its alarm; without it, the drive has no alarm.
         following_error_deg: Option<f64> = optional("20").from(0.01, 180.0),
@@ -148,11 +148,11 @@ keys! {
         /// Replaces the value in `[axes]`.
         ratio: Option<(u32, u32)> = optional("[1, 2]"),
         /// Replaces the value in `[axes]`.
-        offset_deg: Option<f64> = OFFSET_DEG.or_left_out(),
+        offset_deg: Option<f64> = OFFSET_DEG.or_left_out().such_as("90"),
         /// Replaces the value in `[axes]`.
         index: Option<bool> = optional("false"),
         /// Replaces the value in `[axes]`.
-        index_deg: Option<f64> = INDEX_DEG.or_left_out(),
+        index_deg: Option<f64> = INDEX_DEG.or_left_out().such_as("120"),
         /// Name of the `[[cam_table]]` that it follows, instead of a gear.
         cam: Option<String> = optional("lift"),
         /// Angle of the cam table at the master's phase 0, degrees.

@@ -52,7 +52,7 @@ keys! {
         /// Name in titles and reports.
         name: String = needed("default"),
         /// Purpose of the scene, in one line.
-        description: String = or_value(""),
+        description: String = or_value("").such_as("three motors hold 40 g for a minute"),
         /// Model level, or `auto` for the lowest one that answers the questions.
         fidelity: Fidelity = or_value("auto"),
         /// Questions for `fidelity = "auto"`, with their tolerances.

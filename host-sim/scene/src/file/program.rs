@@ -20,7 +20,7 @@ keys! {
         /// Number of times that `segments` are played.
         repeat: Option<u32> = optional("2").because("the counts that a program holds"),
         /// Repeated block; blocks may contain blocks.
-        segments: Option<Vec<Segment>> = optional(""),
+        segments: Option<Vec<Segment>> = optional("[{ amax_g = 20, ramp_s = 2, hold_s = 2 }]"),
     }
 }
 

@@ -19,7 +19,7 @@ keys! {
         /// Largest torque of a motor, percent of itself.
         torque_percent: Option<f64> = optional("5").from(1e-9, 1e6),
         /// Largest force on the ground beyond the weight, percent of itself.
-        ground_percent: Option<f64> = optional("").from(1e-9, 1e6),
+        ground_percent: Option<f64> = optional("10").from(1e-9, 1e6),
         /// True if the set of motors that slip is requested.
         slips: Option<bool> = optional("true"),
     }

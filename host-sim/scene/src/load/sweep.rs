@@ -121,8 +121,9 @@ fn a_number_out_of_its_range_is_refused_with_the_nearest_end() {
 #[test]
 fn a_value_of_another_type_is_refused_with_an_example() {
     sweep(|key, path| {
-        let such_as = keys::example(path).map(|example| format!("such as `{example}`"));
-        let such_as = such_as.unwrap_or_default();
+        let example = keys::example(path);
+        assert!(example.is_some() || is_table(key), "{path} has no example");
+        let such_as = format!("such as `{}`", example.unwrap_or_default());
         let wrong = |value: &str, said: &str| mistake(key, path, value, &[said, &such_as]);
         match key.kind {
             Kind::Number => vec![wrong(

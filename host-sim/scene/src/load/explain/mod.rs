@@ -232,7 +232,9 @@ pub(super) fn wrong_form(path: &str, kind: &Kind, value: &DeValue, written: &str
             return format!("`{source}`: the number is too large{such_as}");
         }
         DeValue::String(_) => "text",
-        DeValue::Integer(_) if is_whole && written.starts_with('-') => "negative",
+        DeValue::Integer(_) if matches!(kind, Kind::Whole(0, _)) && written.starts_with('-') => {
+            "negative"
+        }
         DeValue::Integer(_) if is_whole => "too large",
         DeValue::Float(_) if is_whole => "a number with a fraction or exponent",
         DeValue::Integer(_) | DeValue::Float(_) => "a number",
