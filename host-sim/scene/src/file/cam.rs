@@ -27,7 +27,7 @@ keys! {
         /// Dampers in parallel to them, N·s/m; give these or `zeta`.
         dampers_ns_per_m: Option<[f64; 3]> = optional("[10, 10, 10]").from(0.0, 1e7),
         /// Damping factor of each link, from which its damper follows; give this or `dampers_ns_per_m`.
-        zeta: Option<f64> = optional("").from(0.0, 2.0),
+        zeta: Option<f64> = optional("0.1").from(0.0, 2.0),
         /// Second end of the shaft's damper.
         damper: Damper = or_value("cam"),
     }

@@ -31,7 +31,7 @@ keys! {
         /// Length of the rope between balancer and tool, mm. It has an effect only in the horizontal plane.
         rope_mm: f64 = or(1000.0).from(1.0, 1e5),
         /// Point below the balancer, mm. The default is the point a quarter along the path, the middle of a path of two points.
-        balancer_mm: Option<[f64; 2]> = optional("").from(-20_000.0, 20_000.0),
+        balancer_mm: Option<[f64; 2]> = optional("[0, 500]").from(-20_000.0, 20_000.0),
         /// Surface along the path that the hand presses against.
         contact: Option<ContactTable> = optional(""),
     }
