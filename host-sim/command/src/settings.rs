@@ -16,7 +16,7 @@ use cophase_scene::input_file::{self, Unreadable};
 use cophase_scene::{Scene, entry};
 use host_sim::checked::Checked;
 use host_sim::drives::keys_of_torque;
-use host_sim::machines;
+use host_sim::machines::{self, given};
 
 use super::output::write_file;
 use super::{CommandError, Status, scenes};
@@ -164,23 +164,18 @@ fn left_out(scene: &Scene) -> Vec<String> {
         ("[noise]", !scene.noise.is_none()),
         ("[scope]", scene.scope.is_some()),
     ];
-    let given = |keys: &[(&str, bool)]| -> Vec<String> {
-        let given = keys.iter().filter(|(_, given)| *given);
-        given.map(|(key, _)| (*key).to_owned()).collect()
-    };
-    let mut keys: Vec<_> = machines::tables(scene)
+    let mut keys: Vec<String> = machines::tables(scene)
         .flat_map(|table| table.simulation_keys())
+        .chain(given(&common))
+        .chain(keys_of_torque(axes))
         .map(str::to_owned)
         .collect();
-    keys.extend(given(&common));
-    keys.extend(keys_of_torque(axes).into_iter().map(str::to_owned));
     for (i, axis) in scene.axis.iter().enumerate() {
-        let own = given(&apart(axis));
         let number = format!("axis {}", axis.number);
         let place = |key| entry::place(&format!("axis[{i}].{key}"), Some(&number));
-        keys.extend(own.iter().map(place));
+        keys.extend(given(&apart(axis)).map(place));
     }
-    keys.extend(given(&happenings));
+    keys.extend(given(&happenings).map(str::to_owned));
     keys
 }
 

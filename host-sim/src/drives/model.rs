@@ -1,4 +1,4 @@
-//! What the simulation knows of each drive that a scene can name.
+//! Models of the drives that a scene can name.
 
 use cophase_scene::SceneError;
 use cophase_scene::file::{Axes, Scene};
@@ -18,7 +18,7 @@ pub struct DriveKey {
     pub unused: &'static str,
 }
 
-/// What the simulation knows of a drive. What commands it, and whether it loses steps, is the core's to know: `Drive::kind`.
+/// Model of a drive: its keys, its motor and its alarm. The core has its command and whether it loses steps: `Drive::kind`.
 #[derive(Clone, Copy, Debug)]
 pub struct DriveModel {
     /// Keys that act on it, and not on all drives.
@@ -59,7 +59,7 @@ macro_rules! drives {
             /// All drives.
             pub const DRIVES: &'static [cophase_scene::file::Drive] = &[$(cophase_scene::file::Drive::$Drive),*];
 
-            /// What is known of a drive.
+            /// Model of a drive.
             pub const fn of(drive: cophase_scene::file::Drive) -> &'static Self {
                 match drive { $(cophase_scene::file::Drive::$Drive => &$module::MODEL,)* }
             }

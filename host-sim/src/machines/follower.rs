@@ -1,4 +1,4 @@
-//! What shafts move that stand where they are commanded.
+//! Parts that the shafts move where these stand as commanded.
 
 use std::fmt::Debug;
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 //! The controller, its drives, sensors and faults are the same for all machines. A machine is:
 //! - a [`Table`]: its table in a scene file, and the settings of the controller for it;
 //! - a [`Machine`]: its name, drawing and model levels;
-//! - a [`Follower`], what its shafts move where they are commanded to be, or [`Dynamics`], the equations of motion under torque;
+//! - a [`Follower`], the part that its shafts move where they stand as commanded, and [`Dynamics`], the equations of motion under torque;
 //! - [`Bounds`] on what its lower model levels leave out, and a [`Record`], its figures in the report, if it has any.
 //!
 //! To add one, write a folder here, and add its table to [`Scene`] and to the list of [`tables`] (`docs/recipes/add-a-machine.md`).
@@ -20,7 +20,7 @@ mod table;
 
 pub use bounds::{Bounds, Duty, NoBounds};
 pub use detached::DetachedCrank;
-pub use table::{Made, Table};
+pub use table::{Made, Table, given};
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -114,7 +114,7 @@ pub trait Machine: Debug + Send + Sync {
         level.moves_by_torque()
     }
 
-    /// What the axes move where they are commanded to be, at the start of a run. On levels on which torque moves them it gives the geometry.
+    /// Part that the axes move where they stand as commanded, at the start of a run. On levels on which torque moves them it gives the geometry.
     ///
     /// # Errors
     /// The method or its step does not suit it.

@@ -47,7 +47,7 @@ const FLAG_S: f64 = 20e-6;
 pub struct SimulatedMachine {
     /// Motors and their cranks.
     pub axes: Axes<SimulatedAxis>,
-    /// What the axes move where they stand as commanded, and its geometry.
+    /// Part that the axes move where they stand as commanded, and its geometry.
     follower: Box<dyn Follower>,
     /// Places of the axes.
     corners: Corners,
@@ -245,7 +245,7 @@ impl SimulatedMachine {
         self.record.as_deref()
     }
 
-    /// What the axes move where they stand as commanded.
+    /// Part that the axes move where they stand as commanded.
     pub fn follower(&self) -> &dyn Follower {
         &*self.follower
     }

@@ -14,7 +14,7 @@ const LOOP = [TIMER_IRQ_1, DMA_IRQ_1];
 /** Exceptions of the processor, and 32 interrupts. */
 const VECTORS = 16 + 32;
 
-/** The default of `index.width_us` (docs/scene.md): how long a level lasts before it counts. */
+/** The default of `index.width_us` (docs/scenes.md): how long a level lasts before it counts. */
 const WIDTH_US = 2;
 
 /**

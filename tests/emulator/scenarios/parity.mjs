@@ -57,17 +57,22 @@ export function own(outcome, scenes, change = () => {}) {
   return { total, skew };
 }
 
-/** Built-in scenes without faults that the board can run: one of each mechanism or other machine with each drive. */
+/** Mechanism, or other machine, of a scene, and its drive. */
+function kindOf({ name, machine, axes }) {
+  return `${machine ? machine.mechanism ?? 'slider-crank' : name} ${axes.drive}`;
+}
+
+/** Built-in scenes without faults that the board can run: one of each kind that the bench's own scenes do not have. */
 function builtIn() {
-  const kinds = new Map();
-  for (const file of fs.readdirSync(BUILT_IN).sort()) {
-    const played = scene(path.join(BUILT_IN, file));
-    const { toml } = played;
-    const machine = toml.machine ? toml.machine.mechanism ?? 'slider-crank' : toml.name;
-    const kind = `${machine} ${toml.axes.drive}`;
-    if (!kinds.has(kind) && !toml.fault && !convert(played).refused) kinds.set(kind, played.name);
-  }
-  return [...kinds.values()];
+  const kinds = new Set(SCENES.map((name) => kindOf(scene(name).toml)));
+  const files = fs.readdirSync(BUILT_IN).sort().map((file) => path.join(BUILT_IN, file));
+  return files.filter((file) => {
+    const played = scene(file);
+    const kind = kindOf(played.toml);
+    if (kinds.has(kind) || played.toml.fault || convert(played).refused) return false;
+    kinds.add(kind);
+    return true;
+  });
 }
 
 function shortened({ program, segments = program }) {

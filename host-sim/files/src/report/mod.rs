@@ -91,7 +91,7 @@ pub struct Report<'a> {
     simulation: Option<SimulationReport<'a>>,
 }
 
-/// What the run was a run of.
+/// Origin of the run: a scene, or a controller.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 enum Source<'a> {

@@ -32,7 +32,7 @@ pub(super) struct Turned {
     pub acceleration_rad_s2: f64,
 }
 
-/// What moves a pusher.
+/// Cause of a pusher's motion.
 #[derive(Clone, Debug)]
 enum MovedBy {
     /// The law of its cam.
