@@ -190,7 +190,7 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
         }
         FaultName::LostSteps if !scene.resolved(axis).drive.kind().is_open_loop() => wrong(
             "axis",
-            format!("axis {axis} is no stepper, and has no steps for \"lost-steps\" to lose; give a stepper's"),
+            format!("axis {axis} is a servo, and \"lost-steps\" is a fault of steppers; give the axis of one"),
         ),
         FaultName::StepFifoUnderrun if !takes_pulses(axis) => wrong(
             "axis",
