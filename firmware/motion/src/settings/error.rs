@@ -212,17 +212,34 @@ fn whole_microsteps(most: f64) -> u32 {
 impl fmt::Display for Number {
     #[cold]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        use fmt::Write;
-        let mut digits = heapless::String::<32>::new();
-        let rounded = match write!(digits, "{:.11e}", self.0) {
-            Ok(()) => digits.parse().unwrap_or(self.0),
-            Err(_) => self.0,
-        };
+        let rounded = rounded_to_12_digits(self.0);
         if rounded != 0.0 && !(1e-4..1e9).contains(&rounded.abs()) {
             write!(f, "{rounded:e}")
         } else {
             write!(f, "{rounded}")
         }
+    }
+}
+
+/// Rounds to 12 decimal digits, from 1e-11 to 1e33: there the powers of ten are exact, so the result is the number that these digits
+/// mean. Parsing the printed digits would do the same, with 18 kB of code.
+#[cold]
+fn rounded_to_12_digits(value: f64) -> f64 {
+    let size = value.abs();
+    if !(1e-11..1e33).contains(&size) {
+        return value;
+    }
+    let mut power = 1.0;
+    if size < 1e11 {
+        while size * power < 1e11 {
+            power *= 10.0;
+        }
+        libm::round(value * power) / power
+    } else {
+        while size / power >= 1e12 {
+            power *= 10.0;
+        }
+        libm::round(value / power) * power
     }
 }
 
@@ -328,6 +345,37 @@ mod tests {
             ),
         ] {
             assert_eq!(said("x_mm", value, 0.0, 1.0), expected);
+        }
+    }
+
+    /// If this fails, a message shows another number than the one that was set, or digits that nobody wrote.
+    #[test]
+    fn decimals_of_up_to_twelve_digits_are_shown_as_they_are() {
+        let mut digits = 0x2545_F491_4F6C_DD1D_u64;
+        for exponent in -22..=20 {
+            for _ in 0..200 {
+                digits = digits
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                let written =
+                    std::format!("{}e{exponent}", 100_000_000_000 + digits % 900_000_000_000);
+                let value: f64 = written.parse().unwrap();
+                let nearby = [
+                    value,
+                    value * (1.0 + f64::EPSILON),
+                    value * (1.0 - f64::EPSILON),
+                ];
+                for off in nearby {
+                    assert_eq!(
+                        Number(off).to_string(),
+                        Number(value).to_string(),
+                        "{written}"
+                    );
+                    let shown: f64 = Number(off).to_string().parse().unwrap();
+                    let expected: f64 = std::format!("{off:.11e}").parse().unwrap();
+                    assert_eq!(shown, expected, "{written}");
+                }
+            }
         }
     }
 }

@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::net::TcpStream;
 
 use super::error::NoController;
-use super::transport::{READ_WAIT, Transport, quiet};
+use super::transport::{READ_WAIT, SEND_WAIT, Transport, quiet};
 use crate::address::Parts;
 
 pub(super) struct Tcp {
@@ -95,6 +95,7 @@ fn open_stream(address: &str) -> io::Result<TcpStream> {
     let stream = TcpStream::connect(address)?;
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(READ_WAIT))?;
+    stream.set_write_timeout(Some(SEND_WAIT))?;
     Ok(stream)
 }
 

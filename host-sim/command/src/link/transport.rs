@@ -1,9 +1,9 @@
 //! Lines to a controller: a serial port, a TCP connection, or a simulated controller in this process.
 
 use std::collections::VecDeque;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::net::IpAddr;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use cophase_link::frame::MAX_FRAME_BYTES;
 use cophase_link::server::Hub;
@@ -19,6 +19,9 @@ use serialport::SerialPort;
 
 /// Longest wait of a read for bytes.
 pub(super) const READ_WAIT: Duration = Duration::from_millis(5);
+
+/// Longest time in which a line takes no byte. A frame takes 90 ms at 9,600 baud, so the other end is gone or does not read.
+pub(super) const SEND_WAIT: Duration = Duration::from_millis(1500);
 
 /// A line that carries bytes both ways.
 pub(crate) trait Transport {
@@ -159,15 +162,7 @@ fn open_port(name: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
 
 impl Transport for Serial {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let mut rest = bytes;
-        while !rest.is_empty() {
-            match self.port()?.write(rest) {
-                Ok(count) => rest = &rest[count..],
-                Err(e) if e.kind() == io::ErrorKind::TimedOut => {}
-                Err(e) => return Err(e),
-            }
-        }
-        Ok(())
+        send_all(self.port()?, bytes, SEND_WAIT)
     }
 
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
@@ -181,7 +176,26 @@ impl Transport for Serial {
     }
 }
 
-/// Converts a timeout of a read to 0 bytes, as it is no error.
+/// Sends all bytes over a line whose writes end after a short wait. Fails if it takes none for `longest`.
+fn send_all(line: &mut impl Write, bytes: &[u8], longest: Duration) -> io::Result<()> {
+    let mut rest = bytes;
+    let mut since = Instant::now();
+    while !rest.is_empty() {
+        let count = quiet(line.write(rest))?;
+        if count > 0 {
+            rest = &rest[count..];
+            since = Instant::now();
+        } else if since.elapsed() >= longest {
+            return Err(io::Error::new(
+                io::ErrorKind::TimedOut,
+                format!("the line took no byte for {} ms", longest.as_millis()),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Converts a timeout of a read or write to 0 bytes, as it is no error.
 pub(super) fn quiet(read: io::Result<usize>) -> io::Result<usize> {
     match read {
         Err(e)
@@ -272,13 +286,42 @@ impl Transport for Simulated {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
-
     use cophase_link::message::Request;
     use cophase_link::sample::ALL_CHANNELS;
 
     use super::*;
     use crate::link::connection::{Connection, Incoming};
+
+    /// Line that takes some bytes, and then none.
+    struct Stalled(usize);
+
+    impl Write for Stalled {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let count = bytes.len().min(self.0).min(3);
+            self.0 -= count;
+            match count {
+                0 => Err(io::ErrorKind::TimedOut.into()),
+                count => Ok(count),
+            }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// If this fails, a command waits forever at a line whose other end does not read.
+    #[test]
+    fn a_line_that_takes_no_byte_is_given_up() {
+        let wait = Duration::from_millis(20);
+        assert!(send_all(&mut Stalled(10), &[0; 10], wait).is_ok());
+        let error = send_all(&mut Stalled(10), &[0; 11], wait).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::TimedOut);
+        assert!(
+            error.to_string().contains("took no byte for 20 ms"),
+            "{error}"
+        );
+    }
 
     #[test]
     fn a_wrong_address_is_answered_with_the_form_of_the_right_one() {
