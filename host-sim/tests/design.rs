@@ -3,7 +3,7 @@
 //! "Examples" are the source's embodiments 1 to 4, which take gravity as 10 m/s². "Calculated" figures
 //! are asserted to half a unit of the last place given, unless a tolerance is given with them.
 //!
-//! `cargo test -p host-sim --test design -- --nocapture` prints them all, with our figures beside the
+//! `cargo test -p host-sim --test integration design:: -- --nocapture` prints them all, with our figures beside the
 //! published ones.
 
 use std::f64::consts::TAU;

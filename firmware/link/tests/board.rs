@@ -1,15 +1,13 @@
 //! Conformance tests: each test checks one property of every board. `tests/emulator/run deadlines` shows that a board can run the
 //! settings that it accepts.
 
-mod support;
-
 use std::ops::Range;
 
+use crate::support::{self, settings};
 use cophase_core::settings::{AxisSettings, DriveKind};
 use cophase_core::units::MAX_AXES;
 use cophase_link::Settings;
 use cophase_link::board::{AnyBoard, BOARDS, Board, Rp2040, Unfit, check};
-use support::settings;
 
 /// A board that does not exist: with another clock and another cost, four axes, and encoder inputs for the first two.
 struct Fictitious;

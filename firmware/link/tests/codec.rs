@@ -1,14 +1,12 @@
 //! Encoding and decoding of settings files, and refusal of everything that is not one.
 
-mod support;
-
+use crate::support::{check, longest, settings};
 use cophase_link::board::{Board, Rp2040};
 use cophase_link::file_format::{HEADER_BYTES, MAX_PAYLOAD_BYTES, VERSION};
 use cophase_link::header::OUTSIDE;
 use cophase_link::store::settings_file_in;
 use cophase_link::{Header, MAX_FILE_BYTES, Settings, SettingsFileError, encode};
 use proptest::prelude::*;
-use support::{check, longest, settings};
 
 fn settings_file(settings: &Settings) -> Vec<u8> {
     let mut buffer = [0; MAX_FILE_BYTES];

@@ -1,5 +1,5 @@
 //! The bytes of every message, against a file. A change of these bytes breaks hosts and boards of other versions: it needs a
-//! new `message::VERSION`. `COPHASE_BLESS=1 cargo test -p cophase-link --test golden_messages` writes the file.
+//! new `message::VERSION`. `COPHASE_BLESS=1 cargo test -p cophase-link --test integration golden_messages` writes the file.
 
 use cophase_core::supervisor::{Fault, FaultKind};
 use cophase_core::units::{Phase, Turns};

@@ -1,11 +1,7 @@
 //! The link's server: access, files, events and statuses.
-#![allow(
-    clippy::result_large_err,
-    reason = "a refusal holds its text, as there is no heap"
-)]
 
-mod support;
-
+use crate::support::device::Effect;
+use crate::support::line::{Host, TestHub, hub};
 use cophase_core::supervisor::{Command, State};
 use cophase_link::frame::MAX_FRAME_BYTES;
 use cophase_link::message::{
@@ -13,8 +9,6 @@ use cophase_link::message::{
 };
 use cophase_link::sample::Sample;
 use cophase_link::server::ARMED_S;
-use support::device::Effect;
-use support::line::{Host, TestHub, hub};
 
 /// A host that has control.
 fn operator(hub: &mut TestHub) -> Host {

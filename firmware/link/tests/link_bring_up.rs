@@ -1,18 +1,12 @@
 //! Bring-up over the link, and the loss of the host.
-#![allow(
-    clippy::result_large_err,
-    reason = "a refusal holds its text, as there is no heap"
-)]
 
-mod support;
-
+use crate::support::device::{Effect, INPUTS};
+use crate::support::line::{Host, TestHub, hub};
 use cophase_core::settings::{HostLossReaction, HostLossSettings};
 use cophase_core::supervisor::{Command, State};
 use cophase_link::message::{ControlRequest, Event, File, Output, Refusal, ReplyBody, Request};
 use cophase_link::sample::flags;
 use cophase_link::server::{OUTPUT_MS, UNLOCKED_S};
-use support::device::{Effect, INPUTS};
-use support::line::{Host, TestHub, hub};
 
 const STEP: Request<'_> = Request::Output {
     output: Output::Step(2),

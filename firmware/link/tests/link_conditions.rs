@@ -1,13 +1,8 @@
 //! Every request in every state of the machine.
-#![allow(
-    clippy::result_large_err,
-    reason = "a refusal holds its text, as there is no heap"
-)]
-
-mod support;
 
 use std::collections::BTreeSet;
 
+use crate::support::line::{Host, hub};
 use cophase_core::supervisor::{
     Command, Fault, FaultKind, Reaction, SafetyInputs, State, Supervisor, SupervisorInput,
 };
@@ -15,7 +10,6 @@ use cophase_link::message::{
     ControlRequest, File, Output, Refusal, ReplyBody, Request, StopKind, VERSION,
 };
 use cophase_link::sample::flags;
-use support::line::{Host, hub};
 
 /// Situations: state, flags, and a letter. The machine is homed where it can be. A run is that of a program (`r`) or a jog (`j`); a machine
 /// is parked after homing (`p`) or after an interrupted one (`n`); a fault has the drives off (`f`), or they hold (`h`).

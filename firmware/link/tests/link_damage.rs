@@ -1,12 +1,10 @@
 //! Damage on the line: it has no effect, and is counted.
 
-mod support;
-
+use crate::support::device::Effect;
+use crate::support::line::{Host, hub};
 use cophase_link::client::Client;
 use cophase_link::frame::{MAX_FRAME_BYTES, MAX_PAYLOAD_BYTES};
 use cophase_link::message::{ControlRequest, File, Request, VERSION};
-use support::device::Effect;
-use support::line::{Host, hub};
 
 /// Frames of a session that loads a program, arms and starts, as bytes.
 fn session() -> (Client, Vec<u8>) {

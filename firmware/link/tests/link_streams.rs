@@ -1,14 +1,12 @@
 //! Streams of samples: exact, complete, or with every loss counted.
 
-mod support;
-
+use crate::support::device::{AXES, Effect, TICK_HZ};
+use crate::support::line::{Host, TestHub, hub};
 use cophase_core::settings::{HostLossReaction, HostLossSettings};
 use cophase_core::supervisor::{Command, State};
 use cophase_link::message::{ControlRequest, Message, ReplyBody, Request, StopKind};
 use cophase_link::sample::{ALL_CHANNELS, Channel, Sample, unpack};
 use proptest::prelude::*;
-use support::device::{AXES, Effect, TICK_HZ};
-use support::line::{Host, TestHub, hub};
 
 /// Samples with every value different.
 fn samples(count: u32, seed: u64) -> Vec<Sample> {

@@ -1,4 +1,4 @@
-//! The tables of messages in docs/link.md, against the types. `COPHASE_BLESS=1 cargo test -p cophase-link --test message_layout` writes
+//! The tables of messages in docs/link.md, against the types. `COPHASE_BLESS=1 cargo test -p cophase-link --test integration message_layout` writes
 //! them.
 
 use std::fmt::Write;
@@ -216,6 +216,6 @@ fn the_manual_has_the_layout_of_every_message() {
     }
     assert!(
         written == tables,
-        "docs/link.md differs; `COPHASE_BLESS=1 cargo test -p cophase-link --test message_layout` writes it"
+        "docs/link.md differs; `COPHASE_BLESS=1 cargo test -p cophase-link --test integration message_layout` writes it"
     );
 }

@@ -2,13 +2,11 @@
 //!
 //! After any cut the newest settings file is the one before or the one being stored, and it is intact.
 
-mod support;
-
+use crate::support::nor::{CUTS, Cut, Nor, PAGE, SECTOR};
+use crate::support::slots::{empty, newest, payload, save, settings_file};
 use cophase_link::Newest;
 use cophase_link::file_format::HEADER_BYTES;
 use proptest::prelude::*;
-use support::nor::{CUTS, Cut, Nor, PAGE, SECTOR};
-use support::slots::{empty, newest, payload, save, settings_file};
 
 /// Bytes that are erased and programmed when a settings file is stored in this flash.
 fn cost(flash: &Nor, settings_file: &[u8]) -> usize {

@@ -1,15 +1,13 @@
 //! Contents of the two slots, storing in them, and the choice of the settings to run.
 
-mod support;
-
+use crate::support::nor::{Nor, SECTOR};
+use crate::support::slots::{A, B, SLOT, empty, newest, payload, save, settings_file, slot};
 use cophase_link::file_format::{HEADER_BYTES, VERSION};
 use cophase_link::header::OUTSIDE;
 use cophase_link::{
     Choice, Header, Newest, SettingsFileError, Slot, Store, StoreError, choose, layout,
 };
 use embedded_storage::nor_flash::NorFlashErrorKind;
-use support::nor::{Nor, SECTOR};
-use support::slots::{A, B, SLOT, empty, newest, payload, save, settings_file, slot};
 
 #[test]
 fn saves_alternate_between_slots_and_the_last_is_newest() {

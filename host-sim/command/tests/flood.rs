@@ -1,11 +1,6 @@
 //! Floods of the live page's server, during each of which another page stops the machine. `COPHASE_FLOOD_S` sets the duration of each
 //! flood in seconds; by default they are short.
 
-#[path = "support/controller.rs"]
-mod controller;
-#[path = "support/served.rs"]
-mod served;
-
 use std::io::Write;
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,8 +11,8 @@ use std::time::{Duration, Instant};
 use cophase_link::message::{Event, EventRecord, Message as LinkMessage, ReplyBody, Request};
 use serde_json::{Value, json};
 
-use controller::Stored;
-use served::{Browser, SCENE, Served};
+use crate::support::controller::{self, Stored};
+use crate::support::served::{Browser, SCENE, Served};
 use tungstenite::Message;
 use tungstenite::protocol::frame::coding::{Data, OpCode};
 use tungstenite::protocol::frame::{Frame, FrameHeader};

@@ -1,12 +1,9 @@
 //! Controllers that lose replies or send impossible ones, and texts and addresses that are not what they seem.
 
-#[path = "support/controller.rs"]
-mod controller;
-
 use std::process::Output;
 
+use crate::support::controller::{self, Answer, Stored};
 use assert_cmd::Command;
-use controller::{Answer, Stored};
 use cophase_link::message::{
     Event, EventRecord, Identity, Name, Refusal, ReplyBody, Request, text,
 };

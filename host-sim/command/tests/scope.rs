@@ -1,10 +1,7 @@
 //! `cophase scope` over real sockets: which clients may connect, and which may command.
 
-#[path = "support/served.rs"]
-mod served;
-
+use crate::support::served::{SCENE, Served};
 use serde_json::json;
-use served::{SCENE, Served};
 use tungstenite::Message;
 
 const UPGRADE: [&str; 4] = [

@@ -1,7 +1,7 @@
 //! Checks of the solutions against which charts measure errors. Two methods of a library, which are not under test, solve each
 //! problem again.
 //!
-//! `cargo test -p cophase-lab --test references -- --nocapture` prints how far they differ from each other.
+//! `cargo test -p cophase-lab --test integration references:: -- --nocapture` prints how far they differ from each other.
 
 use cophase_lab::chart::methods::problems::{self, Problem, STICK_SLIP_S};
 use cophase_methods::Equations;

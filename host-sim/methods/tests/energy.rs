@@ -4,8 +4,6 @@
 //! to hω/2 for symplectic Euler. It must not drift over the run. So the energy is averaged over 100 periods at the start and
 //! at the end ([`Ends`]).
 
-mod support;
-
 use core::f64::consts::TAU;
 
 use cophase_methods::drift::Ends;

@@ -1,7 +1,5 @@
 //! Run-up of the vibrating screen through its resonance, against the figures computed for its source.
 
-mod support;
-
 use core::f64::consts::TAU;
 
 use cophase_methods::Scheme;

@@ -4,13 +4,11 @@
 //! stability polynomial), [`Scheme::stability_limit`], which bisects eigenvalues of the measured matrix, and long runs a hundredth inside
 //! and outside.
 
-mod support;
-
+use crate::support::play;
 use cophase_methods::problems::Oscillator;
 use cophase_methods::stability::{GROWTH, LARGEST_H_OMEGA};
 use cophase_methods::{Scheme, Unstable};
 use num_complex::Complex;
-use support::play;
 
 /// Largest stable hω by theory, for ζ below 1/2; `None` if there is no limit.
 fn theory(scheme: Scheme, zeta: f64) -> Option<f64> {

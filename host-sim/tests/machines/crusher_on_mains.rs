@@ -1,6 +1,6 @@
 //! Jaw crusher, compared with the figures of its source and with those computed independently.
 //!
-//! `cargo test -p cophase-methods --test crusher -- --nocapture` prints both.
+//! `cargo test -p host-sim --test integration crusher_on_mains -- --nocapture` prints both.
 
 use std::f64::consts::TAU;
 

@@ -1,9 +1,4 @@
 //! Settings for encoding, and two slots in a flash whose power can be cut.
-#![allow(dead_code, reason = "each test uses its part")]
-#![allow(
-    clippy::result_large_err,
-    reason = "a refusal holds its text, as there is no heap"
-)]
 
 pub mod device;
 pub mod line;

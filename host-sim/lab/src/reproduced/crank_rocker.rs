@@ -50,7 +50,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     Ok(Section {
         title: "Crank-rocker with a screw",
         source: "Russian paper of 2013. Its linkage has a swing of 60°, a pressure angle of 20° and a time ratio of 0.9.",
-        command: "cargo test -p host-sim --test machines crank_rocker -- --nocapture",
+        command: "cargo test -p host-sim --test integration crank_rocker -- --nocapture",
         figures: vec![
             Figure::new(
                 1,

@@ -35,7 +35,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     Ok(Section {
         title: "Suspended five-bar arm",
         source: "Paper of 2000, in Chinese translation. Its tables and most of its equations are lost, so that links and gains are assumed.",
-        command: "cargo test -p host-sim --test machines five_bar -- --nocapture",
+        command: "cargo test -p host-sim --test integration five_bar -- --nocapture",
         figures: vec![
             Figure::new(
                 1,

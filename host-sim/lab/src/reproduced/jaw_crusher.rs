@@ -67,7 +67,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     Ok(Section {
         title: "Jaw crusher",
         source: "Chinese paper on its flywheel. The links are lost; their assumptions are in `host-sim/src/machines/crusher/mains/mod.rs`.",
-        command: "cargo test -p host-sim --test machines -- --nocapture",
+        command: "cargo test -p host-sim --test integration machines:: -- --nocapture",
         figures: vec![
             Figure::new(
                 1,

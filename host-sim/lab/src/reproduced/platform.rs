@@ -71,7 +71,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     Ok(Section {
         title: "Slider-crank platform",
         source: "Chinese patent on a mixing platform. Its four examples take gravity as 10 m/s².",
-        command: "cargo test -p host-sim --test design --test published -- --nocapture",
+        command: "cargo test -p host-sim --test integration -- design published --nocapture",
         figures: vec![
             Figure::new(
                 1,

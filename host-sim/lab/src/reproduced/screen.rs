@@ -70,7 +70,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     Ok(Section {
         title: "Self-centring screen",
         source: "Chinese thesis on a railway screen. It mixes a design of 4 mm and one of 5 mm; where nothing else is said, these are those of 5 mm.",
-        command: "cargo test -p host-sim -p cophase-methods --test machines --test screen screen -- --nocapture",
+        command: "cargo test -p host-sim -p cophase-methods --test integration screen -- --nocapture",
         figures: vec![
             Figure::new(
                 1,

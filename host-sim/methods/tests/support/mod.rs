@@ -1,5 +1,4 @@
 //! Helpers that several tests share.
-#![allow(dead_code, reason = "each test takes what it needs")]
 
 use cophase_methods::{Equations, Scheme, StepError, advance};
 
@@ -17,12 +16,4 @@ pub fn play<const N: usize>(
     let mut y = start;
     advance(method.as_mut(), equations, 0.0, steps, &mut y)?;
     Ok(y)
-}
-
-/// Largest difference of two states, component by component.
-pub fn difference<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
 }

@@ -8,7 +8,8 @@ use cophase_methods::problems::{Cam, Chain, Law, Shaft};
 use cophase_methods::{Equations, Scheme, advance};
 use cophase_references::reference;
 
-use super::support::{difference, play};
+use super::difference;
+use super::support::play;
 
 fn assert_within(what: &str, is: f64, must: f64, relative: f64) {
     println!("{what}: {is:.6}, published {must}");

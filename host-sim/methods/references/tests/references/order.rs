@@ -11,7 +11,8 @@ use cophase_methods::{Needs, Scheme};
 use cophase_references::reference;
 use cophase_references::slope::Slope;
 
-use super::support::{difference, play};
+use super::difference;
+use super::support::play;
 
 /// Permitted difference between a slope and the order.
 const MARGIN: f64 = 0.1;

@@ -6,7 +6,8 @@ use cophase_methods::problems::{Andrews, BouncingBall, Hires, VanDerPol};
 use cophase_methods::{Equations, Scheme, StepError};
 use cophase_references::reference;
 
-use super::support::{difference, play};
+use super::difference;
+use super::support::play;
 
 fn andrews_start() -> [f64; 14] {
     let mut start = [0.0; 14];

@@ -7,7 +7,7 @@ mod five_bar_arm;
 mod flywheel;
 mod screen;
 
-/// Compares a figure with a published one. `cargo test -p host-sim --test machines -- --nocapture` prints both.
+/// Compares a figure with a published one. `cargo test -p host-sim --test integration machines:: -- --nocapture` prints both.
 #[track_caller]
 fn assert_near(what: &str, ours: f64, theirs: f64, tolerance: f64) {
     println!("{what}: {ours}, published {theirs}");

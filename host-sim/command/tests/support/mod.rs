@@ -1,0 +1,4 @@
+//! Controllers and pages for tests of the link.
+
+pub mod controller;
+pub mod served;
