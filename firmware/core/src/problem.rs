@@ -47,10 +47,6 @@ pub enum Problem {
     )]
     NotWholeMicroseconds(u32),
     #[error(
-        "{} µs is over a quarter of a tick, {} µs, so that a pulse could be known only two ticks later; shorten it, or lower control.tick_hz", Number(*width_us), Number(*most_us)
-    )]
-    IndexTooLong { width_us: f64, most_us: f64 },
-    #[error(
         "the axis would turn {turns_per_tick:.3} turns a tick at full speed; 0.5 is the most that an index pulse a turn can follow; raise control.tick_hz, or lower limits.speed_hz or the ratio"
     )]
     TooFastForTick { turns_per_tick: f64 },
@@ -127,10 +123,6 @@ pub enum Problem {
         "the motors of this machine would need more than 30,000 N·m at full speed; lower limits.speed_hz, load_kg or crank_radius_mm"
     )]
     TorqueTooLarge,
-    #[error(
-        "{}° is outside -{} to {}°; trim less, or raise axes.trim_limit_deg", Number(*trim_deg), Number(*limit_deg), Number(*limit_deg)
-    )]
-    TrimBeyondLimit { trim_deg: f64, limit_deg: f64 },
     #[error(
         "the cranks of one platform make the master's own turns, or the platform tilts and its amplitude is not the program's; for a belt or \
          gearbox give gear = [motor turns, crank turns], and leave this out"

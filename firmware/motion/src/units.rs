@@ -10,6 +10,9 @@
 
 use fixed::types::{I16F16, I16F48, U16F48};
 
+/// Standard gravity, m/s².
+pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
+
 /// Greatest number of axes of a machine; the smallest is 1.
 pub const MAX_AXES: usize = 6;
 

@@ -46,6 +46,13 @@ pub fn percent(fraction: f64) -> String {
     format!("{value:.decimals$} %")
 }
 
+/// Rounds to hundredths, or to three digits if that is finer.
+pub(crate) fn hundredths(value: f64, round: impl Fn(f64) -> f64) -> f64 {
+    let digits = (2.0 - value.abs().max(1e-12).log10().floor()).max(2.0);
+    let scale = 10_f64.powf(digits);
+    round(value * scale) / scale
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

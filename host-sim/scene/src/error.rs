@@ -7,6 +7,9 @@ use cophase_core::problem::{Problem, SettingsError};
 use super::file::Machine;
 use super::{entry, range};
 
+/// Limit of errors that are reported together. With more, it is probably the wrong file.
+const MOST: usize = 10;
+
 /// Error of a scene: the file, the key, the problem, and the fix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneError {
@@ -37,10 +40,11 @@ impl SceneError {
         }
     }
 
-    /// Joins several errors of a file. `None` if there is none.
+    /// Joins errors of a file, up to ten by their lines. `None` if there is none.
     pub fn together(mut errors: Vec<Self>) -> Option<Self> {
         // Errors without a line, such as missing keys, come last.
         errors.sort_by_key(|error| error.line.unwrap_or(usize::MAX));
+        errors.truncate(MOST);
         let others = errors.split_off(errors.len().min(1));
         let first = errors.pop()?;
         Some(Self { others, ..first })

@@ -1,11 +1,12 @@
 //! Rows of all keys of a scene, and what follows from them for readers: examples, the tables of the manual, and a JSON Schema for editors.
 
 use cophase_core::problem::Problem;
-use cophase_core::settings::key::{Absent, Key, Kind};
+use cophase_core::settings::key::{Absent, Key, Kind, Product};
 use serde_json::{Map, Value, json};
 use toml::Table;
 use toml::de::{DeTable, DeValue};
 
+use crate::digits::{hundredths, plain};
 use crate::file::Scene;
 
 /// Rows of a table, or of the tables in a list.
@@ -184,7 +185,7 @@ fn property(row: &Key) -> Value {
 /// Returns the schema of a value of a key, or of an entry in its list.
 fn form(row: &Key, kind: &Kind) -> Value {
     match kind {
-        Kind::Number if row.high == f64::MAX => json!({ "type": "number" }),
+        Kind::Number if row.is_open() => json!({ "type": "number" }),
         Kind::Number => json!({ "type": "number", "minimum": row.low, "maximum": row.high }),
         Kind::Whole(least, most) => json!({
             "type": "integer",
@@ -212,14 +213,40 @@ fn form(row: &Key, kind: &Kind) -> Value {
 /// Returns the sentences of a row, and its range with the unit.
 fn sentences(row: &Key) -> String {
     let doc = row.doc.trim();
-    if row.high == f64::MAX {
+    if row.is_open() {
         return doc.to_owned();
     }
     let unit = match Problem::unit(row.name) {
         unit if unit.is_empty() || unit.starts_with('°') => unit.to_owned(),
         unit => format!(" {unit}"),
     };
-    format!("{doc} {} to {}{unit}", row.low, row.high)
+    let [low, high] = [row.low, row.high].map(|end| plain(hundredths(end, f64::round)));
+    let narrower = [("at least", row.at_least), ("at most", row.at_most)]
+        .into_iter()
+        .filter_map(|(word, product)| Some(format!(", {word} {}", formula(product?))));
+    format!(
+        "{doc} {low} to {high}{unit}{}",
+        narrower.collect::<String>()
+    )
+}
+
+/// Returns a product as a formula: `0.5 × screen.length_mm`.
+fn formula(product: Product) -> String {
+    let factor = plain(hundredths(product.factor, f64::round));
+    let power = |&(key, power): &(&str, i32)| {
+        let sign = if power > 0 { '×' } else { '/' };
+        let raised = match power.abs() {
+            1 => "",
+            2 => "²",
+            _ => "³",
+        };
+        format!(" {sign} {key}{raised}")
+    };
+    let whole = format!(
+        "{factor}{}",
+        product.keys.iter().map(power).collect::<String>()
+    );
+    whole.trim_start_matches("1 × ").to_owned()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use cophase_core::problem::{Problem, SettingsError};
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape as ProgramShape};
 
 use crate::SceneError;
+use crate::digits::hundredths;
 use crate::file::{self, Segment};
 use crate::units::STANDARD_GRAVITY_MPS2;
 
@@ -77,20 +78,9 @@ pub fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> 
     })
 }
 
-/// Rounds to hundredths, or to three digits if that is finer.
-fn hundredths(value: f64, round: impl Fn(f64) -> f64) -> f64 {
-    let digits = (2.0 - value.max(1e-12).log10().floor()).max(2.0);
-    let scale = 10_f64.powf(digits);
-    round(value * scale) / scale
-}
-
 /// Converts a problem with a level from the core's m/s² into the file's g.
 fn in_g(key: String, problem: Problem) -> SceneError {
     let g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
-    if let Some((value, low, high)) = problem.range() {
-        let high = (g(high) * 10.0).floor() / 10.0;
-        return SceneError::of(key, Problem::out_of_range(g(value), g(low), high));
-    }
     match problem {
         Problem::LevelOutOfReach {
             requested_mps2,

@@ -6,8 +6,9 @@
 use core::f64::consts::TAU;
 
 use cophase_core::problem::Problem;
+use cophase_core::settings::key::{Key, Product};
 
-use crate::digits::plain;
+use crate::digits::{hundredths, plain};
 use crate::keys;
 use crate::units::STANDARD_GRAVITY_MPS2;
 
@@ -55,6 +56,51 @@ pub fn sentence(key: &str, problem: Problem, reason: Option<&str>) -> String {
         String::new()
     };
     format!("{}{reason}{fix}", problem.of(key))
+}
+
+/// Returns the message for a number that is out of the range of its key; `number` has those of other keys.
+pub(crate) fn outside_of(
+    path: &str,
+    key: &Key,
+    value: f64,
+    number: impl Fn(&str) -> Option<f64>,
+) -> Option<String> {
+    let (low, high) = key.ends(number);
+    if key.is_open() || (low..=high).contains(&value) {
+        return None;
+    }
+    // An end that is computed is written in few digits, inside the range so that the advised value is accepted.
+    let shown = |end: f64, product: Option<Product>, is_own: bool, round: fn(f64) -> f64| {
+        let is_computed = product.is_some_and(|product| product.factor.abs() != 1.0);
+        if is_own || !is_computed {
+            end
+        } else {
+            hundredths(end, round)
+        }
+    };
+    let shown_low = shown(low, key.at_least, low == key.low, f64::ceil);
+    let shown_high = shown(high, key.at_most, high == key.high, f64::floor);
+    let problem = Problem::out_of_range(value, shown_low, shown_high);
+    let by_others = match value > high {
+        true => key.at_most.filter(|_| high != key.high),
+        false => key.at_least.filter(|_| low != key.low),
+    };
+    let others = by_others.filter(|_| value.is_finite()).map(|product| {
+        let wider = if value > high { 1.0 } else { -1.0 };
+        [("raise", 1.0), ("lower", -1.0)]
+            .map(|(word, sign)| {
+                let moves = |power: i32| sign * wider * product.factor * f64::from(power) > 0.0;
+                let keys = product.keys.iter().filter(|(_, power)| moves(*power));
+                let keys: Vec<_> = keys.map(|&(key, _)| key).collect();
+                match keys[..] {
+                    [] => String::new(),
+                    _ => format!(", or {word} {}", keys.join(" or ")),
+                }
+            })
+            .concat()
+    });
+    let sentence = sentence(path, problem, key.reason);
+    Some(format!("{sentence}{}", others.unwrap_or_default()))
 }
 
 /// Returns the fix for a finite value out of its range.

@@ -1,10 +1,8 @@
 //! Units, and conversion of the core's numbers into units for people. `fixed`'s own conversions are exact for every type, and slow. These
 //! are for few types, and run in every tick.
 
+pub use cophase_core::units::STANDARD_GRAVITY_MPS2;
 use cophase_core::units::{Amax, ONE_TURN, Torque, Turns};
-
-/// Standard gravity, m/s².
-pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 
 /// Turns as a float; exact below 32 turns.
 #[inline]

@@ -72,15 +72,18 @@ pub(super) fn fill(scene: &mut Scene) {
     }
 }
 
-/// Checks all faults against the scene, apart from what depends on the model level.
-pub(super) fn check(scene: &Scene) -> Result<(), SceneError> {
-    check_noise(&scene.noise, &scene.axes)?;
-    for (i, fault) in scene.fault.iter().enumerate() {
+/// Checks the noise and all faults against the scene, apart from what depends on the model level. Returns the first error of each.
+pub(super) fn check(scene: &Scene) -> Vec<SceneError> {
+    let faults = scene.fault.iter().enumerate().map(|(i, fault)| {
         check_keys(i, fault)?;
         check_numbers(i, fault)?;
-        check_axes(i, fault, scene)?;
-    }
-    Ok(())
+        check_axes(i, fault, scene)
+    });
+    let noise = check_noise(&scene.noise, &scene.axes);
+    std::iter::once(noise)
+        .chain(faults)
+        .filter_map(Result::err)
+        .collect()
 }
 
 fn check_noise(noise: &Noise, axes: &Axes) -> Result<(), SceneError> {

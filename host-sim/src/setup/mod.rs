@@ -10,7 +10,7 @@ mod load;
 mod numbers;
 mod settings;
 
-use cophase_core::problem::{Problem, SettingsError};
+use cophase_core::problem::Problem;
 use cophase_link::board;
 use cophase_scene::file::{Fidelity, Scene};
 use cophase_scene::{SceneError, program, range};
@@ -28,24 +28,13 @@ impl Checked {
     /// Checks a scene.
     ///
     /// # Errors
-    /// First error, with its key and the fix. It has no origin yet.
+    /// The errors of entries and tables, or the first error of their combination, with their keys and fixes. They have no origin yet.
     pub fn new(mut scene: Scene) -> Result<Self, SceneError> {
         faults::fill(&mut scene);
-        // All others count the axes.
         let table = table(&scene)?;
-        check_first(&*table, &scene)?;
-        numbers::check_gears(&scene)?;
-        table.fill(&mut scene)?;
-        for (entry, overrides) in scene.axis.iter().enumerate() {
-            numbers::check_overrides(&scene, entry, overrides)?;
-        }
+        let program = fill(&*table, &mut scene)?;
         cam_table::check_axes(&scene, &*table)?;
         let Made { settings, machine } = table.make(&scene)?;
-        PullOut::new(&scene.axes.pull_out)?;
-        numbers::check_times(&scene)?;
-        faults::check(&scene)?;
-        numbers::check_bands(&scene.limits)?;
-        let program = program::flat(&scene.program)?;
         let mut checked = Self {
             settings: settings::settings(
                 &scene,
@@ -94,18 +83,29 @@ impl Checked {
     }
 }
 
-/// Checks the number of axes, and the numbers of the limits that depend on no other table.
+/// Fills in what follows from the machine's table, and checks what concerns single entries and tables, whether or not the others are right.
+/// Returns the entries of the program.
 ///
 /// # Errors
-/// All of these that are wrong.
-fn check_first(table: &dyn Table, scene: &Scene) -> Result<(), SceneError> {
-    let tick_hz = f64::from(scene.control.tick_hz);
-    let ramps = settings::limits(&scene.limits).check_ramps(tick_hz);
-    let ramps = ramps.unwrap_or_else(|error| [Err(error), Ok(0.0)]);
-    let ramps = ramps.into_iter().filter_map(Result::err);
-    let ramps = ramps.map(SettingsError::from).map(SceneError::from);
-    let errors = ramps.chain(check_count(table, scene.axes.count).err());
-    SceneError::together(errors.collect()).map_or(Ok(()), Err)
+/// All of these that are wrong. What counts the axes is checked only if their number is right.
+fn fill(table: &dyn Table, scene: &mut Scene) -> Result<Vec<program::Placed>, SceneError> {
+    let mut errors = numbers::check_tables(scene);
+    let filled = check_count(table, scene.axes.count).and_then(|()| table.fill(scene));
+    let mut entries = Vec::new();
+    match filled {
+        Ok(()) => {
+            errors.extend(numbers::check_overrides(scene));
+            errors.extend(faults::check(scene));
+            errors.extend(numbers::check_bands(&scene.limits).err());
+            errors.extend(PullOut::new(&scene.axes.pull_out).err());
+            match program::flat(&scene.program) {
+                Ok(flat) => entries = flat,
+                Err(error) => errors.push(error),
+            }
+        }
+        Err(error) => errors.push(error),
+    }
+    SceneError::together(errors).map_or(Ok(entries), Err)
 }
 
 /// Checks the number of axes.
@@ -125,23 +125,12 @@ fn check_count(table: &dyn Table, count: usize) -> Result<(), SceneError> {
     Err(SceneError::at("axes.count", problem))
 }
 
-/// Returns the table of the scene's one machine.
+/// Returns the table of the scene's machine. The reader refuses a second one.
 fn table(scene: &Scene) -> Result<Box<dyn Table>, SceneError> {
-    let mut tables = machines::tables(scene);
-    let Some(table) = tables.next() else {
-        return Err(SceneError::at(
+    machines::tables(scene).next().ok_or_else(|| {
+        SceneError::at(
             "machine",
             "missing; give [machine], cranks under a platform, or [cam], a cam shaft with its follower on each axis, or [screen], [crusher] or [five_bar]",
-        ));
-    };
-    match tables.next() {
-        None => Ok(table),
-        Some(other) => Err(SceneError::at(
-            other.key(),
-            format!(
-                "given together with [{}]; a scene has one machine: leave one out",
-                table.key()
-            ),
-        )),
-    }
+        )
+    })
 }

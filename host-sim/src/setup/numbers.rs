@@ -1,16 +1,20 @@
 //! Checks of a scene's values that the core does not have, or has in another form.
 
-use cophase_core::settings::{MAX_BANDS, Transmission};
+use cophase_core::settings::MAX_BANDS;
 use cophase_scene::SceneError;
-use cophase_scene::file::{self, AxisOverrides, Scene};
+use cophase_scene::file::{self, AxisOverrides, Scene, Scope};
 
 use crate::drives::{DriveModel, check_keys};
 
-pub(super) fn check_overrides(
-    scene: &Scene,
-    entry: usize,
-    overrides: &AxisOverrides,
-) -> Result<(), SceneError> {
+/// Checks the entries of `[[axis]]`. Returns the first error of each.
+pub(super) fn check_overrides(scene: &Scene) -> Vec<SceneError> {
+    let entries = scene.axis.iter().enumerate();
+    entries
+        .filter_map(|(entry, own)| check_axis(scene, entry, own).err())
+        .collect()
+}
+
+fn check_axis(scene: &Scene, entry: usize, overrides: &AxisOverrides) -> Result<(), SceneError> {
     let key = |name: &str| format!("axis[{entry}].{name}");
     if overrides.number >= scene.axes.count {
         return Err(SceneError::at(
@@ -46,57 +50,32 @@ pub(super) fn check_overrides(
     ))
 }
 
-/// Checks belts and gearboxes alone, as the models of all machines divide by them.
-pub(super) fn check_gears(scene: &Scene) -> Result<(), SceneError> {
-    let own = scene.axis.iter().enumerate();
-    let own = own.filter_map(|(entry, own)| Some((format!("axis[{entry}].gear"), own.gear?)));
-    for (key, gear) in std::iter::once(("axes.gear".to_owned(), scene.axes.gear)).chain(own) {
-        let most = Transmission::MAX_TURNS;
-        if [gear.0, gear.1]
-            .iter()
-            .any(|turns| !(1..=most).contains(turns))
-        {
-            let problem = format!(
-                "[{}, {}] is not [motor turns, crank turns] of 1 to {most} each; a belt from 57 teeth on the crank to 11 on the motor is \
-                 [57, 11]",
-                gear.0, gear.1
-            );
-            return Err(SceneError::at(key, problem));
-        }
-    }
-    Ok(())
-}
-
-pub(super) fn check_times(scene: &Scene) -> Result<(), SceneError> {
+/// Checks tables whose keys depend on no other table. Returns all errors.
+pub(super) fn check_tables(scene: &Scene) -> Vec<SceneError> {
+    let mut errors = Vec::new();
+    let mut refuse = |key: &str, problem: String| errors.push(SceneError::at(key, problem));
     if scene.link.timeout_s == 0.0 && scene.link.reaction != file::LossReaction::Stop {
         let problem = "has no effect without link.timeout_s, the time without a frame after which the host is lost; give it, or leave both out";
-        return Err(SceneError::at("link.reaction", problem));
+        refuse("link.reaction", problem.to_owned());
     }
-    if scene.limits.band.len() > MAX_BANDS {
-        return Err(SceneError::at(
-            "limits.band",
-            format!(
-                "{} bands are more than the {MAX_BANDS} that the shaft keeps; join neighbours",
-                scene.limits.band.len()
-            ),
-        ));
-    }
-    if let Some(scope) = scene.scope
-        && scope.to_s <= scope.from_s
+    if let Some(Scope { from_s, to_s }) = scene.scope
+        && to_s <= from_s
     {
-        return Err(SceneError::at(
-            "scope.to_s",
-            format!(
-                "{} is not after scope.from_s = {}; swap or part them",
-                scope.to_s, scope.from_s
-            ),
-        ));
+        let problem = format!("{to_s} is not after scope.from_s = {from_s}; swap or part them");
+        refuse("scope.to_s", problem);
     }
-    Ok(())
+    errors
 }
 
 /// Checks forbidden bands as a whole. The core would report one edge at a time.
 pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
+    let bands = limits.band.len();
+    if bands > MAX_BANDS {
+        let problem = format!(
+            "{bands} bands are more than the {MAX_BANDS} that the shaft keeps; join neighbours"
+        );
+        return Err(SceneError::at("limits.band", problem));
+    }
     for (i, band) in limits.band.iter().enumerate() {
         if band.from_hz <= limits.homing_speed_hz && band.to_hz >= limits.speed_hz {
             return Err(SceneError::at(

@@ -11,10 +11,21 @@ use super::follower::Follower;
 use super::spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};
 use crate::problem::{Problem, SettingsError};
 use crate::units::{ONE_TURN, Phase, Turns};
+use cophase_motion::settings::key::{Key, or};
 use cophase_motion::settings::{self as motion, inside, turns};
 
 /// Greatest position and net travel of a table, turns, and greatest slope.
 const MOST_TURNS: f64 = 1000.0;
+
+/// `cam_table.net_turns`
+pub const NET_TURNS: Key = or(0.0).from(-MOST_TURNS, MOST_TURNS);
+/// `cam_table.max_speed_hz`: no usual motor of a positioning drive turns faster than the default.
+pub const MAX_SPEED_HZ: Key = or(100.0).from(1e-3, 1e3);
+/// `cam_table.max_acceleration_hz_per_s`: a usual servo motor reaches twice the default without a load.
+pub const MAX_ACCELERATION_HZ_PER_S: Key = or(10_000.0).from(1e-3, 1e9);
+/// `axis.cam_shift_deg`
+pub const CAM_SHIFT_DEG: Key = or(0.0).from(-360.0, 360.0);
+
 /// Greatest second derivative, turns per turn²: 48 fraction bits and a sign leave 15 bits.
 const MOST_BEND: f64 = 30_000.0;
 /// Roughness of a closing step that is a jump, over that of the table without it.
@@ -27,21 +38,21 @@ const ROUNDING_TURNS: f64 = 2e-6;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct CamSettings {
-    /// Whole turns of the axis in one turn of the master, −1000 to 1000; 0 if the axis comes back.
+    /// Whole turns of the axis in one turn of the master, in the range of [`NET_TURNS`]; 0 if the axis comes back.
     pub net_turns: i32,
-    /// Limit on the speed of an axis that follows the table, rev/s, 0.001 to 1000.
+    /// Limit on the speed of an axis that follows the table, rev/s, in the range of [`MAX_SPEED_HZ`].
     pub max_speed_hz: f64,
-    /// Limit on the acceleration of an axis that follows the table, rev/s², 0.001 to 10⁹.
+    /// Limit on the acceleration of an axis that follows the table, rev/s², in the range of [`MAX_ACCELERATION_HZ_PER_S`].
     pub max_acceleration_hz_per_s: f64,
     /// Positions at equally spaced phases of the master from 0 on, turns, −1000 to 1000. 4 to [`MAX_CAM_POINTS`] points.
     pub points_turns: heapless::Vec<f64, MAX_CAM_POINTS>,
 }
 
 impl CamSettings {
-    /// Speed limit of an axis whose own is not given, rev/s: no usual motor of a positioning drive turns faster.
-    pub const USUAL_MAX_SPEED_HZ: f64 = 100.0;
-    /// Acceleration limit of an axis whose own is not given, rev/s²: a usual servo motor reaches twice as much without a load.
-    pub const USUAL_MAX_ACCELERATION_HZ_PER_S: f64 = 10_000.0;
+    /// Speed limit of an axis whose own is not given, rev/s.
+    pub const USUAL_MAX_SPEED_HZ: f64 = MAX_SPEED_HZ.number();
+    /// Acceleration limit of an axis whose own is not given, rev/s².
+    pub const USUAL_MAX_ACCELERATION_HZ_PER_S: f64 = MAX_ACCELERATION_HZ_PER_S.number();
 
     /// Checks every number, and that the table keeps to its axes' limits when the master reaches `master`: rev/s, rev/s², rev/s³.
     ///
@@ -53,17 +64,14 @@ impl CamSettings {
         let (least, most) = (LEAST_CAM_POINTS as f64, MAX_CAM_POINTS as f64);
         inside("cam_table.points", count, least, most)?;
         let net_turns = f64::from(self.net_turns);
-        inside("cam_table.net_turns", net_turns, -MOST_TURNS, MOST_TURNS)?;
+        NET_TURNS.check("cam_table.net_turns", net_turns)?;
         for &point in &self.points_turns {
             inside("cam_table.points", point, -MOST_TURNS, MOST_TURNS)?;
         }
-        inside("cam_table.max_speed_hz", self.max_speed_hz, 1e-3, 1e3)?;
-        let acceleration = self.max_acceleration_hz_per_s;
-        inside(
+        MAX_SPEED_HZ.check("cam_table.max_speed_hz", self.max_speed_hz)?;
+        MAX_ACCELERATION_HZ_PER_S.check(
             "cam_table.max_acceleration_hz_per_s",
-            acceleration,
-            1e-3,
-            1e9,
+            self.max_acceleration_hz_per_s,
         )?;
         self.check_closing()?;
         let (slope, bend) = self.steepest();
@@ -189,12 +197,7 @@ impl CamTableSettings {
                 Problem::NoSuchCam { table, tables },
             ));
         }
-        inside(
-            "axes.cam_shift_deg",
-            self.shift_turns * 360.0,
-            -360.0,
-            360.0,
-        )?;
+        CAM_SHIFT_DEG.check("axes.cam_shift_deg", self.shift_turns * 360.0)?;
         Ok(())
     }
 

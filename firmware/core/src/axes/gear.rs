@@ -9,16 +9,21 @@ use super::follower::Follower;
 use crate::functions::Ratio;
 use crate::problem::SettingsError;
 use crate::units::Turns;
-use cophase_motion::settings::inside;
+use cophase_motion::settings::key::{Key, or_value};
+
+/// `axes.ratio`
+pub const RATIO: Key = or_value("[1, 1]")
+    .from(1.0, 1000.0)
+    .of_parts(&["numerator", "denominator"]);
 
 /// Gear ratio of an axis, turns of the axis per turn of the master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct GearSettings {
-    /// Turns of the axis, 1 to 1000.
+    /// Turns of the axis, in the range of [`RATIO`].
     pub numerator: u32,
-    /// Turns of the master, 1 to 1000.
+    /// Turns of the master, in the range of [`RATIO`].
     pub denominator: u32,
 }
 
@@ -29,18 +34,8 @@ impl GearSettings {
     /// The first number that is out of range.
     #[cold]
     pub fn check(&self, _: &[CamSettings]) -> Result<(), SettingsError> {
-        inside(
-            "axes.ratio numerator",
-            f64::from(self.numerator),
-            1.0,
-            1000.0,
-        )?;
-        inside(
-            "axes.ratio denominator",
-            f64::from(self.denominator),
-            1.0,
-            1000.0,
-        )?;
+        RATIO.check("axes.ratio numerator", f64::from(self.numerator))?;
+        RATIO.check("axes.ratio denominator", f64::from(self.denominator))?;
         Ok(())
     }
 

@@ -17,8 +17,11 @@ mod spline;
 
 pub use any_follower::{AnyFollower, FollowerSettings};
 pub use bounds::Bounds;
-pub use cam_table::{CamSettings, CamTable, CamTableSettings};
+pub use cam_table::{
+    CAM_SHIFT_DEG, CamSettings, CamTable, CamTableSettings, MAX_ACCELERATION_HZ_PER_S,
+    MAX_SPEED_HZ, NET_TURNS,
+};
 pub use cams::{Cams, MAX_CAMS, NO_CAMS};
 pub use follower::Follower;
-pub use gear::{Gear, GearSettings};
+pub use gear::{Gear, GearSettings, RATIO};
 pub use spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};

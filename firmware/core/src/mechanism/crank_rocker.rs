@@ -21,18 +21,25 @@ use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::{isqrt, sine_cosine};
 use crate::problem::{Problem, SettingsError};
 use crate::units::{Amax, Turns};
-use cophase_motion::settings::inside;
+use cophase_motion::settings::key::{Key, optional};
+
+/// `machine.crank_ratio`
+pub const CRANK_RATIO: Key = optional("0.4852094").from(0.1, 0.9);
+/// `machine.coupler_ratio`
+pub const COUPLER_RATIO: Key = optional("1.5402148").from(0.3, 2.7);
+/// `machine.ground_ratio`
+pub const GROUND_RATIO: Key = optional("1.927919").from(0.3, 2.7);
 
 /// Settings of the crank-rocker: lengths over the rocker's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct CrankRockerSettings {
-    /// Length of the crank, 0.1 to 0.9.
+    /// Length of the crank, in the range of [`CRANK_RATIO`].
     pub crank: f64,
-    /// Length of the coupler, 0.3 to 2.7.
+    /// Length of the coupler, in the range of [`COUPLER_RATIO`].
     pub coupler: f64,
-    /// Distance of the two pivots, 0.3 to 2.7.
+    /// Distance of the two pivots, in the range of [`GROUND_RATIO`].
     pub ground: f64,
 }
 
@@ -73,9 +80,9 @@ impl CrankRockerSettings {
     /// A length is out of its range, the crank does not turn all round (Grashof), or the pressure angle is too large.
     #[cold]
     pub fn check(&self) -> Result<(), SettingsError> {
-        inside("machine.crank_ratio", self.crank, 0.1, 0.9)?;
-        inside("machine.coupler_ratio", self.coupler, 0.3, 2.7)?;
-        inside("machine.ground_ratio", self.ground, 0.3, 2.7)?;
+        CRANK_RATIO.check("machine.crank_ratio", self.crank)?;
+        COUPLER_RATIO.check("machine.coupler_ratio", self.coupler)?;
+        GROUND_RATIO.check("machine.ground_ratio", self.ground)?;
         let refuse = |problem| Err(SettingsError::new("machine.crank_ratio", problem));
         // Each inequality says that the pin reaches the rocker, at the greatest and at the least distance.
         let reaches = self.ground + self.crank < self.coupler + 1.0

@@ -15,7 +15,9 @@ mod scotch_yoke;
 mod slider_crank;
 mod square_law;
 
-pub use crank_rocker::{CrankRocker, CrankRockerSettings};
+pub use crank_rocker::{
+    COUPLER_RATIO, CRANK_RATIO, CrankRocker, CrankRockerSettings, GROUND_RATIO,
+};
 pub use kinematics::{Kinematics, Mechanism};
 pub use scotch_yoke::{ScotchYoke, ScotchYokeSettings};
 pub use slider_crank::{LAMBDA, SliderCrank, SliderCrankSettings};

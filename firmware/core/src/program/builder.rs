@@ -3,14 +3,26 @@
 use super::{CAPACITY, Entry, Program, Segment, Shape};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::problem::{Problem, SettingsError};
-use crate::units::{Amax, Turns};
+use crate::units::{Amax, STANDARD_GRAVITY_MPS2, Turns};
 use cophase_motion::settings::inside;
 use cophase_motion::settings::key::{Key, optional};
 
+/// Greatest level, m/s².
+const MOST_AMAX_MPS2: f64 = 10_000.0;
+
+/// `program.amax_g`, in tenths within the greatest level
+pub const AMAX_G: Key = optional("3").from(
+    0.0,
+    (10.0 * MOST_AMAX_MPS2 / STANDARD_GRAVITY_MPS2) as u32 as f64 / 10.0,
+);
 /// `program.ramp_s`
 pub const RAMP_S: Key = optional("4").from(0.0, 100_000.0);
 /// `program.hold_s`
 pub const HOLD_S: Key = optional("6").from(0.0, 1_000_000.0);
+/// `program.repeat`
+pub const REPEAT: Key = optional("2")
+    .from(1.0, u16::MAX as f64)
+    .because("the counts that a program holds");
 
 /// Segment in physical units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,7 +124,8 @@ impl<'a> ProgramBuilder<'a> {
     /// more than [`CAPACITY`] entries. The program is then unchanged.
     #[cold]
     pub fn segment(&mut self, settings: SegmentSettings) -> Result<(), SettingsError> {
-        let amax_mps2 = inside("program.amax_mps2", settings.amax_mps2, 0.0, 10_000.0)?;
+        let amax_mps2 = settings.amax_mps2;
+        inside("program.amax_mps2", amax_mps2, AMAX_G.low, MOST_AMAX_MPS2)?;
         let ramp_s = RAMP_S.check("program.ramp_s", settings.ramp_s)?;
         let hold_s = HOLD_S.check("program.hold_s", settings.hold_s)?;
         let level = Amax::from_num(amax_mps2);
@@ -146,7 +159,7 @@ impl<'a> ProgramBuilder<'a> {
     /// [`CAPACITY`] entries. The program is then unchanged.
     #[cold]
     pub fn repeat(&mut self, first: usize, times: u32) -> Result<(), SettingsError> {
-        inside("program.repeat", f64::from(times), 1.0, 65_535.0)?;
+        REPEAT.check("program.repeat", f64::from(times))?;
         if first >= self.here() {
             return Err(SettingsError::new("program.segments", Problem::RepeatEmpty));
         }

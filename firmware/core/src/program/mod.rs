@@ -12,7 +12,7 @@ mod segment;
 use core::hash::{Hash, Hasher};
 
 pub use amplitude::{AmplitudeOverride, MAX_OVERRIDE_PERMILLE};
-pub use builder::{EntrySettings, HOLD_S, ProgramBuilder, RAMP_S, SegmentSettings};
+pub use builder::{AMAX_G, EntrySettings, HOLD_S, ProgramBuilder, RAMP_S, REPEAT, SegmentSettings};
 pub use cursor::{Cursor, Reading};
 pub use segment::{Segment, Shape};
 

@@ -21,8 +21,8 @@ impl Settings {
         self.machine.check()?;
         self.limits.check(f64::from(self.tick_hz))?;
         self.pulse.check()?;
-        self.index.check()?;
-        self.check_index()?;
+        let tick_hz = [("control.tick_hz", f64::from(self.tick_hz))];
+        INDEX_WIDTH_US.check_beside(&tick_hz, "index.width_us", self.index.width_us)?;
         for (i, cam) in self.cams.iter().enumerate() {
             cam.check(&self.master_bounds())
                 .map_err(|e| e.on_entry(i))?;
@@ -48,29 +48,14 @@ impl Settings {
     }
 
     #[cold]
-    fn check_index(&self) -> Result<(), SettingsError> {
-        let width_us = self.index.width_us;
-        let most_us = 1e6 / f64::from(self.tick_hz * MOST_OF_TICK);
-        if width_us > most_us {
-            let problem = Problem::IndexTooLong { width_us, most_us };
-            return Err(SettingsError::new("index.width_us", problem));
-        }
-        Ok(())
-    }
-
-    #[cold]
     fn check_trims(&self) -> Result<(), SettingsError> {
         for (i, &trim_turns) in self.trims_turns.iter().enumerate() {
             let axis = self.axes.get(i);
-            let limit_turns = axis.map_or(0.0, |axis| axis.trim_limit_turns);
-            // The range test also rejects NaN.
-            if !(-limit_turns..=limit_turns).contains(&trim_turns) {
-                let problem = Problem::TrimBeyondLimit {
-                    trim_deg: trim_turns * 360.0,
-                    limit_deg: limit_turns * 360.0,
-                };
-                return Err(SettingsError::new("axes.trim_deg", problem).on_entry(i));
-            }
+            let limit_deg = axis.map_or(0.0, |axis| axis.trim_limit_turns * 360.0);
+            let limit = [("axes.trim_limit_deg", limit_deg)];
+            rows::TRIM_DEG
+                .check_beside(&limit, "axes.trim_deg", trim_turns * 360.0)
+                .map_err(|e| e.on_entry(i))?;
         }
         Ok(())
     }
@@ -89,14 +74,8 @@ impl CorrectionSettings {
 impl Transmission {
     #[cold]
     fn check(&self) -> Result<(), SettingsError> {
-        let high = f64::from(Self::MAX_TURNS);
-        let turns = [
-            ("axes.gear motor turns", self.motor_turns),
-            ("axes.gear crank turns", self.crank_turns),
-        ];
-        for (key, turns) in turns {
-            inside(key, f64::from(turns), 1.0, high)?;
-        }
+        rows::GEAR.check("axes.gear motor turns", f64::from(self.motor_turns))?;
+        rows::GEAR.check("axes.gear crank turns", f64::from(self.crank_turns))?;
         Ok(())
     }
 }

@@ -1,7 +1,14 @@
 //! Reaction to the loss of the host that started the machine.
 
 use super::inside;
+use super::key::{Key, or};
 use crate::problem::SettingsError;
+
+/// Shortest time after which a host counts as lost, s.
+const LEAST_S: f64 = 0.1;
+
+/// `link.timeout_s`: 0, or at least 0.1.
+pub const TIMEOUT_S: Key = or(0.0).from(0.0, 60.0);
 
 /// Action when the host is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +44,7 @@ impl HostLossSettings {
     #[cold]
     pub(super) fn check(&self) -> Result<(), SettingsError> {
         if self.timeout_s != 0.0 {
-            inside("link.timeout_s", self.timeout_s, 0.1, 60.0)?;
+            inside("link.timeout_s", self.timeout_s, LEAST_S, TIMEOUT_S.high)?;
         }
         Ok(())
     }

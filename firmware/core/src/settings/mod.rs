@@ -18,10 +18,11 @@ mod wiring;
 
 pub use cophase_motion::settings::key::{self, Key};
 pub use cophase_motion::settings::{
-    BandSettings, LimitSettings, MAX_BANDS, PulseSettings, SPEED_HZ, inside, tick_cycles, turns,
-    turns_at_most,
+    ACCELERATION_HZ_PER_S, BAND_HZ, BandSettings, HOMING_SPEED_HZ, JERK_HZ_PER_S2, LimitSettings,
+    MAX_BANDS, PulseSettings, SPEED_HZ, STOP_ACCELERATION_HZ_PER_S, STOP_JERK_HZ_PER_S2, TICK_HZ,
+    inside, tick_cycles, turns, turns_at_most,
 };
-pub use host_loss::{HostLossReaction, HostLossSettings};
+pub use host_loss::{HostLossReaction, HostLossSettings, TIMEOUT_S};
 pub use machine::{MachineSettings, Platform, PlatformSettings, ShaftSettings};
 pub(crate) use slots::{slot_steps, slot_ticks};
 pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
@@ -38,9 +39,6 @@ use crate::units::MAX_AXES;
 
 /// Longest name of a machine, bytes of UTF-8.
 pub const NAME_BYTES: usize = 32;
-
-/// Tick rates, Hz.
-pub const TICK_HZ: core::ops::RangeInclusive<u32> = 500..=10_000;
 
 /// Settings of one machine's control loop: limits, axes and program.
 ///
@@ -98,11 +96,17 @@ pub struct Settings {
 /// Reciprocal of the greatest width of the index filter as a part of a tick: one fourth.
 pub const MOST_OF_TICK: u32 = 4;
 
+/// `index.width_us`
+const INDEX_WIDTH_US: Key = or(2.0)
+    .from(0.1, 100.0)
+    .at_most(1e6 / MOST_OF_TICK as f64, &[("control.tick_hz", -1)])
+    .because("a quarter of a tick at most, so that a pulse is known in the next tick");
+
 keys! {
     /// Filter of the index lines.
     pub struct IndexSettings in "index" {
         /// Shortest time for which an index line must keep a level, at most a quarter of a tick. A shorter level is a glitch.
-        width_us: f64 = or(2.0).from(0.1, 100.0),
+        width_us: f64 = INDEX_WIDTH_US,
     }
 }
 

@@ -84,7 +84,10 @@ fn trims_are_set_within_their_limit() {
     }
     for (trim_deg, said) in [
         (5.001, "5.001° is outside -5 to 5°"),
-        (f64::NAN, "NaN° is outside"),
+        (
+            f64::NAN,
+            "NaN is not a finite number; give one from -5 to 5°",
+        ),
     ] {
         trimmed.trims_turns = Vec::from_array([0.0, trim_deg / 360.0]);
         let whole = refused(&trimmed);

@@ -26,8 +26,6 @@ pub struct SettingsError {
 pub enum Problem {
     #[error("{}", Range { value: *value, low: *low, high: *high, unit: "" })]
     OutOfRange { value: f64, low: f64, high: f64 },
-    #[error("{0} is not a finite number; give one")]
-    NotFinite(f64),
     #[error(
         "reaching full speed would take {ramp_s:.0} s, or {turns:.0} turns at that speed; with a higher acceleration or \
          jerk it would take 600 s and 30000 turns or less"
@@ -277,15 +275,6 @@ impl fmt::Display for SettingsError {
 }
 
 impl core::error::Error for SettingsError {}
-
-/// Returns a finite number, and refuses others.
-pub(super) fn finite(key: &'static str, value: f64) -> Result<f64, SettingsError> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(SettingsError::new(key, Problem::NotFinite(value)))
-    }
-}
 
 /// Returns a number that lies within its range, ends included.
 ///

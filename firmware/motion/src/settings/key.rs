@@ -26,8 +26,42 @@ pub struct Key {
     pub low: f64,
     /// Greatest value.
     pub high: f64,
+    /// Least value by other keys, if it is above the one before.
+    pub at_least: Option<Product>,
+    /// Greatest value by other keys, if it is below the one before.
+    pub at_most: Option<Product>,
     /// Reason of the range, if it does not follow from the numbers.
     pub reason: Option<&'static str>,
+    /// Names of the numbers in a list, if they differ in meaning.
+    pub parts: &'static [&'static str],
+}
+
+/// End of a range that other keys determine: a factor times powers of their numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Product {
+    /// Factor, in the unit that is left.
+    pub factor: f64,
+    /// Paths of keys that are numbers, with the power of each.
+    pub keys: &'static [(&'static str, i32)],
+}
+
+impl Product {
+    /// Returns its value; `None` if the number of a key is unknown.
+    #[inline]
+    pub fn of(&self, number: impl Fn(&str) -> Option<f64>) -> Option<f64> {
+        let mut product = self.factor;
+        for &(key, power) in self.keys {
+            let number = number(key)?;
+            for _ in 0..power.unsigned_abs() {
+                product = if power > 0 {
+                    product * number
+                } else {
+                    product / number
+                };
+            }
+        }
+        Some(product)
+    }
 }
 
 /// Form of a value.
@@ -70,7 +104,10 @@ const ROW: Key = Key {
     example: "",
     low: f64::MIN,
     high: f64::MAX,
+    at_least: None,
+    at_most: None,
     reason: None,
+    parts: &[],
 };
 
 /// Begins the row of a key that is required, with an example for messages.
@@ -111,6 +148,27 @@ impl Key {
         self
     }
 
+    /// Narrows the range to at least a factor times powers of other keys.
+    #[must_use]
+    pub const fn at_least(mut self, factor: f64, keys: &'static [(&'static str, i32)]) -> Self {
+        self.at_least = Some(Product { factor, keys });
+        self
+    }
+
+    /// Narrows the range to at most a factor times powers of other keys.
+    #[must_use]
+    pub const fn at_most(mut self, factor: f64, keys: &'static [(&'static str, i32)]) -> Self {
+        self.at_most = Some(Product { factor, keys });
+        self
+    }
+
+    /// Names the numbers of a list.
+    #[must_use]
+    pub const fn of_parts(mut self, parts: &'static [&'static str]) -> Self {
+        self.parts = parts;
+        self
+    }
+
     /// Sets the reason of the range.
     #[must_use]
     pub const fn because(mut self, reason: &'static str) -> Self {
@@ -132,6 +190,16 @@ impl Key {
         self
     }
 
+    /// Returns the ends of the range, where the numbers of other keys are these. A number that is unknown does not narrow it.
+    #[inline(always)]
+    pub fn ends(&self, number: impl Fn(&str) -> Option<f64>) -> (f64, f64) {
+        let end = |product: Option<Product>| product.and_then(|product| product.of(&number));
+        (
+            end(self.at_least).map_or(self.low, |end| end.max(self.low)),
+            end(self.at_most).map_or(self.high, |end| end.min(self.high)),
+        )
+    }
+
     /// Checks that a number is within the range; `path` is its key. Inlined, so that a firmware keeps the range only.
     ///
     /// # Errors
@@ -139,6 +207,32 @@ impl Key {
     #[inline(always)]
     pub fn check(&self, path: &'static str, value: f64) -> Result<f64, SettingsError> {
         inside(path, value, self.low, self.high)
+    }
+
+    /// Checks that a number is within the range that it has beside these numbers of other keys.
+    ///
+    /// # Errors
+    /// The number is outside.
+    #[inline(always)]
+    pub fn check_beside(
+        &self,
+        others: &[(&str, f64)],
+        path: &'static str,
+        value: f64,
+    ) -> Result<f64, SettingsError> {
+        let number = |key: &str| {
+            others
+                .iter()
+                .find(|other| other.0 == key)
+                .map(|other| other.1)
+        };
+        let (low, high) = self.ends(number);
+        inside(path, value, low, high)
+    }
+
+    /// True if it has no range.
+    pub const fn is_open(&self) -> bool {
+        self.high == f64::MAX
     }
 
     /// Default that is a number.

@@ -5,7 +5,6 @@
 mod error;
 pub mod key;
 
-use error::finite;
 pub use error::{Number, Problem, SettingsError, inside};
 
 use crate::keys;
@@ -45,18 +44,18 @@ pub const fn tick_cycles(clock_hz: u32, tick_hz: u32) -> Result<u32, SettingsErr
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", derive(postcard::experimental::max_size::MaxSize))]
 pub struct LimitSettings {
-    /// Greatest speed, rev/s, from 0.1 to 200.
+    /// Greatest speed, rev/s, in the range of [`SPEED_HZ`].
     pub speed_hz: f64,
-    /// Greatest acceleration, rev/s²: at least 0.01 and 64 · 2⁻⁴⁸ turns a tick², at most `speed_hz` within a tick.
+    /// Greatest acceleration, rev/s², in the range of [`ACCELERATION_HZ_PER_S`].
     pub acceleration_hz_per_s: f64,
-    /// Greatest jerk, rev/s³: at least 0.01 and 64 · 2⁻⁴⁸ turns a tick³, at most `speed_hz` a tick within a tick.
+    /// Greatest jerk, rev/s³, in the range of [`JERK_HZ_PER_S2`].
     pub jerk_hz_per_s2: f64,
     /// Greatest acceleration of a fault stop (stop category 1), rev/s², not below the usual one: as much as the motors'
     /// torque allows.
     pub stop_acceleration_hz_per_s: f64,
     /// Greatest jerk of a fault stop, rev/s³, not below the usual one.
     pub stop_jerk_hz_per_s2: f64,
-    /// Homing speed, rev/s, from 0.01 to 10: the slow speed that finds the index pulses and a parking phase.
+    /// Homing speed, rev/s, in the range of [`HOMING_SPEED_HZ`]: the slow speed that finds the index pulses and a parking phase.
     pub homing_speed_hz: f64,
     /// Forbidden bands: speeds at which the machine must not dwell, lowest first.
     pub bands: heapless::Vec<BandSettings, MAX_BANDS>,
@@ -85,14 +84,54 @@ keys! {
     }
 }
 
-/// Row of `limits.speed_hz`.
-pub const SPEED_HZ: Key = needed("60")
-    .from(0.1, 200.0)
-    .because("the speeds that such cranks are turned at");
+/// Tick rates, Hz.
+pub const TICK_HZ: core::ops::RangeInclusive<u32> = 500..=10_000;
 
-/// Least jerk, in units of the last place. The shaft's exact stop rounds the jerk by up to four units; below this limit
+/// Least acceleration and jerk, in units of the last place. The shaft's exact stop rounds the jerk by up to four units; below this limit
 /// that would be a noticeable part of it.
-const LEAST_JERK_BITS: f64 = 64.0;
+const LEAST_BITS: f64 = 64.0 / (1_u64 << FRACTION_BITS) as f64;
+/// The same, in rev/s² and rev/s³.
+const LEAST: f64 = 0.01;
+
+const MOST_SPEED_HZ: f64 = 200.0;
+const MOST_TICK_HZ: f64 = *TICK_HZ.end() as f64;
+const RESOLUTION: &str = "what a tick can resolve and limits.speed_hz can use";
+
+/// `limits.speed_hz`
+pub const SPEED_HZ: Key = needed("60")
+    .from(0.1, MOST_SPEED_HZ)
+    .because("the speeds that such cranks are turned at");
+/// `limits.acceleration_hz_per_s`
+pub const ACCELERATION_HZ_PER_S: Key = needed("25")
+    .from(LEAST, MOST_SPEED_HZ * MOST_TICK_HZ)
+    .at_least(LEAST_BITS, &[("control.tick_hz", 2)])
+    .at_most(1.0, &[("limits.speed_hz", 1), ("control.tick_hz", 1)])
+    .because(RESOLUTION);
+/// `limits.jerk_hz_per_s2`
+pub const JERK_HZ_PER_S2: Key = needed("250")
+    .from(LEAST, MOST_SPEED_HZ * MOST_TICK_HZ * MOST_TICK_HZ)
+    .at_least(LEAST_BITS, &[("control.tick_hz", 3)])
+    .at_most(1.0, &[("limits.speed_hz", 1), ("control.tick_hz", 2)])
+    .because(RESOLUTION);
+/// `limits.stop_acceleration_hz_per_s`: a fault stop is at least as fast as any other.
+pub const STOP_ACCELERATION_HZ_PER_S: Key = ACCELERATION_HZ_PER_S
+    .or_left_out()
+    .such_as("100")
+    .at_least(1.0, &[("limits.acceleration_hz_per_s", 1)])
+    .because("not below the usual one, and within what limits.speed_hz can use");
+/// `limits.stop_jerk_hz_per_s2`
+pub const STOP_JERK_HZ_PER_S2: Key = JERK_HZ_PER_S2
+    .or_left_out()
+    .such_as("1000")
+    .at_least(1.0, &[("limits.jerk_hz_per_s2", 1)])
+    .because("not below the usual one, and within what limits.speed_hz can use");
+/// `limits.homing_speed_hz`
+pub const HOMING_SPEED_HZ: Key = or(1.0)
+    .from(0.01, 10.0)
+    .at_most(1.0, &[("limits.speed_hz", 1)])
+    .because("slow enough to find an index pulse at, and within limits.speed_hz");
+/// `limits.band.from_hz` and `limits.band.to_hz`
+pub const BAND_HZ: Key = needed("10").from(0.0, MOST_SPEED_HZ);
 
 /// Longest ramp to full speed: its time, and the turns at full speed in that time.
 const MOST_RAMP_S: f64 = 600.0;
@@ -124,56 +163,35 @@ impl LimitSettings {
         acceleration_hz_per_s.min(2.0 * libm::sqrt(jerk_hz_per_s2 * self.speed_hz))
     }
 
-    /// Checks the speed, and against it the acceleration and the jerk, which do not depend on each other.
-    ///
-    /// # Errors
-    /// The speed is out of its range.
-    #[cold]
-    pub fn check_ramps(
-        &self,
-        tick_hz: f64,
-    ) -> Result<[Result<f64, SettingsError>; 2], SettingsError> {
-        let one = (1_u64 << FRACTION_BITS) as f64;
-        let speed_hz = SPEED_HZ.check("limits.speed_hz", self.speed_hz)?;
-        let least = LEAST_JERK_BITS / one * tick_hz * tick_hz;
-        Ok([
-            inside(
-                "limits.acceleration_hz_per_s",
-                self.acceleration_hz_per_s,
-                least.max(0.01),
-                speed_hz * tick_hz,
-            ),
-            inside(
-                "limits.jerk_hz_per_s2",
-                self.jerk_hz_per_s2,
-                (least * tick_hz).max(0.01),
-                speed_hz * tick_hz * tick_hz,
-            ),
-        ])
-    }
-
     /// Checks every number alone and against the others, for a tick rate in Hz.
     ///
     /// # Errors
     /// The first setting that is wrong, with its key and the problem.
     #[cold]
     pub fn check(&self, tick_hz: f64) -> Result<(), SettingsError> {
-        let [acceleration, jerk] = self.check_ramps(tick_hz)?;
-        acceleration?;
-        jerk?;
         let speed_hz = self.speed_hz;
-        // A fault stop is at least as fast as any other.
-        inside(
+        let others = [
+            ("control.tick_hz", tick_hz),
+            ("limits.speed_hz", speed_hz),
+            ("limits.acceleration_hz_per_s", self.acceleration_hz_per_s),
+            ("limits.jerk_hz_per_s2", self.jerk_hz_per_s2),
+        ];
+        SPEED_HZ.check("limits.speed_hz", speed_hz)?;
+        ACCELERATION_HZ_PER_S.check_beside(
+            &others,
+            "limits.acceleration_hz_per_s",
+            self.acceleration_hz_per_s,
+        )?;
+        JERK_HZ_PER_S2.check_beside(&others, "limits.jerk_hz_per_s2", self.jerk_hz_per_s2)?;
+        STOP_ACCELERATION_HZ_PER_S.check_beside(
+            &others,
             "limits.stop_acceleration_hz_per_s",
             self.stop_acceleration_hz_per_s,
-            self.acceleration_hz_per_s,
-            speed_hz * tick_hz,
         )?;
-        inside(
+        STOP_JERK_HZ_PER_S2.check_beside(
+            &others,
             "limits.stop_jerk_hz_per_s2",
             self.stop_jerk_hz_per_s2,
-            self.jerk_hz_per_s2,
-            speed_hz * tick_hz * tick_hz,
         )?;
         // The distance of a ramp must fit in the format of the phase, which holds 32,768 turns.
         let acceleration = self.reachable_acceleration_hz_per_s();
@@ -187,17 +205,16 @@ impl LimitSettings {
                 },
             ));
         }
-        inside(
-            "limits.homing_speed_hz",
-            self.homing_speed_hz,
-            0.01,
-            speed_hz.min(10.0),
-        )?;
+        HOMING_SPEED_HZ.check_beside(&others, "limits.homing_speed_hz", self.homing_speed_hz)?;
         let mut below = self.homing_speed_hz;
         for (i, band) in self.bands.iter().enumerate() {
             let place = |e: SettingsError| e.on_entry(i);
-            finite("limits.band.from_hz", band.from_hz).map_err(place)?;
-            finite("limits.band.to_hz", band.to_hz).map_err(place)?;
+            BAND_HZ
+                .check("limits.band.from_hz", band.from_hz)
+                .map_err(place)?;
+            BAND_HZ
+                .check("limits.band.to_hz", band.to_hz)
+                .map_err(place)?;
             if band.to_hz <= band.from_hz {
                 return Err(place(SettingsError::new(
                     "limits.band.to_hz",

@@ -208,8 +208,8 @@ fn invalid_keys_of_one_axis_are_refused() {
             "own gear of nothing",
             "gear = [0, 1]",
             "axis[1].gear",
-            "[0, 1] is not [motor turns, crank turns]",
-            "1 to 1000",
+            "motor turns 0 is outside 1 to 1000",
+            "[57, 11] of a belt",
         ),
         own(
             "own gear with too many steps",

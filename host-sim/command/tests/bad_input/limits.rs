@@ -141,6 +141,27 @@ fn invalid_speed_acceleration_and_jerk_limits_are_refused() {
             "15 rev/s is outside",
             "0.01 to 10 rev/s",
         ),
+        key(
+            "a jump within a tick",
+            "limits.acceleration_hz_per_s",
+            "50000",
+            "50000 rev/s² is outside 0.01 to 40000 rev/s²",
+            "at most 40000 rev/s², or raise limits.speed_hz or control.tick_hz",
+        ),
+        case(
+            "a fault stop below the usual one",
+            before("limits.homing_speed_hz", "stop_jerk_hz_per_s2 = 150"),
+            "limits.stop_jerk_hz_per_s2",
+            "150 rev/s³ is outside 200 to 80000000 rev/s³, not below the usual one",
+            "at least 200 rev/s³, or lower limits.jerk_hz_per_s2",
+        ),
+        case(
+            "homing above the greatest speed",
+            set("limits.speed_hz", "2").replace("homing_speed_hz = 1\n", "homing_speed_hz = 3\n"),
+            "limits.homing_speed_hz",
+            "3 rev/s is outside 0.01 to 2 rev/s",
+            "at most 2 rev/s, or raise limits.speed_hz",
+        ),
     ]);
 }
 
@@ -207,8 +228,8 @@ fn invalid_tick_and_pulse_settings_are_refused() {
             "an index filter of over a quarter of a tick",
             set("index.width_us", "100").replace("tick_hz = 2000", "tick_hz = 4000"),
             "index.width_us",
-            "100 µs is over a quarter of a tick, 62.5 µs",
-            "shorten it, or lower control.tick_hz",
+            "100 µs is outside 0.1 to 62.5 µs, a quarter of a tick",
+            "give at most 62.5 µs, or lower control.tick_hz",
         ),
         case(
             "a period for a rate",

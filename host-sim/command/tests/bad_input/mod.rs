@@ -244,6 +244,47 @@ fn all_errors_are_reported_together() {
     assert_eq!(lines_of(&[("lambda =", "lamda =")]).len(), 1);
     assert_eq!(lines_of(&[("[limits]", "[limit]")]).len(), 1);
 
+    // So are numbers whose range another key decides, and what is wrong for the machine.
+    let decided = [
+        (
+            "acceleration_hz_per_s = 20",
+            "acceleration_hz_per_s = 5e4",
+            "limits.acceleration_hz_per_s",
+        ),
+        ("trim_deg = 0", "trim_deg = 7", "axis[0].trim_deg"),
+        ("width_us = 2", "width_us = 200", "index.width_us"),
+        (
+            "tilt_limit_mrad = 3",
+            "tilt_limit_mrad = -3",
+            "drift.tilt_limit_mrad",
+        ),
+    ];
+    let combined = [
+        (
+            "step = \"high\"",
+            "step = \"high\"\n[[fault]]\nat_s = 1\nkind = \"slip\"",
+            "fault[0].axis",
+        ),
+        (
+            "[[axis]]\nnumber = 2",
+            "[[axis]]\nnumber = 7",
+            "axis[1].number",
+        ),
+        ("amax_g = 3\n", "", "program[0].amax_g"),
+        ("to_s = 1", "to_s = 0.2", "scope.to_s"),
+    ];
+    for wrong in [decided, combined] {
+        let lines = lines_of(&wrong.map(|(from, to, _)| (from, to)));
+        assert_eq!(lines.len(), wrong.len(), "{lines:#?}");
+        for (line, (_, _, key)) in lines.iter().zip(wrong) {
+            assert!(line.contains(&format!(": {key}")), "not {key}: {line}");
+        }
+    }
+    // A range that a wrong number decides is not known.
+    let jerk = ("jerk_hz_per_s2 = 200", "jerk_hz_per_s2 = 1e9");
+    assert_eq!(lines_of(&[jerk]).len(), 1);
+    assert_eq!(lines_of(&[changes[2], jerk]).len(), 1);
+
     // A run reports at most ten errors.
     let more = [("full_steps_per_turn = 200", "full_steps_per_turn = 1")];
     assert_eq!(lines_of(&[&changes[..], &more].concat()).len(), 10);
@@ -251,6 +292,50 @@ fn all_errors_are_reported_together() {
     // that error is corrected.
     let program = [changes[2], ("amax_g = 5", "amax_g = 190")];
     assert_eq!(lines_of(&program).len(), 1);
+}
+
+/// If this fails, the user writes keys of a machine that the scene is not to have.
+#[test]
+fn a_second_machine_is_one_error() {
+    for crusher in [
+        "[crusher]\n\n[control]",
+        "[crusher]\njaw_mm = 800\n\n[control]",
+    ] {
+        let lines = lines_of(&[("[control]", crusher)]);
+        assert_eq!(lines.len(), 1, "{lines:#?}");
+        let words =
+            ": crusher: given together with [machine]; a scene has one machine: leave one out";
+        assert!(lines[0].contains(words), "{lines:#?}");
+    }
+}
+
+/// If this fails, the advice about a heading leads to another error.
+#[test]
+fn a_heading_of_one_axis_in_the_place_of_all_is_one_error() {
+    let (kept, entries) = BASE.split_once("[[axis]]").unwrap();
+    let (_, rest) = entries.split_once("[index]").unwrap();
+    let alone = format!("{kept}[index]{rest}").replace("[axes]", "[axis]");
+    for text in [alone.replace("[axes.servo]", "[axis.servo]"), alone] {
+        let line = refusal_of(&text);
+        let words = "are keys of [axes]; write [axes] in the place of [axis]";
+        assert!(line.contains(words), "{line}");
+    }
+    let beside = BASE.replace("[axes]", "[axis]");
+    let line = refusal_of(&beside);
+    let words =
+        "given before as a table; write [[axis]] there, too, or [axes] if its keys are those";
+    assert!(line.contains(words), "{line}");
+}
+
+/// Returns the one line about a text that is no scene.
+fn refusal_of(text: &str) -> String {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("scene.toml"), text).unwrap();
+    refusal(
+        "scene.toml",
+        dir.path(),
+        &["run", "scene.toml", "--out", "out"],
+    )
 }
 
 /// A message names the place of an entry in the list and its axis number, which can differ.

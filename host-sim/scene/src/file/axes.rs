@@ -1,11 +1,12 @@
 //! `[axes]` and `[[axis]]`: the motors.
 
+use cophase_core::axes::{CAM_SHIFT_DEG, RATIO};
 use cophase_core::keys;
 use cophase_core::settings::DriveKind;
 use cophase_core::settings::key::{Kind, Value, needed, optional, or, or_value};
 use cophase_core::settings::rows::{
-    INDEX_DEG, INDEX_DELAY_US, INDEX_WIDTH_DEG, OFFSET_DEG, ROTOR_INERTIA_KGM2, STEPS_PER_TURN,
-    TRIM_LIMIT_DEG, TRIM_RATE_DEG_PER_S,
+    GEAR, INDEX_DEG, INDEX_DELAY_US, INDEX_WIDTH_DEG, OFFSET_DEG, ROTOR_INERTIA_KGM2,
+    STEPS_PER_TURN, TRIM_DEG, TRIM_LIMIT_DEG, TRIM_RATE_DEG_PER_S,
 };
 use serde::{Deserialize, Serialize};
 
@@ -23,11 +24,11 @@ keys! {
         /// Steps per turn of the motor; for a servo drive, the counts that it expects.
         steps_per_turn: u32 = STEPS_PER_TURN,
         /// Belt or gearbox between motor and crank, as `[motor turns, crank turns]`.
-        gear: (u32, u32) = or_value("[1, 1]"),
+        gear: (u32, u32) = GEAR,
         /// Full steps per turn of the motor; a stepper slips by four of them.
         full_steps_per_turn: u32 = or(Axes::USUAL_FULL_STEPS as f64).from(4.0, 65_536.0),
         /// Crank turns per master turn, as `[numerator, denominator]`.
-        ratio: (u32, u32) = or_value("[1, 1]"),
+        ratio: (u32, u32) = RATIO,
         /// Crank phase relative to the master's, degrees.
         offset_deg: f64 = OFFSET_DEG,
         /// True if the cranks have index sensors.
@@ -144,9 +145,9 @@ keys! {
         /// Replaces the value in `[axes]`.
         steps_per_turn: Option<u32> = STEPS_PER_TURN.or_left_out(),
         /// Replaces the value in `[axes]`.
-        gear: Option<(u32, u32)> = optional("[3, 1]"),
+        gear: Option<(u32, u32)> = GEAR.or_left_out().such_as("[3, 1]"),
         /// Replaces the value in `[axes]`.
-        ratio: Option<(u32, u32)> = optional("[1, 2]"),
+        ratio: Option<(u32, u32)> = RATIO.or_left_out().such_as("[1, 2]"),
         /// Replaces the value in `[axes]`.
         offset_deg: Option<f64> = OFFSET_DEG.or_left_out().such_as("90"),
         /// Replaces the value in `[axes]`.
@@ -156,11 +157,11 @@ keys! {
         /// Name of the `[[cam_table]]` that it follows, instead of a gear.
         cam: Option<String> = optional("lift"),
         /// Angle of the cam table at the master's phase 0, degrees.
-        cam_shift_deg: f64 = or(0.0),
+        cam_shift_deg: f64 = CAM_SHIFT_DEG,
         /// Trim that is set from the start, degrees.
-        trim_deg: f64 = or(0.0).from(-36.0, 36.0),
+        trim_deg: f64 = TRIM_DEG,
         /// True phase of the crank at power-up, relative to the phase that the loop assumes, degrees.
-        start_deg: f64 = or(0.0).from(-180.0, 180.0).because("half a turn either way"),
+        start_deg: f64 = OFFSET_DEG,
         /// Replaces the value in `[axes]`, such as for a stiffer bearing.
         friction_nm: Option<f64> = optional("0.5").from(0.0, MOST_FRICTION_NM),
         /// Factor on its pull-out torque, such as for a weaker motor.

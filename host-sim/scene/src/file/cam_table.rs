@@ -1,6 +1,6 @@
 //! `[[cam_table]]`: curves that axes follow instead of a gear, over one turn of the master.
 
-use cophase_core::axes::CamSettings;
+use cophase_core::axes::{CamSettings, MAX_ACCELERATION_HZ_PER_S, MAX_SPEED_HZ, NET_TURNS};
 use cophase_core::keys;
 use cophase_core::settings::key::{needed, optional, or, or_value};
 use serde::{Deserialize, Serialize};
@@ -14,11 +14,11 @@ keys! {
         /// Name of the table, for axes.
         name: String = needed("lobe"),
         /// Whole turns of the axis per turn of the master; 0 if the axis returns.
-        net_turns: i32 = or(0.0),
+        net_turns: i32 = NET_TURNS,
         /// Limit on the speed of axes that follow it, rev/s.
-        max_speed_hz: f64 = or(CamSettings::USUAL_MAX_SPEED_HZ),
+        max_speed_hz: f64 = MAX_SPEED_HZ,
         /// Limit on the acceleration of axes that follow it, rev/s².
-        max_acceleration_hz_per_s: f64 = or(CamSettings::USUAL_MAX_ACCELERATION_HZ_PER_S),
+        max_acceleration_hz_per_s: f64 = MAX_ACCELERATION_HZ_PER_S,
         /// Motion law of the segments.
         law: LawName = or_value("modified-sine"),
         /// Segments from the master's phase 0 on; the axis rests for the remainder of the turn. Give these or `file`.

@@ -2,12 +2,13 @@
 
 use super::is_unset;
 use cophase_core::keys;
-use cophase_core::settings::SPEED_HZ;
-use cophase_core::settings::key::{needed, optional, or, or_value};
+use cophase_core::settings::key::or_value;
 use cophase_core::settings::rows::{COUPLING, COUPLING_PER_S, GAIN};
+use cophase_core::settings::{
+    ACCELERATION_HZ_PER_S, BAND_HZ, HOMING_SPEED_HZ, JERK_HZ_PER_S2, SPEED_HZ,
+    STOP_ACCELERATION_HZ_PER_S, STOP_JERK_HZ_PER_S2,
+};
 use serde::{Deserialize, Serialize};
-
-const RESOLUTION: &str = "what a tick can resolve and limits.speed_hz can use";
 
 keys! {
     /// Limits of the master shaft.
@@ -16,16 +17,16 @@ keys! {
         /// Greatest speed, rev/s.
         speed_hz: f64 = SPEED_HZ,
         /// Greatest acceleration, rev/s².
-        acceleration_hz_per_s: f64 = needed("25").because(RESOLUTION),
+        acceleration_hz_per_s: f64 = ACCELERATION_HZ_PER_S,
         /// Greatest jerk, rev/s³.
-        jerk_hz_per_s2: f64 = needed("250").because(RESOLUTION),
+        jerk_hz_per_s2: f64 = JERK_HZ_PER_S2,
         /// Greatest acceleration of a stop after a fault, rev/s², as the motors' torque allows. The default is the acceleration
         /// above.
-        stop_acceleration_hz_per_s: Option<f64> = optional("100"),
+        stop_acceleration_hz_per_s: Option<f64> = STOP_ACCELERATION_HZ_PER_S,
         /// Greatest jerk of such a stop, rev/s³. The default is the jerk above.
-        stop_jerk_hz_per_s2: Option<f64> = optional("1000"),
+        stop_jerk_hz_per_s2: Option<f64> = STOP_JERK_HZ_PER_S2,
         /// Homing speed, rev/s, also used to reach the parking phase.
-        homing_speed_hz: f64 = or(1.0).because("slow enough to find an index pulse at, and within limits.speed_hz"),
+        homing_speed_hz: f64 = HOMING_SPEED_HZ,
         /// Forbidden bands of speeds, lowest first.
         band: Vec<Band> = or_value("[]"),
     }
@@ -36,9 +37,9 @@ keys! {
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
     pub struct Band {
         /// Lower edge, rev/s.
-        from_hz: f64 = needed("10"),
+        from_hz: f64 = BAND_HZ,
         /// Upper edge, rev/s.
-        to_hz: f64 = needed("12"),
+        to_hz: f64 = BAND_HZ.such_as("12"),
     }
 }
 

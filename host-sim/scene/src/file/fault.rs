@@ -1,8 +1,11 @@
 //! `[[fault]]` and `[noise]`: faults that a run injects, and noise of sensors and loads.
 
+use cophase_core::settings::SPEED_HZ;
 use cophase_core::settings::key::{needed, optional, or};
 use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
+
+use super::MOST_S;
 
 /// Shortest loss of the enable input that the board does not take for noise, µs (`docs/wiring.md`).
 pub const MIN_ENABLE_LOSS_US: u64 = 10;
@@ -12,7 +15,7 @@ keys! {
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
     pub struct FaultAt {
         /// Time, s.
-        at_s: f64 = needed("10").from(0.0, 1e6),
+        at_s: f64 = needed("10").from(0.0, MOST_S),
         /// Kind of fault.
         kind: FaultName = needed("slip"),
         /// Axis, for kinds that affect one axis.
@@ -26,7 +29,7 @@ keys! {
         /// Rate at which a crank slips on its shaft, degrees/s; positive if it falls behind.
         rate_deg_per_s: Option<f64> = optional("30").from(-36_000.0, 36_000.0),
         /// Speed of a crank that runs away, rev/s.
-        speed_hz: Option<f64> = optional("2").from(-200.0, 200.0),
+        speed_hz: Option<f64> = optional("2").from(-SPEED_HZ.high, SPEED_HZ.high),
         /// Number of missing or extra index pulses, one per turn, or of missed deadlines.
         count: Option<u32> = optional("3").from(1.0, 1e6),
         /// Error of an encoder's reading, counts.
@@ -34,7 +37,7 @@ keys! {
         /// Additional load torque of a crank, N·m.
         torque_nm: Option<f64> = optional("4").from(-1000.0, 1000.0),
         /// Duration, s; without it, the fault is permanent.
-        for_s: Option<f64> = optional("0.1").from(1e-6, 1e6),
+        for_s: Option<f64> = optional("0.1").from(1e-6, MOST_S),
     }
 }
 

@@ -1,10 +1,23 @@
 //! `[machine]`: the mechanism and its load; `[frame]`: the frame under it.
 
-use cophase_core::mechanism::LAMBDA;
-use cophase_core::settings::key::{Kind, Value, needed, optional, or, or_value};
+use cophase_core::mechanism::{COUPLER_RATIO, CRANK_RATIO, GROUND_RATIO, LAMBDA};
+use cophase_core::settings::key::{Key, Kind, Value, needed, optional, or, or_value};
 use cophase_core::settings::rows::{CRANK_RADIUS_MM, GRAVITY_MPS2, LOAD_KG, MOUNT_RADIUS_MM};
 use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
+
+/// Rod lengths for which λ is in its range.
+const ROD_LENGTH_MM: Key = optional("60")
+    .from(
+        CRANK_RADIUS_MM.low / LAMBDA.high,
+        CRANK_RADIUS_MM.high / LAMBDA.low,
+    )
+    .at_least(1.0 / LAMBDA.high, &[("machine.crank_radius_mm", 1)])
+    .at_most(1.0 / LAMBDA.low, &[("machine.crank_radius_mm", 1)])
+    .because("1.67 to 10 crank radii");
+
+/// Leads whose travel per radian the core accepts as a crank radius, rounded inwards.
+const SCREW_LEAD_MM: Key = optional("30").from(0.63, 3000.0);
 
 keys! {
     /// Platform on cranks.
@@ -17,15 +30,15 @@ keys! {
         /// Crank radius over rod length of a slider-crank; give this or `rod_length_mm`.
         lambda: Option<f64> = LAMBDA,
         /// Rod length of a slider-crank, mm; give this or `lambda`.
-        rod_length_mm: Option<f64> = optional("60").because("1.67 to 10 crank radii"),
+        rod_length_mm: Option<f64> = ROD_LENGTH_MM,
         /// Lead of the screw that a crank-rocker drives, mm per turn.
-        screw_lead_mm: Option<f64> = optional("30"),
+        screw_lead_mm: Option<f64> = SCREW_LEAD_MM,
         /// Length of a crank-rocker's crank over that of its rocker.
-        crank_ratio: Option<f64> = optional("0.4852094"),
+        crank_ratio: Option<f64> = CRANK_RATIO,
         /// Length of a crank-rocker's coupler over that of its rocker.
-        coupler_ratio: Option<f64> = optional("1.5402148"),
+        coupler_ratio: Option<f64> = COUPLER_RATIO,
         /// Distance of a crank-rocker's pivots over the length of its rocker.
-        ground_ratio: Option<f64> = optional("1.927919"),
+        ground_ratio: Option<f64> = GROUND_RATIO,
         /// Mass on the platform, kg.
         load_kg: f64 = LOAD_KG,
         /// Orientation of the platform.

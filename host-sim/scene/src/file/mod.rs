@@ -25,7 +25,7 @@ pub use cam_table::{CamSegment, CamTable};
 pub use control::{Band, Correction, Limits};
 pub use cophase_core::settings::{Control, Drift, IndexSettings as Index, PulseSettings as Pulse};
 pub use crusher::{CrusherTable, Rock};
-pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
+pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, MOST_S, Scope};
 pub use fault::{FaultAt, FaultName, Lines, MIN_ENABLE_LOSS_US, Noise};
 pub use fidelity::{Fidelity, Method, MethodName};
 pub use five_bar::{Assembly, ContactTable, FiveBarTable, Plane};
@@ -44,6 +44,9 @@ use serde::{Deserialize, Serialize};
 fn is_unset<T: Default + PartialEq>(table: &T) -> bool {
     *table == T::default()
 }
+
+/// Tables of machines. A scene has one of them.
+pub const MACHINES: [&str; 5] = ["machine", "cam", "screen", "crusher", "five_bar"];
 
 keys! {
     /// Scene.

@@ -1,6 +1,6 @@
 //! `[[program]]`: the program amax(t).
 
-use cophase_core::program::{HOLD_S, RAMP_S};
+use cophase_core::program::{AMAX_G, HOLD_S, RAMP_S, REPEAT};
 use cophase_core::settings::key::optional;
 use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ keys! {
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
     pub struct Segment {
         /// Level of amax, in units of 9.80665 m/s².
-        amax_g: Option<f64> = optional("3"),
+        amax_g: Option<f64> = AMAX_G,
         /// Duration of the transition, s.
         ramp_s: Option<f64> = RAMP_S,
         /// Duration of the hold, s.
@@ -18,7 +18,7 @@ keys! {
         /// Shape of the transition.
         shape: Option<Shape> = optional("linear"),
         /// Number of times that `segments` are played.
-        repeat: Option<u32> = optional("2").because("the counts that a program holds"),
+        repeat: Option<u32> = REPEAT,
         /// Repeated block; blocks may contain blocks.
         segments: Option<Vec<Segment>> = optional("[{ amax_g = 20, ramp_s = 2, hold_s = 2 }]"),
     }

@@ -3,9 +3,9 @@
 use std::fmt;
 
 use super::is_unset;
-use cophase_core::settings::key::{or, or_value};
+use cophase_core::settings::key::or_value;
 use cophase_core::settings::{
-    ActiveLevel, HostLossReaction, HostLossSettings, InputWiring, WiringSettings,
+    ActiveLevel, HostLossReaction, HostLossSettings, InputWiring, TIMEOUT_S, WiringSettings,
 };
 use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
@@ -134,8 +134,8 @@ keys! {
     /// Loss of the host that started the machine.
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
     pub struct Link left out if is_unset, {
-        /// Time without a frame of the host after which it is lost, s; 0: the machine goes on without it.
-        timeout_s: f64 = or(0.0),
+        /// Time without a frame of the host after which it is lost, s, at least 0.1; 0: the machine goes on without it.
+        timeout_s: f64 = TIMEOUT_S,
         /// Action when it is lost.
         reaction: LossReaction = or_value("stop"),
     }

@@ -4,6 +4,7 @@ mod cam_file;
 mod explain;
 mod nearest;
 mod place;
+mod ranges;
 mod read;
 mod repair;
 #[cfg(test)]
@@ -33,7 +34,7 @@ const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to s
 ///
 /// # Errors
 /// The file cannot be read, is too large, is not TOML, or has keys that no scene has; and those of `check`. The error names the file, and the
-/// line if there is one. Of keys and values that no scene has, it lists up to ten; of what is wrong for this machine, the first.
+/// line if there is one. It lists up to ten; of what only a combination of tables makes wrong, the first.
 pub fn read_file<T>(
     path: &Path,
     check: impl FnOnce(Scene) -> Result<T, SceneError>,
@@ -152,7 +153,7 @@ fn scene<T>(
     }
     read::scene(text, document)
         .and_then(then)
-        .map_err(|error| place::placed(error, text, document))
+        .map_err(|error| place::all_placed(error, text, document))
 }
 
 /// Reads TOML.

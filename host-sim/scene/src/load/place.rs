@@ -18,6 +18,18 @@ pub(super) fn line_of(bytes: &[u8], byte: usize) -> usize {
     before.iter().filter(|&&byte| byte == b'\n').count() + 1
 }
 
+/// Returns errors with their lines, sorted by them; see [`placed`].
+pub(super) fn all_placed(error: SceneError, text: &str, document: &DeTable) -> SceneError {
+    let mut error = placed(error, text, document);
+    let others = std::mem::take(&mut error.others).into_iter();
+    let mut all: Vec<_> = others.map(|other| placed(other, text, document)).collect();
+    all.insert(0, error);
+    all.sort_by_key(|error| error.line.unwrap_or(usize::MAX));
+    let mut first = all.remove(0);
+    first.others = all;
+    first
+}
+
 /// Returns an error with the line of its key and the axis of its `[[axis]]` entry. For a missing key, the line is that of the innermost
 /// table around it.
 pub(super) fn placed(mut error: SceneError, text: &str, document: &DeTable) -> SceneError {
@@ -29,8 +41,6 @@ pub(super) fn placed(mut error: SceneError, text: &str, document: &DeTable) -> S
         let number = found.get(1).and_then(|entry| entry.get_ref().get("number"));
         error.axis = number.and_then(|number| source_of(text, number).parse().ok());
     }
-    let others = std::mem::take(&mut error.others).into_iter();
-    error.others = others.map(|other| placed(other, text, document)).collect();
     error
 }
 

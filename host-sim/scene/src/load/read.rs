@@ -2,19 +2,17 @@
 //!
 //! A *key path* has the form `limits.band[0].from_hz`, with entries counted from 0.
 
-use cophase_core::problem::Problem;
+use std::borrow::Cow;
+
 use cophase_core::settings::key::{Absent, Key, Kind};
 use serde::Deserialize;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
-use super::explain;
-use super::place::line_at;
-use crate::file::{Correction, Link, Method, Noise, Questions, Scene, Segment, Wiring};
+use super::place::{line_at, placed};
+use super::{explain, ranges};
+use crate::file::{Correction, Link, MACHINES, Method, Noise, Questions, Scene, Segment, Wiring};
 use crate::{SceneError, keys};
-
-/// Limit of errors that are reported together. With more, it is probably the wrong file.
-const MOST: usize = 10;
 
 /// Makes a scene of a document, whose text gives the lines.
 ///
@@ -22,10 +20,12 @@ const MOST: usize = 10;
 /// Keys that no scene has, keys that are missing, values of another type, and numbers out of their range: up to ten, by line.
 pub(super) fn scene(text: &str, document: &DeTable) -> Result<Scene, SceneError> {
     let mut reader = Reader::new(text);
+    reader.refuse_second_machine(document);
     let table = reader.table("", document, None, Scene::KEYS);
+    reader.refuse_missing();
     let mut errors = reader.errors;
-    errors.sort_by_key(|error| error.line.unwrap_or(usize::MAX));
-    errors.truncate(MOST);
+    let outside = ranges::outside(&table);
+    errors.extend(outside.map(|error| placed(error, text, document)));
     match SceneError::together(errors) {
         Some(error) => Err(error),
         None => made(table),
@@ -53,8 +53,10 @@ fn made<T: for<'de> Deserialize<'de>>(table: Table) -> Result<T, SceneError> {
 struct Reader<'a> {
     text: &'a str,
     errors: Vec<SceneError>,
-    /// Headings of tables whose keys are in another one.
-    misplaced: Vec<String>,
+    /// Paths of required keys that are missing, with the byte of the table that lacks each.
+    missing: Vec<(Option<usize>, String)>,
+    /// Tables that lack keys for a reason that is reported: the keys are in another table, or the whole table is too much.
+    excused: Vec<String>,
 }
 
 impl<'a> Reader<'a> {
@@ -62,17 +64,15 @@ impl<'a> Reader<'a> {
         Self {
             text,
             errors: Vec::new(),
-            misplaced: Vec::new(),
+            missing: Vec::new(),
+            excused: Vec::new(),
         }
     }
 
     /// Adds an error at a key. `at` is its byte in the text, if it has one.
     fn refuse(&mut self, at: Option<usize>, path: &str, problem: String) {
-        self.add(at, SceneError::at(path, problem));
-    }
-
-    fn add(&mut self, at: Option<usize>, error: SceneError) {
         let line = at.map(|byte| line_at(self.text, byte));
+        let error = SceneError::at(path, problem);
         self.errors.push(SceneError { line, ..error });
     }
 
@@ -85,24 +85,19 @@ impl<'a> Reader<'a> {
         keys: &'static [Key],
     ) -> Table {
         let mut values = Table::new();
-        let mut unknown = Vec::new();
-        for (name, value) in table {
-            let Some(key) = keys.iter().find(|key| key.name == name.get_ref()) else {
-                unknown.push(name);
-                continue;
-            };
-            if let Some(value) = self.value(&join(path, key.name), key, &key.kind, value) {
+        for key in keys {
+            if let Some(value) = table.get(key.name)
+                && let Some(value) = self.value(&join(path, key.name), &key.kind, value)
+            {
                 values.insert(key.name.to_owned(), value);
             }
         }
-        // As in the file; a table has its keys in alphabetical order.
-        unknown.sort_by_key(|name| name.span().start);
-        let meant = self.refuse_unknown(path, &unknown, keys);
+        let meant = self.refuse_unknown(path, &unknown_in(table, keys), keys);
         for key in keys.iter().filter(|key| !table.contains_key(key.name)) {
             let path = join(path, key.name);
             match key.absent {
-                Absent::Needed if meant.contains(&key.name) || self.is_misplaced(key) => {}
-                Absent::Needed => self.refuse(at, &path, explain::missing(&path)),
+                Absent::Needed if meant.contains(&key.name) => {}
+                Absent::Needed => self.missing.push((at, path)),
                 Absent::Nothing => {}
                 Absent::Number(_) | Absent::Value(_) => {
                     let value = match key.kind {
@@ -118,16 +113,40 @@ impl<'a> Reader<'a> {
         values
     }
 
-    fn is_misplaced(&self, key: &Key) -> bool {
-        let heading = keys::heading(key, key.name);
-        heading.is_some_and(|heading| self.misplaced.contains(&heading))
+    /// Refuses the keys that are missing, unless their table is excused.
+    fn refuse_missing(&mut self) {
+        for (at, path) in std::mem::take(&mut self.missing) {
+            let section = path.split(['.', '[']).next().unwrap_or_default();
+            if !self.excused.iter().any(|excused| excused == section) {
+                self.refuse(at, &path, explain::missing(&path));
+            }
+        }
+    }
+
+    /// Refuses all machines but the first.
+    fn refuse_second_machine(&mut self, document: &DeTable) {
+        let is_machine = |name: &str| MACHINES.contains(&name);
+        let given = document.iter().map(|(name, _)| name);
+        let mut given: Vec<_> = given.filter(|name| is_machine(name.get_ref())).collect();
+        given.sort_by_key(|name| name.span().start);
+        let Some((first, others)) = given.split_first() else {
+            return;
+        };
+        for other in others {
+            let problem = format!(
+                "given together with [{}]; a scene has one machine: leave one out",
+                first.get_ref()
+            );
+            self.refuse(Some(other.span().start), other.get_ref(), problem);
+            self.excused.push(other.get_ref().to_string());
+        }
     }
 
     /// Refuses keys that the table does not have. Returns the keys that they were probably meant to be.
     fn refuse_unknown(
         &mut self,
         path: &str,
-        unknown: &[&Spanned<std::borrow::Cow<'_, str>>],
+        unknown: &[&Spanned<Cow<'_, str>>],
         keys: &'static [Key],
     ) -> Vec<&'static str> {
         let known: Vec<&str> = keys.iter().map(|key| key.name).collect();
@@ -139,7 +158,8 @@ impl<'a> Reader<'a> {
             let problem = explain::wrong_heading(path, &names, &heading);
             let at = Some(unknown[0].span().start);
             self.refuse(at, &join(path, &names[0]), problem);
-            self.misplaced.push(heading);
+            self.excused
+                .push(heading.trim_matches(['[', ']']).to_owned());
             // Keys are missing because another table is here.
             return known;
         }
@@ -154,13 +174,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Returns a value of a key, or of an entry in its list; `None` if it is wrong.
-    fn value(
-        &mut self,
-        path: &str,
-        key: &Key,
-        kind: &Kind,
-        given: &Spanned<DeValue>,
-    ) -> Option<Value> {
+    fn value(&mut self, path: &str, kind: &Kind, given: &Spanned<DeValue>) -> Option<Value> {
         let at = Some(given.span().start);
         let source = self.text.get(given.span()).unwrap_or_default();
         let problem = match (kind, given.get_ref()) {
@@ -173,7 +187,7 @@ impl<'a> Reader<'a> {
                 let entries = list.iter().enumerate();
                 // The first wrong entry shows what is wrong with all.
                 let values: Option<_> = entries
-                    .map(|(entry, value)| self.value(&format!("{path}[{entry}]"), key, kind, value))
+                    .map(|(entry, value)| self.value(&format!("{path}[{entry}]"), kind, value))
                     .collect();
                 return values.map(Value::Array);
             }
@@ -185,25 +199,38 @@ impl<'a> Reader<'a> {
                 }
                 explain::no_word(word, words)
             }
-            (kind, value) => match number(kind, value, source) {
-                Some(value) => {
-                    let size = value
-                        .as_float()
-                        .or(value.as_integer().map(|whole| whole as f64));
-                    match out_of_range(key, size.unwrap_or(f64::NAN)) {
-                        None => return Some(value),
-                        Some(problem) => {
-                            self.add(at, SceneError::of(path, problem));
-                            return None;
-                        }
-                    }
+            (Kind::List(Kind::Table(keys), _), DeValue::Table(table)) => {
+                // The keys may be those of another table.
+                let unknown = unknown_in(table, keys());
+                let names: Vec<_> = unknown
+                    .iter()
+                    .map(|name| name.get_ref().to_string())
+                    .collect();
+                if let Some(heading) = explain::other_heading(&names) {
+                    self.excused
+                        .push(heading.trim_matches(['[', ']']).to_owned());
+                    explain::wrong_heading(path, &names, &heading)
+                } else {
+                    explain::wrong_form(path, kind, given.get_ref(), source)
                 }
+            }
+            (kind, value) => match number(kind, value, source) {
+                Some(value) => return Some(value),
                 None => explain::wrong_form(path, kind, value, source),
             },
         };
         self.refuse(at, path, problem);
         None
     }
+}
+
+/// Returns the keys of a table that have no row, in the order of the file.
+fn unknown_in<'a, 'i>(table: &'a DeTable<'i>, keys: &[Key]) -> Vec<&'a Spanned<Cow<'i, str>>> {
+    let names = table.iter().map(|(name, _)| name);
+    let is_unknown = |name: &&Spanned<Cow<str>>| keys.iter().all(|key| key.name != name.get_ref());
+    let mut unknown: Vec<_> = names.filter(is_unknown).collect();
+    unknown.sort_by_key(|name| name.span().start);
+    unknown
 }
 
 /// Returns a number, if the value is one of that form.
@@ -232,13 +259,7 @@ fn number(kind: &Kind, value: &DeValue, source: &str) -> Option<Value> {
     }
 }
 
-/// Returns the problem of a number out of its key's range. A range that other keys decide is checked where these are known.
-fn out_of_range(key: &Key, value: f64) -> Option<Problem> {
-    let is_outside = key.high != f64::MAX && !(key.low..=key.high).contains(&value);
-    is_outside.then(|| Problem::out_of_range(value, key.low, key.high))
-}
-
-fn join(path: &str, name: &str) -> String {
+pub(super) fn join(path: &str, name: &str) -> String {
     match path {
         "" => name.to_owned(),
         path => format!("{path}.{name}"),

@@ -20,11 +20,7 @@ impl Configured for CrankRocker {
     ];
 
     fn radius_m(machine: &Machine) -> Result<f64, SceneError> {
-        /// Range of leads whose travel per radian the core accepts as a crank radius, rounded inwards.
-        const LEADS_MM: (f64, f64) = (0.63, 3000.0);
-        let lead_mm = machine.needed("machine.screw_lead_mm")?;
-        cophase_scene::in_range("machine.screw_lead_mm", lead_mm, LEADS_MM.0, LEADS_MM.1)?;
-        Ok(lead_mm / 1e3 / TAU)
+        Ok(machine.needed("machine.screw_lead_mm")? / 1e3 / TAU)
     }
 
     fn settings(machine: &Machine) -> Result<CrankRockerSettings, SceneError> {

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::files::no_number;
 
 /// Words with which a message states the fix, or the correct value.
-const FIXES: [&str; 19] = [
+const FIXES: [&str; 18] = [
     "give",
     "leave",
     "list ",
@@ -20,7 +20,6 @@ const FIXES: [&str; 19] = [
     "use ",
     "part ",
     "at most",
-    "trim less",
     "start from",
     "put ",
     "damp",

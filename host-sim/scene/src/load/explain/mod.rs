@@ -6,6 +6,7 @@ use toml::de::DeValue;
 
 use super::nearest::nearest;
 use super::repair::{QUOTES, Repaired, commas_in_list, pasted_in_text, repair_value};
+use crate::file::Scene;
 use crate::keys;
 
 /// Longest piece of a file that a message repeats, in characters.
@@ -45,7 +46,21 @@ pub(super) fn not_toml(
     let message = one_line(message);
     let source = source.trim_start_matches('\u{feff}').trim();
     if message.starts_with("duplicate key") {
-        return if source.starts_with('[')
+        return if source.starts_with("[[") {
+            let list = key.trim_end_matches(|c| c != '[').trim_end_matches('[');
+            let other = nearest(
+                list,
+                &Scene::KEYS
+                    .iter()
+                    .map(|key| key.name)
+                    .filter(|name| *name != list)
+                    .collect::<Vec<_>>(),
+            )
+            .map_or(String::new(), |other| {
+                format!(", or [{other}] if its keys are those")
+            });
+            format!("given before as a table; write [[{list}]] there, too{other}")
+        } else if source.starts_with('[')
             && !key.contains('[')
             && keys::row(key).is_some_and(|row| list_of_tables(&row.kind))
         {
