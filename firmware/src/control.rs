@@ -6,12 +6,12 @@
 use core::future::Future;
 
 use cophase_core::control_loop::{Io, SubmissionResult};
-use cophase_core::drift::{IndexFilter, IndexPulse};
+use cophase_core::drift::{IndexFilter, IndexPulses};
 use cophase_core::panel::{self, Panel, Source};
 use cophase_core::program::Program;
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::State;
-use cophase_core::units::{MAX_AXES, PerAxis};
+use cophase_core::units::MAX_AXES;
 use cophase_link::sample::flags;
 use embassy_time::Instant;
 
@@ -64,30 +64,23 @@ pub struct Board {
 impl Board {
     /// Takes the index pulses of the ticks that are over: of one, unless deadlines were missed.
     #[inline(always)]
-    fn read_index(&mut self, pulses: &mut PerAxis<Option<IndexPulse>>) {
+    fn read_index(&mut self, pulses: &mut IndexPulses) {
         let Some(mut deadline) = self.read_to else {
             return;
         };
-        let mut may_have_pulses = false;
         while has_passed(deadline) {
             self.index.read(&mut self.filter);
-            may_have_pulses |= self.index.end_tick(&mut self.filter, pulses);
+            self.index.end_tick(&mut self.filter, pulses);
             let next = deadline
                 .as_ticks()
                 .wrapping_add(self.steps.tick().as_ticks());
             deadline = Instant::from_ticks(next);
         }
         self.read_to = Some(deadline);
-        if may_have_pulses {
-            self.count(pulses);
-        }
-    }
-
-    /// Counts index pulses, for samples.
-    #[inline(never)] // seldom
-    fn count(&mut self, pulses: &PerAxis<Option<IndexPulse>>) {
-        for pulse in pulses {
-            self.index_count = self.index_count.wrapping_add(pulse.is_some().into());
+        if pulses.axes() != 0 {
+            self.index_count = self
+                .index_count
+                .wrapping_add(pulses.axes().count_ones() as u8);
         }
     }
 }
@@ -98,7 +91,7 @@ impl Io for Board {
         sampler::end();
         // The output that was submitted last is played from now on.
         lines::sync(self.sync);
-        feedback.index = [None; MAX_AXES];
+        feedback.index.clear();
         self.read_index(&mut feedback.index);
         let levels = lines::read_latched();
         let inputs = lines::safety_inputs(levels);
@@ -106,7 +99,7 @@ impl Io for Board {
         self.inputs = if inputs.enable { flags::ENABLE } else { 0 };
         self.inputs |= if inputs.stop { flags::STOP } else { 0 };
         feedback.inputs = inputs;
-        levels.read_alarms(&self.alarms, &mut feedback.alarm);
+        feedback.alarms = levels.alarms(&self.alarms);
         feedback.fifo_underrun = self.fifo_underrun.take();
         feedback.command = match self.panel.turn(levels.start(), self.link.waiting()) {
             Some(Source::Button) => Some(panel::command(self.state)),

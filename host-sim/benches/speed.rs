@@ -72,7 +72,7 @@ fn core(count: usize) -> Work {
 
     let mut record = |controller: &mut Controller, command| {
         let feedback = Feedback {
-            index: sensors.index,
+            index: sensors.index.into(),
             ..Feedback::of(command)
         };
         let telemetry = &controller.tick(&feedback).telemetry;
@@ -85,7 +85,9 @@ fn core(count: usize) -> Work {
     }
     let begun = controller.clone();
     let recorded: Vec<_> = (0..TICKS).map(|_| record(&mut controller, None)).collect();
-    let pulses = recorded.iter().filter(|one| one.index[count - 1].is_some());
+    let pulses = recorded
+        .iter()
+        .filter(|one| one.index.of(count - 1).is_some());
     assert!(pulses.count() > 200, "the sensors are passed once per turn");
     // If pulses are read in a wrong tick, the phase errors are some degrees. Rounding to whole cycles gives only some millidegrees.
     let errors = controller.tick(&Feedback::of(None)).telemetry.phase_error;

@@ -98,7 +98,9 @@ fn alarms_and_inputs_are_on_while_they_last() {
     };
     on("enable-loss", |feedback| !feedback.inputs.enable);
     on("stop-input", |feedback| feedback.inputs.stop);
-    on("drive-alarm\"\naxis = 2\n#\"", |feedback| feedback.alarm[2]);
+    on("drive-alarm\"\naxis = 2\n#\"", |feedback| {
+        feedback.alarms == 1 << 2
+    });
     let samples = with(KINEMATIC, "kind = \"drive-alarm\"\naxis = 2\n");
     assert!(latched(&samples, FaultKind::DriveAlarm));
     assert_eq!(latched_in(&samples), Some(AT_TICK));

@@ -1,6 +1,6 @@
 //! Input and output of the control loop at a deadline.
 
-use crate::drift::{AxisSet, IndexPulse, Modes};
+use crate::drift::{AxisSet, IndexPulses, Modes};
 use crate::pulse::{Run, Runs, Sharing};
 use crate::servo::Setpoint;
 use crate::shaft::Motion;
@@ -11,12 +11,12 @@ use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
 #[derive(Clone, Debug)]
 pub struct Feedback {
     /// Index pulses of the tick that is over.
-    pub index: PerAxis<Option<IndexPulse>>,
+    pub index: IndexPulses,
     /// Counts of the motors' encoders at the deadline, in the motors' own sense, wrapping. They start at any value at
     /// power-up. The entry of an axis without an encoder is ignored.
     pub encoder: PerAxis<i32>,
-    /// Alarm outputs of the drives.
-    pub alarm: PerAxis<bool>,
+    /// Axes whose drives give an alarm.
+    pub alarms: AxisSet,
     /// Axis whose step FIFO ran empty within a tick that had been submitted in full.
     pub fifo_underrun: Option<usize>,
     /// Enable and stop inputs.
@@ -29,9 +29,9 @@ impl Feedback {
     /// Feedback that contains at most a command: no pulse, no alarm, and inputs that let the machine run.
     pub const fn of(command: Option<Command>) -> Self {
         Self {
-            index: [None; MAX_AXES],
+            index: IndexPulses::NONE,
             encoder: [0; MAX_AXES],
-            alarm: [false; MAX_AXES],
+            alarms: 0,
             fifo_underrun: None,
             inputs: SafetyInputs {
                 enable: true,

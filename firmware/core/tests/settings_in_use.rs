@@ -530,7 +530,7 @@ fn play(
                 .since(Phase::from_turns(Turns::from_num(place)));
             let turn = phase.to_num::<f64>().floor() as i64;
             if last[axis].replace(turn).is_some_and(|last| turn > last) {
-                feedback.index[axis] = Some(IndexPulse { cycle: 0 });
+                feedback.index.set(axis, Some(IndexPulse { cycle: 0 }));
             }
         }
         feedback.command = match telemetry.state {
@@ -547,7 +547,7 @@ fn play(
         };
         // The machine reaches the run before the first of these.
         let may_fail = tick > TICKS / 2;
-        feedback.alarm[0] = may_fail && random(8000) == 0;
+        feedback.alarms = u8::from(may_fail && random(8000) == 0);
         feedback.inputs.enable = !may_fail || random(8000) != 0;
         feedback.inputs.stop = may_fail && random(12_000) == 0;
         if random(3000) == 0 {

@@ -12,6 +12,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use cophase_core::drift::AxisSet;
 use cophase_core::settings::{InputWiring, WiringSettings};
 use cophase_core::supervisor::{SafetyInputs, State};
 use cophase_link::message::{Inputs, Output};
@@ -65,16 +66,16 @@ impl Levels {
         pins::ALARM.get(axis).is_some_and(|&pin| self.is_high(pin))
     }
 
-    /// Alarms of the drives; in most ticks there is none.
+    /// Axes whose drives give an alarm; in most ticks there is none.
     #[inline(always)]
-    pub fn read_alarms(self, inputs: &AlarmInputs, alarms: &mut [bool; pins::AXES]) {
-        if self.0 & inputs.all == 0 {
-            alarms.fill(false);
-            return;
+    pub fn alarms(self, inputs: &AlarmInputs) -> AxisSet {
+        let mut alarms = 0;
+        if self.0 & inputs.all != 0 {
+            for (axis, input) in inputs.of_axes.iter().enumerate() {
+                alarms |= AxisSet::from(self.0 & input != 0) << axis;
+            }
         }
-        for (alarm, input) in alarms.iter_mut().zip(&inputs.of_axes) {
-            *alarm = self.0 & input != 0;
-        }
+        alarms
     }
 
     /// Level of an axis's index sensor.

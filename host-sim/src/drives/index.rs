@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use cophase_core::drift::{IndexFilter, IndexPulse};
+use cophase_core::drift::{IndexFilter, IndexPulse, IndexPulses};
 use cophase_core::units::PerAxis;
 
 use super::Stream;
@@ -172,10 +172,13 @@ impl IndexSensor {
         for (at, _) in &mut self.changes {
             *at -= i64::from(cycles);
         }
-        let mut pulses = [None];
+        let mut pulses = IndexPulses::NONE;
         self.filter.end_tick(cycles, &mut pulses);
-        let [pulse] = pulses;
-        Line { rose, fell, pulse }
+        Line {
+            rose,
+            fell,
+            pulse: pulses.of(0),
+        }
     }
 
     /// True if a tick without events changes nothing, and need not be played.

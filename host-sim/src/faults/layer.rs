@@ -233,13 +233,15 @@ impl Faults {
                     let counts = fault.counts.unwrap_or(0) as i32;
                     feedback.encoder[axis] = feedback.encoder[axis].wrapping_add(counts);
                 }
-                (FaultName::DriveAlarm, Some(axis)) => feedback.alarm[axis] = true,
+                (FaultName::DriveAlarm, Some(axis)) => feedback.alarms |= 1 << axis,
                 (FaultName::EnableLoss, _) => feedback.inputs.enable = false,
                 (FaultName::StopInput, _) => feedback.inputs.stop = true,
                 _ => {}
             }
         }
-        self.swap(&mut feedback.index);
+        for &(one, other) in &self.swapped_sensors {
+            feedback.index.swap(one, other);
+        }
         self.swap(&mut feedback.encoder);
         feedback.fifo_underrun = self.underrun.take();
     }

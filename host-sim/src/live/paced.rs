@@ -122,7 +122,7 @@ impl Io for Paced {
         *feedback = self.inner.read(&mut ());
         feedback.command = self.next_command();
         self.inputs = feedback.inputs;
-        let pulses = feedback.index.iter().flatten().count();
+        let pulses = feedback.index.axes().count_ones();
         self.index_count = self.index_count.wrapping_add(pulses as u8);
     }
 

@@ -7,10 +7,9 @@ use std::cell::OnceCell;
 use std::collections::VecDeque;
 
 use cophase_core::control_loop::{Io, SubmissionResult};
-use cophase_core::drift::IndexPulse;
+use cophase_core::drift::{AxisSet, IndexPulses};
 use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Command, Fault, State};
-use cophase_core::units::PerAxis;
 use cophase_scene::SceneError;
 use cophase_scene::file::FaultAt;
 use cophase_scene::units::turns;
@@ -24,7 +23,7 @@ use super::truth::TruthRecorder;
 use super::unwrapped::Unwrapped;
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
-use crate::drives::{IndexSensor, Passages, Played, SimulatedAxis};
+use crate::drives::{IndexSensor, Passages, Played};
 use crate::faults::Faults;
 use crate::simulated_machine::SimulatedMachine;
 use crate::virtual_time::{self, TICKS_PER_S};
@@ -177,7 +176,7 @@ impl SimulatedIo {
     }
 
     /// Reads the sensors over ticks without an output, up to the time `until_us`.
-    fn stand(&mut self, until_us: u64, detected: &mut PerAxis<Option<IndexPulse>>) {
+    fn stand(&mut self, until_us: u64, detected: &mut IndexPulses) {
         while self.sensed_us < until_us {
             self.now.passages = Passages::default();
             self.detect(detected);
@@ -186,7 +185,7 @@ impl SimulatedIo {
 
     /// Reads the sensors and the rises of their lines over one tick. If several pulses are read at one deadline, the latest counts. One
     /// tick is all that the loop reads, unless it is late.
-    fn detect(&mut self, detected: &mut PerAxis<Option<IndexPulse>>) {
+    fn detect(&mut self, detected: &mut IndexPulses) {
         self.now.index.fill(None);
         self.now.index_fell.fill(None);
         let active = self.now.passages.brought() | self.awake;
@@ -197,7 +196,7 @@ impl SimulatedIo {
     }
 
     #[inline(never)]
-    fn read_sensors(&mut self, active: u8, detected: &mut PerAxis<Option<IndexPulse>>) {
+    fn read_sensors(&mut self, active: u8, detected: &mut IndexPulses) {
         let tick_cycles = self.machine.tick_cycles();
         self.awake = 0;
         for (i, sensor) in self.sensors.iter_mut().enumerate() {
@@ -206,7 +205,9 @@ impl SimulatedIo {
             }
             let passed = self.now.passages.get(i).unwrap_or_default();
             let line = sensor.tick(passed, tick_cycles, || self.faults.misses(i));
-            detected[i] = line.pulse.or(detected[i]);
+            if line.pulse.is_some() {
+                detected.set(i, line.pulse);
+            }
             self.now.index[i] = line.rose;
             self.now.index_fell[i] = line.fell;
             self.awake |= u8::from(!sensor.is_quiet()) << i;
@@ -214,12 +215,7 @@ impl SimulatedIo {
     }
 
     /// Plays one output, reads the sensors, and passes the tick to the observers.
-    fn play(
-        &mut self,
-        waiting: &Waiting,
-        detected: &mut PerAxis<Option<IndexPulse>>,
-        observer: &mut dyn Observer,
-    ) {
+    fn play(&mut self, waiting: &Waiting, detected: &mut IndexPulses, observer: &mut dyn Observer) {
         let Waiting {
             start_us,
             played,
@@ -311,7 +307,7 @@ impl SimulatedIo {
     /// Plays the outputs that are due, shows them to the observer, and returns the feedback: see [`Io::read`].
     pub fn read(&mut self, observer: &mut dyn Observer) -> Feedback {
         let now = Instant::now().as_micros();
-        let mut index = PerAxis::default();
+        let mut index = IndexPulses::NONE;
         while self
             .waiting
             .front()
@@ -336,14 +332,14 @@ impl SimulatedIo {
         if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
             self.recorder.commanded(now_s, command);
         }
-        let alarm = |i| {
-            let axis: Option<&SimulatedAxis> = self.machine.axes.get(i);
-            axis.is_some_and(|axis| axis.drive().alarm())
-        };
+        let axes = self.machine.axes.iter().enumerate();
+        let alarms = axes.fold(0, |alarms, (i, axis)| {
+            alarms | AxisSet::from(axis.drive().alarm()) << i
+        });
         let mut feedback = Feedback {
             index,
             encoder: self.machine.encoders(),
-            alarm: std::array::from_fn(alarm),
+            alarms,
             fifo_underrun: None,
             inputs: self.schedule.read_lines(),
             command,

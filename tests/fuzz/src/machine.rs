@@ -1,11 +1,11 @@
 //! A machine that follows its commands, except for the disturbances of the script.
 
 use cophase_core::controller::Controller;
-use cophase_core::drift::IndexPulse;
+use cophase_core::drift::{AxisSet, IndexPulse};
 use cophase_core::settings::Settings;
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::Command;
-use cophase_core::units::{ONE_TURN, PerAxis, Phase, Turns};
+use cophase_core::units::{ONE_TURN, Phase, Turns};
 
 use crate::Script;
 
@@ -40,7 +40,7 @@ pub struct Machine {
     tick_cycles: i64,
     enable: bool,
     stop: bool,
-    alarm: PerAxis<bool>,
+    alarms: AxisSet,
     /// Two axes whose lines are swapped.
     swapped: Option<(usize, usize)>,
     /// All feedback is random.
@@ -94,7 +94,7 @@ impl Machine {
             tick_cycles: i64::from(settings.tick_cycles()),
             enable: true,
             stop: false,
-            alarm: PerAxis::default(),
+            alarms: 0,
             swapped: None,
             wild: false,
             command: Some(Command::Start),
@@ -113,7 +113,7 @@ impl Machine {
             0 => self.command = Some(COMMANDS[script.below(6)]),
             1 => self.enable = !self.enable,
             2 => self.stop = !self.stop,
-            3 => self.alarm[axis] = !self.alarm[axis],
+            3 => self.alarms ^= 1 << axis,
             4 => self.fifo_underrun = Some(axis),
             5 => self.fifo_underrun = Some(script.word() as usize),
             6 => self.pulse = Some((axis, script.number())),
@@ -154,7 +154,7 @@ impl Machine {
     /// Removes all disturbances except encoder glitches, and gives a command.
     fn fix(&mut self, command: Command) {
         (self.enable, self.stop, self.wild) = (true, false, false);
-        (self.alarm, self.swapped) = (PerAxis::default(), None);
+        (self.alarms, self.swapped) = (0, None);
         self.command = Some(command);
         for crank in &mut self.cranks {
             (crank.walks, crank.stuck, crank.reversed_by_mistake) = (0, false, false);
@@ -179,7 +179,7 @@ impl Machine {
         let mut feedback = Feedback::of(self.command.take());
         feedback.inputs.enable = self.enable;
         feedback.inputs.stop = self.stop;
-        feedback.alarm = self.alarm;
+        feedback.alarms = self.alarms;
         feedback.fifo_underrun = self.fifo_underrun.take();
         for (i, crank) in self.cranks.iter().enumerate() {
             let source = match self.swapped {
@@ -188,7 +188,7 @@ impl Machine {
                 _ => i,
             };
             let source = &self.cranks[source];
-            feedback.index[i] = source.pulse(self.tick_cycles);
+            feedback.index.set(i, source.pulse(self.tick_cycles));
             feedback.encoder[i] = if crank.encoder_dead {
                 0
             } else {
@@ -196,18 +196,24 @@ impl Machine {
             };
         }
         if let Some((axis, cycle)) = self.pulse.take() {
-            feedback.index[axis] = Some(IndexPulse { cycle });
+            feedback.index.set(axis, Some(IndexPulse { cycle }));
         }
         if self.wild {
             let count = self.cranks.len();
-            for index in &mut feedback.index[..count] {
+            for axis in 0..count {
                 let cycle = script.number();
-                *index = script.one_in(3).then_some(IndexPulse { cycle });
+                let pulse = script.one_in(3).then_some(IndexPulse { cycle });
+                feedback.index.set(axis, pulse);
             }
             for encoder in &mut feedback.encoder[..count] {
                 *encoder = script.number();
             }
-            feedback.alarm[script.below(count)] = script.one_in(64);
+            let alarm = 1 << script.below(count);
+            if script.one_in(64) {
+                feedback.alarms |= alarm;
+            } else {
+                feedback.alarms &= !alarm;
+            }
             if script.one_in(8) {
                 feedback.command = Some(COMMANDS[script.below(6)]);
             }

@@ -89,8 +89,7 @@ impl Controller {
         let dry = feedback
             .fifo_underrun
             .map(|axis| Fault::new(FaultKind::StepFifoUnderrun).on_axis(axis));
-        let mut alarms = feedback.alarm.iter().take(self.channels.len());
-        let alarm = alarms.position(|&alarm| alarm);
+        let alarm = (0..self.channels.len()).find(|axis| feedback.alarms & 1 << axis != 0);
         let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
         // A fault that disables the drives has priority over all that stop the machine. A better name belongs to the fault that latched
         // before.

@@ -88,7 +88,7 @@ impl Controller {
             let size = drift.phase_error().get(axis).copied();
             return away.then_some(fault.with_size(size.unwrap_or_default()));
         }
-        feedback.index.get(axis).copied().flatten()?;
+        feedback.index.of(axis)?;
         let is_parked = self.supervisor.state() == State::Parked;
         let latched = self.supervisor.fault();
         // A crank that may have run away is not where its last pulse showed it. With two cranks, no reading shows which one ran away.

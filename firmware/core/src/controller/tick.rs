@@ -108,8 +108,8 @@ impl Controller {
         let reported = found
             .as_ref()
             .and_then(|found| select_reaction(found, &self.supervisor, input));
-        let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
-        if alarm || feedback.fifo_underrun.is_some() || self.state.overrun.is_some() {
+        if feedback.alarms != 0 || feedback.fifo_underrun.is_some() || self.state.overrun.is_some()
+        {
             self.highest_priority_fault(feedback, input);
         }
         reported
@@ -136,7 +136,7 @@ impl Controller {
         // Cranks that no drive holds may be turned by hand, and not all of them may have passed their flags.
         let is_held =
             self.supervisor.drives_enabled() || self.state.ticks - self.state.driven <= LAST_PLAYED;
-        if !is_held && self.drift.has_pulse_by_index(&feedback.index) {
+        if !is_held && self.drift.pulsed_by_index(&feedback.index) != 0 {
             self.homing.forget();
         }
         if let Some(coupling) = &mut self.coupling {

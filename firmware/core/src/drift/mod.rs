@@ -33,7 +33,7 @@ pub(crate) use diagnosis::events::is_better;
 pub use diagnosis::findings::Finding;
 pub use sensing::history::{History, TickTurns};
 pub use sensing::index_filter::IndexFilter;
-pub use sensing::tick_phase::{IndexPulse, TickPhase};
+pub use sensing::tick_phase::{IndexPulse, IndexPulses, TickPhase};
 
 use core::hash::{Hash, Hasher};
 
@@ -48,7 +48,7 @@ use sensing::tick_phase::TickClock;
 #[derive(Clone, Copy, Debug)]
 pub struct Sensed<'a> {
     /// Index pulses.
-    pub index: &'a PerAxis<Option<IndexPulse>>,
+    pub index: &'a IndexPulses,
     /// Encoder counts at the end of the tick, in the motors' own sense.
     pub encoder: &'a PerAxis<i32>,
     /// Phase of the master at the end of the tick that was planned last.
@@ -121,9 +121,10 @@ impl DriftMonitor {
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
         self.margin = NO_MARGIN;
-        let sensors = sensed.index.iter().zip(sensed.encoder);
-        for (axis, (watch, (pulse, &count))) in self.axes.iter_mut().zip(sensors).enumerate() {
-            watch.disregard(pulse.is_some(), count, sensed.over(axis).start);
+        let axes = self.axes.iter_mut().zip(sensed.encoder);
+        for (axis, (watch, &count)) in axes.enumerate() {
+            let has_pulse = sensed.index.axes() & 1 << axis != 0;
+            watch.disregard(has_pulse, count, sensed.over(axis).start);
         }
     }
 

@@ -4,9 +4,9 @@ use super::axis_watch::AxisWatch;
 use super::detection::modes::AxisSet;
 use super::sensing::encoder_watch::Read;
 use super::sensing::index_watch::Detection;
-use super::sensing::tick_phase::{IndexPulse, TickPhase};
+use super::sensing::tick_phase::{IndexPulses, TickPhase};
 use super::{DriftMonitor, Finding, Sensed};
-use crate::units::{MAX_AXES, PerAxis, Turns};
+use crate::units::{MAX_AXES, Turns};
 
 impl DriftMonitor {
     /// Processes the feedback of a tick that is over. Returns the next finding to report, if there is one.
@@ -18,7 +18,7 @@ impl DriftMonitor {
             self.observe_encoders(sensed);
         }
         let begun = self.queue.updated;
-        let arrived = self.arrived(sensed.index);
+        let arrived = self.pulsed_by_index(sensed.index);
         if arrived != 0 {
             self.queue_arrived(arrived, sensed, before_is_known);
         }
@@ -37,17 +37,8 @@ impl DriftMonitor {
 
     /// Axes without an encoder that have a pulse.
     #[inline(always)]
-    fn arrived(&self, index: &PerAxis<Option<IndexPulse>>) -> AxisSet {
-        let mut arrived: AxisSet = 0;
-        for (axis, pulse) in index.iter().enumerate() {
-            arrived |= AxisSet::from(pulse.is_some()) << axis;
-        }
-        arrived & self.by_index
-    }
-
-    /// True if an axis without an encoder has a pulse.
-    pub fn has_pulse_by_index(&self, index: &PerAxis<Option<IndexPulse>>) -> bool {
-        self.arrived(index) != 0
+    pub const fn pulsed_by_index(&self, index: &IndexPulses) -> AxisSet {
+        index.axes() & self.by_index
     }
 
     #[inline(never)]
@@ -61,12 +52,11 @@ impl DriftMonitor {
         // Most axes make the master's turns.
         let (by_master, before_by_master) = recent.over_by_master(sensed.phase);
         let before_by_master = before_is_known.then_some(before_by_master);
-        let slots = self.queue.pulses.iter_mut().zip(sensed.index);
-        for (axis, ((slot, pulse), &lead)) in slots.zip(sensed.lead).enumerate() {
-            let (Some(pulse), true) = (pulse, arrived & 1 << axis != 0) else {
+        for (axis, (slot, &lead)) in self.queue.pulses.iter_mut().zip(sensed.lead).enumerate() {
+            let (Some(pulse), true) = (sensed.index.of(axis), arrived & 1 << axis != 0) else {
                 continue;
             };
-            slot.pulse = *pulse;
+            slot.pulse = pulse;
             slot.commanded.start = by_master.start.advanced(lead);
             slot.commanded.turns = by_master.turns;
             slot.before = before_by_master;
@@ -151,7 +141,7 @@ impl DriftMonitor {
             if self.by_encoder & 1 << axis == 0 {
                 continue;
             }
-            let pulse = sensed.index.get(axis).and_then(Option::as_ref);
+            let pulse = sensed.index.of(axis);
             let count = sensed.encoder.get(axis).copied().unwrap_or_default();
             let commanded = sensed.over(axis);
             let (detection, read) =

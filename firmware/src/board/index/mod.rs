@@ -10,8 +10,7 @@
 mod program;
 mod ring;
 
-use cophase_core::drift::{IndexFilter, IndexPulse};
-use cophase_core::units::PerAxis;
+use cophase_core::drift::{IndexFilter, IndexPulses};
 use embassy_rp::pac;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 
@@ -104,20 +103,14 @@ impl Index {
         self.ring = ring;
     }
 
-    /// Ends the tick for the filter, and takes the pulses that it confirmed. Returns false if there can be none.
+    /// Ends the tick for the filter, and takes the pulses that it confirmed.
     #[inline(always)]
-    pub fn end_tick(
-        &mut self,
-        filter: &mut Filter,
-        pulses: &mut PerAxis<Option<IndexPulse>>,
-    ) -> bool {
+    pub fn end_tick(&mut self, filter: &mut Filter, pulses: &mut IndexPulses) {
         // In most ticks no line changed. To skip the filter then saves half the cost of reading.
-        let is_pending = filter.is_pending();
-        if is_pending {
+        if filter.is_pending() {
             filter.end_tick(self.tick_cycles as u32, pulses);
         }
         self.advance();
-        is_pending
     }
 
     /// Advances to the next tick.

@@ -75,7 +75,7 @@ fn play(controller: &mut Controller, command: Option<Command>, ticks: u32, detec
     for tick in 0..ticks {
         let mut feedback = followed(controller, command.filter(|_| tick == 0));
         if detected && tick + 8 == ticks {
-            feedback.index = [Some(IndexPulse { cycle: 0 }); MAX_AXES];
+            feedback.index = [Some(IndexPulse { cycle: 0 }); MAX_AXES].into();
         }
         controller.tick(&feedback);
     }
@@ -98,7 +98,9 @@ fn home(controller: &mut Controller) {
         let mut feedback = followed(controller, command.take());
         for axis in 0..controller.axis_count() {
             let passes = made[axis] > before[axis];
-            feedback.index[axis] = passes.then_some(IndexPulse { cycle: 0 });
+            feedback
+                .index
+                .set(axis, passes.then_some(IndexPulse { cycle: 0 }));
         }
         before = made;
         controller.tick(&feedback);
@@ -140,7 +142,7 @@ fn running(amax_mps2: f64) -> Controller {
 fn a_drive_alarm_stops_the_machine_and_names_its_axis() {
     let mut controller = running(100.0);
     let mut feedback = Feedback::of(None);
-    feedback.alarm[1] = true;
+    feedback.alarms = 1 << 1;
     let telemetry = controller.tick(&feedback).telemetry.clone();
     let fault = telemetry.fault.expect("a fault");
     assert_eq!((fault.kind, fault.axis), (FaultKind::DriveAlarm, Some(1)));
@@ -152,7 +154,7 @@ fn a_drive_alarm_stops_the_machine_and_names_its_axis() {
 fn an_alarm_of_an_axis_that_is_not_there_is_ignored() {
     let mut controller = running(100.0);
     let mut feedback = Feedback::of(None);
-    feedback.alarm[2..].fill(true);
+    feedback.alarms = !0 << 2;
     let telemetry = controller.tick(&feedback).telemetry.clone();
     assert_eq!((telemetry.state, telemetry.fault), (State::Run, None));
 }

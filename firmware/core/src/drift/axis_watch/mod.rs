@@ -103,7 +103,7 @@ impl AxisWatch {
     #[inline(never)]
     pub(super) fn observe(
         &mut self,
-        pulse: Option<&IndexPulse>,
+        pulse: Option<IndexPulse>,
         count: i32,
         commanded: &TickPhase,
         is_homing: bool,
@@ -124,7 +124,7 @@ impl AxisWatch {
         // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
         let commanded_turns = commanded.turns;
         let detection = match pulse {
-            Some(&pulse) => index.detect(traits, pulse, &measured, commanded_turns, before, clock),
+            Some(pulse) => index.detect(traits, pulse, &measured, commanded_turns, before, clock),
             None => index.check_timeout(traits, &measured, commanded_turns, is_homing),
         };
         if let Read::Jump { .. } = read {

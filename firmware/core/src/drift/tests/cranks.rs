@@ -75,7 +75,7 @@ pub(super) fn detect_after(
 ) -> Option<Finding> {
     let (lead, history) = history_of(commanded, before);
     monitor.observe(&Sensed {
-        index,
+        index: &(*index).into(),
         encoder,
         phase: Phase::ZERO,
         lead: &lead,

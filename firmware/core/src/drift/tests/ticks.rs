@@ -59,7 +59,7 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
     detect(&mut monitor, &[None; MAX_AXES], &[0; MAX_AXES], &phases);
     let (lead, history) = history_of(&phases, Turns::ZERO);
     monitor.disregard(&Sensed {
-        index: &[None; MAX_AXES],
+        index: &IndexPulses::NONE,
         encoder: &[0; MAX_AXES],
         phase: Phase::ZERO,
         lead: &lead,

@@ -15,7 +15,7 @@
 //!
 //! The filter does not decide whether the crank can have made a pulse at that time.
 
-use super::tick_phase::IndexPulse;
+use super::tick_phase::{IndexPulse, IndexPulses};
 use crate::settings::MOST_OF_TICK;
 use crate::units::MAX_AXES;
 
@@ -120,12 +120,12 @@ impl<const LINES: usize> IndexFilter<LINES> {
         self.pending != 0
     }
 
-    /// Ends a tick of `cycles`, and writes the pulses that were confirmed in it. From then on, cycles count from the beginning of the next
+    /// Ends a tick of `cycles`, and sets the pulses that were confirmed in it. From then on, cycles count from the beginning of the next
     /// tick.
     ///
-    /// If a line had several, only the first is written: no crank turns that fast.
+    /// If a line had several, only the first is set: no crank turns that fast.
     #[inline(never)] // It needs all registers.
-    pub fn end_tick(&mut self, cycles: u32, pulses: &mut [Option<IndexPulse>; LINES]) {
+    pub fn end_tick(&mut self, cycles: u32, pulses: &mut IndexPulses) {
         // Latest cycle at which the present stretch of a line that is quiet now may have begun.
         let remembered = self.width as u32 * MOST_OF_TICK;
         let quiet_since = -(cycles.min(remembered).min(i32::MAX as u32) as i32);
@@ -146,12 +146,11 @@ impl<const LINES: usize> IndexFilter<LINES> {
         let mut pending = self.pending;
         let mut quiet = 0;
         while let Some((number, bit)) = take_lowest(&mut pending) {
-            let (Some(line), Some(pulse)) = (self.lines.get_mut(number), pulses.get_mut(number))
-            else {
+            let Some(line) = self.lines.get_mut(number) else {
                 break;
             };
             if confirmed & bit != 0 {
-                *pulse = Some(IndexPulse { cycle: line.pulse });
+                pulses.set(number, Some(IndexPulse { cycle: line.pulse }));
             }
             line.first = (line.first - cycles).max(LONG_AGO);
             line.since = (line.since - cycles).max(LONG_AGO);
