@@ -1,10 +1,10 @@
 //! TCP connection to a controller's server.
 
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::net::TcpStream;
 
 use super::error::NoController;
-use super::transport::{READ_WAIT, SEND_WAIT, Transport, quiet};
+use super::transport::{SHORT_WAIT, Transport, quiet, send_all};
 use crate::address::Parts;
 
 pub(super) struct Tcp {
@@ -94,14 +94,14 @@ impl Tcp {
 fn open_stream(address: &str) -> io::Result<TcpStream> {
     let stream = TcpStream::connect(address)?;
     stream.set_nodelay(true)?;
-    stream.set_read_timeout(Some(READ_WAIT))?;
-    stream.set_write_timeout(Some(SEND_WAIT))?;
+    stream.set_read_timeout(Some(SHORT_WAIT))?;
+    stream.set_write_timeout(Some(SHORT_WAIT))?;
     Ok(stream)
 }
 
 impl Transport for Tcp {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let sent = self.stream.write_all(bytes);
+        let sent = send_all(&mut self.stream, bytes);
         sent.map_err(|error| self.lost(error))
     }
 

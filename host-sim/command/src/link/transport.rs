@@ -17,11 +17,11 @@ use crate::address::Parts;
 use crate::scenes;
 use serialport::SerialPort;
 
-/// Longest wait of a read for bytes.
-pub(super) const READ_WAIT: Duration = Duration::from_millis(5);
+/// Longest wait of one read or write.
+pub(super) const SHORT_WAIT: Duration = Duration::from_millis(5);
 
 /// Longest time in which a line takes no byte. A frame takes 90 ms at 9,600 baud, so the other end is gone or does not read.
-pub(super) const SEND_WAIT: Duration = Duration::from_millis(1500);
+const SEND_WAIT: Duration = Duration::from_millis(1500);
 
 /// A line that carries bytes both ways.
 pub(crate) trait Transport {
@@ -154,7 +154,7 @@ impl Serial {
 }
 
 fn open_port(name: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
-    let mut port = serialport::new(name, baud).timeout(READ_WAIT).open()?;
+    let mut port = serialport::new(name, baud).timeout(SHORT_WAIT).open()?;
     // The controller regards a port with this signal as open. A pseudo-terminal has no such signal.
     let _ = port.write_data_terminal_ready(true);
     Ok(port)
@@ -162,7 +162,7 @@ fn open_port(name: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
 
 impl Transport for Serial {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        send_all(self.port()?, bytes, SEND_WAIT)
+        send_all(self.port()?, bytes)
     }
 
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
@@ -176,8 +176,12 @@ impl Transport for Serial {
     }
 }
 
-/// Sends all bytes over a line whose writes end after a short wait. Fails if it takes none for `longest`.
-fn send_all(line: &mut impl Write, bytes: &[u8], longest: Duration) -> io::Result<()> {
+/// Sends all bytes over a line whose writes end after a short wait. Fails if it takes none for [`SEND_WAIT`].
+pub(super) fn send_all(line: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
+    send_within(SEND_WAIT, line, bytes)
+}
+
+fn send_within(longest: Duration, line: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
     let mut rest = bytes;
     let mut since = Instant::now();
     while !rest.is_empty() {
@@ -314,8 +318,8 @@ mod tests {
     #[test]
     fn a_line_that_takes_no_byte_is_given_up() {
         let wait = Duration::from_millis(20);
-        assert!(send_all(&mut Stalled(10), &[0; 10], wait).is_ok());
-        let error = send_all(&mut Stalled(10), &[0; 11], wait).unwrap_err();
+        assert!(send_within(wait, &mut Stalled(10), &[0; 10]).is_ok());
+        let error = send_within(wait, &mut Stalled(10), &[0; 11]).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::TimedOut);
         assert!(
             error.to_string().contains("took no byte for 20 ms"),
