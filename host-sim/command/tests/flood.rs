@@ -34,7 +34,7 @@ fn turn() -> MutexGuard<'static, ()> {
 
 fn duration() -> Duration {
     let seconds = std::env::var("COPHASE_FLOOD_S").ok();
-    Duration::from_secs_f64(seconds.map_or(2.0, |seconds| seconds.parse().unwrap()))
+    Duration::from_secs_f64(seconds.map_or(0.5, |seconds| seconds.parse().unwrap()))
 }
 
 /// Threads that flood the server until this is dropped.
