@@ -138,6 +138,14 @@ impl Column {
         !matches!(self.field.read, Read::Word(_))
     }
 
+    /// Returns the count of decimals of its numbers; 0 if its values are words or whole numbers.
+    pub const fn decimals(&self) -> u32 {
+        match self.field.read {
+            Read::Number(decimals, _) => decimals,
+            Read::Count(_) | Read::Word(_) => 0,
+        }
+    }
+
     /// Returns the value in a row.
     ///
     /// # Panics

@@ -4,7 +4,7 @@
 //! `0.0005`, not `0.000500000`. It always has a decimal point, so that a reader that infers the type of a column from its first rows does not
 //! find whole numbers. A value that is not finite is written `NaN`, `inf` or `-inf`, which Rust, pandas and numpy read back.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 
 use thiserror::Error;
 
@@ -27,12 +27,12 @@ pub enum TraceError {
         /// Axes in the row.
         actual: usize,
     },
-    /// The `csv` crate or the file under it refused.
+    /// The file refused.
     #[error("trace not written: {0}")]
-    Csv(#[from] ::csv::Error),
+    Write(#[from] io::Error),
     /// The last bytes could not be flushed.
     #[error("trace not flushed: {0}")]
-    Flush(#[from] io::Error),
+    Flush(io::Error),
 }
 
 /// Writes rows as comma-separated values.
@@ -47,10 +47,13 @@ pub enum TraceError {
 /// # Ok::<(), cophase_files::trace::TraceError>(())
 /// ```
 pub struct TraceCsv<W: Write> {
-    lines: ::csv::Writer<W>,
+    file: BufWriter<W>,
     axes: usize,
     columns: Vec<Column>,
-    text: Vec<u8>,
+    /// One line, kept to reuse its memory.
+    line: Vec<u8>,
+    /// Fields after those of the columns, and the end of the line.
+    end: String,
     /// Columns that are left empty.
     unknown: Vec<bool>,
 }
@@ -65,15 +68,17 @@ impl<W: Write> TraceCsv<W> {
     pub fn new(w: W, shape: impl Into<RowShape>) -> Result<Self, TraceError> {
         let shape = shape.into();
         let columns: Vec<Column> = Column::of_run(shape).collect();
-        let mut lines = ::csv::Writer::from_writer(w);
         let names = columns.iter().map(Column::name);
-        lines.write_record(names.chain(WRITTEN_BY.map(str::to_owned)))?;
+        let names: Vec<_> = names.chain(WRITTEN_BY.map(str::to_owned)).collect();
+        let mut file = BufWriter::new(w);
+        writeln!(file, "{}", names.join(","))?;
         Ok(Self {
-            lines,
+            file,
             unknown: vec![false; columns.len()],
             axes: shape.axes,
             columns,
-            text: Vec::with_capacity(32),
+            line: Vec::new(),
+            end: format!("{},{}\n", version::RELEASE, version::commit()),
         })
     }
 
@@ -96,19 +101,19 @@ impl<W: Write> TraceCsv<W> {
                 actual: row.axes.len(),
             });
         }
+        let line = &mut self.line;
+        line.clear();
         for (column, is_unknown) in self.columns.iter().zip(&self.unknown) {
-            self.text.clear();
             match column.value(row) {
                 _ if *is_unknown => {}
-                Value::Number(number) => decimal(&mut self.text, number)?,
-                Value::Count(count) => write!(self.text, "{count}")?,
-                Value::Word(word) => self.text.extend_from_slice(word.as_bytes()),
+                Value::Number(number) => decimal(line, number, column.decimals())?,
+                Value::Count(count) => write!(line, "{count}")?,
+                Value::Word(word) => line.extend_from_slice(word.as_bytes()),
             }
-            self.lines.write_field(&self.text)?;
+            line.push(b',');
         }
-        // Ends the line.
-        self.lines
-            .write_record([version::RELEASE, version::commit()])?;
+        line.extend_from_slice(self.end.as_bytes());
+        self.file.write_all(line)?;
         Ok(())
     }
 
@@ -117,15 +122,81 @@ impl<W: Write> TraceCsv<W> {
     /// # Errors
     /// The writer refuses the last bytes. If the trace were dropped instead, this error would be lost.
     pub fn finish(self) -> Result<W, TraceError> {
-        Ok(self.lines.into_inner().map_err(|e| e.into_error())?)
+        let whole = self
+            .file
+            .into_inner()
+            .map_err(io::IntoInnerError::into_error);
+        let mut w = whole.map_err(TraceError::Flush)?;
+        w.flush().map_err(TraceError::Flush)?;
+        Ok(w)
     }
 }
 
-/// Writes a number with a decimal point.
-fn decimal(text: &mut Vec<u8>, number: f64) -> io::Result<()> {
-    write!(text, "{number}")?;
-    if number.is_finite() && !text.contains(&b'.') {
-        text.extend_from_slice(b".0");
+/// Writes a number that is rounded to this count of decimals, with a decimal point.
+fn decimal(line: &mut Vec<u8>, number: f64, decimals: u32) -> io::Result<()> {
+    // No two decimals of 15 digits are the same double, so these digits without the last zeros are the shortest.
+    const MOST: f64 = 1e15;
+    let scaled = number.abs() * 10_u64.pow(decimals) as f64;
+    if decimals == 0 || !(0.0..MOST).contains(&scaled) {
+        return shortest(line, number);
+    }
+    let mut left = (scaled + 0.5) as u64;
+    // Written from the last digit on.
+    let mut digits = [0; 24];
+    let mut from = digits.len();
+    let mut put = |digit: u8| {
+        from -= 1;
+        digits[from] = digit;
+    };
+    let mut is_end = true;
+    for place in 1..=decimals {
+        let digit = (left % 10) as u8;
+        left /= 10;
+        is_end &= digit == 0 && place < decimals;
+        if !is_end {
+            put(b'0' + digit);
+        }
+    }
+    put(b'.');
+    loop {
+        put(b'0' + (left % 10) as u8);
+        left /= 10;
+        if left == 0 {
+            break;
+        }
+    }
+    if number < 0.0 {
+        put(b'-');
+    }
+    line.extend_from_slice(&digits[from..]);
+    Ok(())
+}
+
+/// Writes a number in the shortest form that reads back as it, with a decimal point if it is finite.
+fn shortest(line: &mut Vec<u8>, number: f64) -> io::Result<()> {
+    let from = line.len();
+    write!(line, "{number}")?;
+    if number.is_finite() && !line[from..].contains(&b'.') {
+        line.extend_from_slice(b".0");
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::rounding::rounded;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// If this fails, a number in a trace reads back as another one, or has digits that it does not need.
+        #[test]
+        fn numbers_have_their_shortest_form(value in -1e8_f64..1e8, magnitude in 0_i32..20, decimals in 0_u32..=9) {
+            let number = rounded(value / 10_f64.powi(magnitude), decimals);
+            let (mut short, mut expected) = (Vec::new(), Vec::new());
+            decimal(&mut short, number, decimals).unwrap();
+            shortest(&mut expected, number).unwrap();
+            prop_assert_eq!(short, expected);
+        }
+    }
 }
