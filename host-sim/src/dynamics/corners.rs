@@ -62,6 +62,7 @@ impl Corners {
     }
 
     /// Returns the heave (m, or m/s …) and slopes (rad …) of the plane closest to corners of these heights.
+    #[inline]
     pub fn plane(&self, heights: &[f64]) -> [f64; FREEDOMS] {
         let mut plane = [0.0; FREEDOMS];
         for (share, height) in self.share.iter().zip(heights) {

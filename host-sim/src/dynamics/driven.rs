@@ -17,7 +17,11 @@ use crate::pose::Pose;
 pub struct Driven {
     machine: Box<dyn Dynamics>,
     motors: Vec<Motor>,
-    /// For each motor, the index of the first motor that is equal to it.
+    /// Number of positions in the state.
+    positions: usize,
+    /// For each motor, the index of its angle among the positions.
+    angles: [usize; MOST],
+    /// For each motor, the index of the first motor that is equal to it and has the same angle.
     equal_to: [usize; MOST],
     /// Index and integral time, s, of each motor that integrates, in the order of the state.
     integrals: Vec<(usize, f64)>,
@@ -41,10 +45,15 @@ impl Driven {
     /// Creates a machine with one motor per axis and the drives off.
     pub fn new(machine: Box<dyn Dynamics>, motors: Vec<Motor>) -> Self {
         let integral = |(i, motor): (usize, &Motor)| Some((i, motor.integral_s()?));
-        let first = |i: usize| motors.iter().position(|motor| Some(motor) == motors.get(i));
+        let angles: [usize; MOST] = std::array::from_fn(|i| machine.angle(i));
+        let is_equal =
+            |j: usize, i: usize| angles[j] == angles[i] && motors.get(j) == motors.get(i);
+        let first = |i: usize| (0..i).find(|&j| is_equal(j, i)).unwrap_or(i);
         let mut driven = Self {
             fields: vec![Field::default(); motors.len()],
-            equal_to: std::array::from_fn(|i| first(i).unwrap_or(i)),
+            equal_to: std::array::from_fn(first),
+            positions: machine.positions(),
+            angles,
             locked: [false; MOST],
             sliding: Vec::with_capacity(MOST),
             friction_nm: Vec::with_capacity(MOST),
@@ -81,7 +90,7 @@ impl Driven {
 
     /// Number of positions in the state, including the angles. The same number of speeds follows.
     pub fn positions(&self) -> usize {
-        self.machine.positions()
+        self.positions
     }
 
     /// True if the platform has no equations of its own, because its position follows from the cranks.
@@ -110,7 +119,7 @@ impl Driven {
 
     /// Index of the angle of crank `i` among the positions.
     pub(crate) fn angle(&self, i: usize) -> usize {
-        self.machine.angle(i)
+        self.angles[i]
     }
 
     /// Locks rotor `i`, or releases it. On a single shaft this has no effect.
@@ -186,12 +195,10 @@ impl Driven {
         };
         for (i, ((motor, field), integral)) in drives.enumerate() {
             let at = self.angle(i);
-            // Equal motors at one angle give equal torques under equal commands. On a single shaft most motors are equal.
+            // They give equal torques under equal commands. On a single shaft most motors are equal.
             let first = self.equal_to[i];
-            let is_alike = first < i
-                && self.angle(first) == at
-                && integral_nm[first] == integral
-                && self.fields[first] == *field;
+            let is_alike =
+                first < i && integral_nm[first] == integral && self.fields[first] == *field;
             torques[i] = if is_alike {
                 torques[first]
             } else {

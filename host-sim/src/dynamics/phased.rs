@@ -21,6 +21,7 @@ use std::cell::Cell;
 
 use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Crank, Frame, PlaneMotion};
+use crate::axes::{Axes, per_axis};
 use crate::dynamics::Dynamics;
 use crate::dynamics::modes::Bound;
 use crate::pose::Pose;
@@ -68,40 +69,109 @@ impl Phased {
         self
     }
 
-    #[inline(always)] // otherwise 150 bytes are copied
-    fn cranks(&self, alpha: &[f64]) -> [Crank; MOST] {
-        let mut cranks = [Crank::default(); MOST];
-        for ((crank, &alpha), last) in cranks.iter_mut().zip(alpha).zip(&self.last) {
-            let (last_alpha, last_crank) = last.get();
-            // Compares bits and not values, because the levers at 0 and −0 have different signs.
-            *crank = if last_alpha.to_bits() == alpha.to_bits() {
-                last_crank
-            } else {
-                let crank = self.body.crank(alpha);
-                last.set((alpha, crank));
-                crank
-            };
+    /// Geometry of crank `i` at an angle, rad.
+    #[inline(always)] // the equations of motion call it in each evaluation, for each crank
+    fn crank(&self, i: usize, alpha: f64) -> Crank {
+        let (last_alpha, last_crank) = self.last[i].get();
+        // Compares bits and not values, because the levers at 0 and −0 have different signs.
+        if last_alpha.to_bits() == alpha.to_bits() {
+            return last_crank;
         }
-        cranks
+        let crank = self.body.crank(alpha);
+        self.last[i].set((alpha, crank));
+        crank
     }
 
-    fn warps(&self, cranks: &[Crank; MOST]) -> [f64; MOST] {
-        let mut warps = [0.0; MOST];
-        let n = self.body.axes();
-        if n <= FREEDOMS {
-            return warps;
+    /// Height of each of N corners above the platform's plane, m. Zero for up to three corners.
+    #[inline(always)]
+    fn warps<const N: usize>(&self, heights: &[f64; N]) -> [f64; N] {
+        if N <= FREEDOMS {
+            return [0.0; N];
         }
-        let heights = cranks.map(|crank| crank.height_m);
-        let plane = self.corners.plane(&heights[..n]);
-        for (i, warp) in warps.iter_mut().enumerate().take(n) {
-            *warp = heights[i] - self.corners.height(&plane, i);
+        let plane = self.corners.plane(heights);
+        std::array::from_fn(|i| heights[i] - self.corners.height(&plane, i))
+    }
+
+    /// Computes [`Dynamics::accelerations`] with N cranks. A known number lets the compiler unroll all loops over them.
+    fn accelerations_of<const N: usize>(
+        &self,
+        q: &[f64],
+        v: &[f64],
+        torque: &[f64],
+        held: &[bool; MOST],
+        out: &mut [f64],
+    ) {
+        const ONE_EACH: &str = "an angle for each crank";
+        let body = &self.body;
+        let (alpha, place) = q.split_first_chunk::<N>().expect(ONE_EACH);
+        let (omega, rate) = v.split_first_chunk::<N>().expect(ONE_EACH);
+        let (cranks_out, frame_out) = out.split_first_chunk_mut::<N>().expect(ONE_EACH);
+        let torque = torque.first_chunk::<N>().expect(ONE_EACH);
+        let cranks: [Crank; N] = std::array::from_fn(|i| self.crank(i, alpha[i]));
+        let warps = self.warps(&cranks.map(|crank| crank.height_m));
+
+        let [a, d, f] = self.mobility;
+        let mut left = Symmetric {
+            a,
+            d,
+            f,
+            ..Symmetric::default()
+        };
+        let mut right = [body.load.gravity_mps2, 0.0, 0.0];
+        // Weight that the springs carry at rest, and their force in excess of it.
+        let weight = [body.weight_n(), 0.0, 0.0];
+        let mut pull = [0.0; FREEDOMS];
+        if let Some(frame) = &self.frame {
+            pull = frame.pull(place, rate);
+            for f in 0..FREEDOMS {
+                right[f] += (pull[f] + weight[f]) / frame.suspended.masses[f];
+            }
         }
-        warps
+        let mut columns = [[0.0; FREEDOMS]; N];
+        let mut net = [0.0; N];
+        let mut mobilities = [0.0; N];
+        for i in 0..N {
+            let share = self.corners.share(i);
+            let lever = cranks[i].lever_m;
+            columns[i] = share.map(|share| share * lever);
+            let bend_nm = body.rod_n_per_m * warps[i] * lever;
+            net[i] = torque[i] - bend_nm;
+            if !held[i] {
+                mobilities[i] = self.rotor_mobility[i];
+            }
+            let mobility = mobilities[i];
+            left.add(&columns[i], mobility);
+            let swing = cranks[i].lever_rate_m * omega[i] * omega[i];
+            for f in 0..FREEDOMS {
+                right[f] += columns[i][f] * mobility * net[i] + share[f] * swing;
+            }
+        }
+        let y = left.solve(&right);
+        for i in 0..N {
+            let load: f64 = (0..FREEDOMS).map(|f| columns[i][f] * y[f]).sum();
+            cranks_out[i] = (net[i] - load) * mobilities[i];
+        }
+        if let Some(frame) = &self.frame {
+            let cranks = std::array::from_fn(|f| weight[f] - y[f]);
+            frame.accelerations(place, rate, &pull, &cranks, frame_out);
+        }
     }
 
     /// Height of each corner above the platform's plane, m. Zero for up to three corners.
-    pub fn warps_m(&self, alpha: &[f64]) -> [f64; MOST] {
-        self.warps(&self.cranks(alpha))
+    fn warps_m(&self, alpha: &[f64]) -> Axes<f64> {
+        let plane = self.corners.plane(&self.heights_m(alpha));
+        let is_plane = alpha.len() <= FREEDOMS;
+        per_axis(alpha.len(), |i| {
+            if is_plane {
+                0.0
+            } else {
+                self.crank(i, alpha[i]).height_m - self.corners.height(&plane, i)
+            }
+        })
+    }
+
+    fn heights_m(&self, alpha: &[f64]) -> Axes<f64> {
+        per_axis(alpha.len(), |i| self.crank(i, alpha[i]).height_m)
     }
 
     /// Position and motion of the platform at these positions and their rates.
@@ -111,8 +181,8 @@ impl Phased {
             place: self.place_at(q),
             ..PlaneMotion::default()
         };
-        let cranks = self.cranks(&q[..n]);
-        for (i, crank) in cranks.iter().enumerate().take(n) {
+        for i in 0..n {
+            let crank = self.crank(i, q[i]);
             let rate = crank.lever_m * v[i];
             let acceleration = crank.lever_m * a[i] + crank.lever_rate_m * v[i] * v[i];
             for (f, share) in self.corners.share(i).into_iter().enumerate() {
@@ -132,8 +202,7 @@ impl Phased {
     /// Position of the platform at these positions.
     fn place_at(&self, q: &[f64]) -> [f64; FREEDOMS] {
         let n = self.body.axes();
-        let heights = self.cranks(&q[..n]).map(|crank| crank.height_m);
-        let mut place = self.corners.plane(&heights[..n]);
+        let mut place = self.corners.plane(&self.heights_m(&q[..n]));
         if self.frame.is_some() {
             for (place, frame) in place.iter_mut().zip(&q[n..]) {
                 *place += frame;
@@ -168,57 +237,13 @@ impl Dynamics for Phased {
         held: &[bool; MOST],
         out: &mut [f64],
     ) {
-        let body = &self.body;
-        let n = body.axes().min(MOST); // never more, so the compiler need not check each index
-        let (alpha, place) = q.split_at(n);
-        let (omega, rate) = v.split_at(n);
-        let cranks = self.cranks(alpha);
-        let warps = self.warps(&cranks);
-
-        let [a, d, f] = self.mobility;
-        let mut left = Symmetric {
-            a,
-            d,
-            f,
-            ..Symmetric::default()
-        };
-        let mut right = [body.load.gravity_mps2, 0.0, 0.0];
-        // Weight that the springs carry at rest, and their force in excess of it.
-        let weight = [body.weight_n(), 0.0, 0.0];
-        let mut pull = [0.0; FREEDOMS];
-        if let Some(frame) = &self.frame {
-            pull = frame.pull(place, rate);
-            for f in 0..FREEDOMS {
-                right[f] += (pull[f] + weight[f]) / frame.suspended.masses[f];
-            }
-        }
-        let mut columns = [[0.0; FREEDOMS]; MOST];
-        let mut net = [0.0; MOST];
-        let mut mobilities = self.rotor_mobility;
-        for i in 0..n {
-            let share = self.corners.share(i);
-            let lever = cranks[i].lever_m;
-            columns[i] = share.map(|share| share * lever);
-            let bend_nm = body.rod_n_per_m * warps[i] * lever;
-            net[i] = torque[i] - bend_nm;
-            if held[i] {
-                mobilities[i] = 0.0;
-            }
-            let mobility = mobilities[i];
-            left.add(&columns[i], mobility);
-            let swing = cranks[i].lever_rate_m * omega[i] * omega[i];
-            for f in 0..FREEDOMS {
-                right[f] += columns[i][f] * mobility * net[i] + share[f] * swing;
-            }
-        }
-        let y = left.solve(&right);
-        for i in 0..n {
-            let load: f64 = (0..FREEDOMS).map(|f| columns[i][f] * y[f]).sum();
-            out[i] = (net[i] - load) * mobilities[i];
-        }
-        if let Some(frame) = &self.frame {
-            let cranks = std::array::from_fn(|f| weight[f] - y[f]);
-            frame.accelerations(place, rate, &pull, &cranks, &mut out[n..]);
+        match self.body.axes() {
+            1 => self.accelerations_of::<1>(q, v, torque, held, out),
+            2 => self.accelerations_of::<2>(q, v, torque, held, out),
+            3 => self.accelerations_of::<3>(q, v, torque, held, out),
+            4 => self.accelerations_of::<4>(q, v, torque, held, out),
+            5 => self.accelerations_of::<5>(q, v, torque, held, out),
+            _ => self.accelerations_of::<MOST>(q, v, torque, held, out),
         }
     }
 
