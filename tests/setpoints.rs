@@ -29,7 +29,8 @@ impl Observer for Compare {
         let share_nm = moment
             .machine
             .follower()
-            .torque_nm(alpha, omega, acceleration)
+            .load_at(alpha)
+            .torque_nm(omega, acceleration)
             / AXES as f64;
         let expected_nm = share_nm + self.rotor_inertia_kgm2 * acceleration;
         for (axis, setpoint) in moment.played.setpoints.iter().enumerate() {

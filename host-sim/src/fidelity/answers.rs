@@ -111,7 +111,7 @@ impl Answers {
         // Where nothing is integrated, ticks are no samples of anything smooth.
         let jumps = moment.machine.rotors().is_none();
         self.errors(moment.errors(), jumps);
-        self.posed(&moment.pose(), jumps);
+        self.posed(moment.pose(), jumps);
         if let Some(frame) = moment.machine.frame() {
             self.most(Output::Ground, frame.ground_n.abs(), jumps);
         }

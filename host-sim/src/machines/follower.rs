@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::drives::SimulatedAxis;
 use crate::dynamics::Chosen;
 use crate::dynamics::plant::Plant;
+use crate::mechanism::LoadAtAngle;
 use crate::pose::Pose;
 
 /// Part that the shafts move, by geometry or by equations of its own. It does not turn the shafts.
@@ -32,9 +33,9 @@ pub trait Follower: CloneFollower + Debug {
         false
     }
 
-    /// Torque that the part requires of all shafts together, with all of them at one angle, N·m. It is 0 by default.
-    fn torque_nm(&self, _alpha_rad: f64, _omega_rad_s: f64, _acceleration_rad_s2: f64) -> f64 {
-        0.0
+    /// Load on all shafts together, with all of them at one angle. By default there is none.
+    fn load_at(&self, _alpha_rad: f64) -> LoadAtAngle {
+        LoadAtAngle::NONE
     }
 
     /// Accelerations at each sample within the last tick, m/s², its end included. By default there are none beside that of the pose.

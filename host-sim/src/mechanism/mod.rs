@@ -23,4 +23,4 @@ pub mod turn_search;
 pub use any::AnyMechanism;
 pub use configured::Configured;
 pub use drawing::Mount;
-pub use motion::{AtAngle, Load, Mechanism, Platform, SquareLaw};
+pub use motion::{AtAngle, Load, LoadAtAngle, Mechanism, Platform, SquareLaw};

@@ -33,6 +33,37 @@ impl Load {
     }
 }
 
+/// A load, with the crank at one angle: what its torque depends on besides speed and acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadAtAngle {
+    load: Load,
+    crank_radius_m: f64,
+    s: f64,
+    h: f64,
+}
+
+impl LoadAtAngle {
+    /// No load, at any angle.
+    pub const NONE: Self = Self {
+        load: Load {
+            mass_kg: 0.0,
+            gravity_mps2: 0.0,
+            platform: Platform::Above,
+        },
+        crank_radius_m: 0.0,
+        s: 0.0,
+        h: 0.0,
+    };
+
+    /// Returns the torque that all cranks together give, N·m: [`Mechanism::torque_nm`].
+    #[inline]
+    pub fn torque_nm(&self, omega_rad_s: f64, alpha_ddot_rad_s2: f64) -> f64 {
+        let centripetal = self.h * omega_rad_s * omega_rad_s;
+        let a = self.crank_radius_m * (centripetal + self.s * alpha_ddot_rad_s2);
+        self.load.force_n(a) * self.crank_radius_m * self.s
+    }
+}
+
 /// Motion at one crank angle, in the terms of [`Mechanism`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtAngle {
@@ -131,8 +162,9 @@ pub trait Mechanism: Copy {
 
     /// Acceleration a = −x″, m/s², towards the crank axes.
     fn a_exact_mps2(&self, alpha_rad: f64, omega_rad_s: f64, alpha_ddot_rad_s2: f64) -> f64 {
-        let centripetal = self.h(alpha_rad) * omega_rad_s * omega_rad_s;
-        self.crank_radius_m() * (centripetal + self.s(alpha_rad) * alpha_ddot_rad_s2)
+        let (s, h) = self.s_and_h(alpha_rad);
+        let centripetal = h * omega_rad_s * omega_rad_s;
+        self.crank_radius_m() * (centripetal + s * alpha_ddot_rad_s2)
     }
 
     /// Law of the largest acceleration at constant speed: amax = R ω² times the largest |h|.
@@ -153,6 +185,17 @@ pub trait Mechanism: Copy {
         self.law().speed_for_amax_rad_s(amax_mps2)
     }
 
+    /// Returns a load with the crank at one angle.
+    fn load_at(&self, load: &Load, alpha_rad: f64) -> LoadAtAngle {
+        let (s, h) = self.s_and_h(alpha_rad);
+        LoadAtAngle {
+            load: *load,
+            crank_radius_m: self.crank_radius_m(),
+            s,
+            h,
+        }
+    }
+
     /// Total torque of all cranks, N·m. It is positive if they drive and negative if the load drives them: τ = m R s (R (h
     /// ω² + s α″) + σ g), with σ the sign of gravity.
     ///
@@ -165,10 +208,8 @@ pub trait Mechanism: Copy {
         omega_rad_s: f64,
         alpha_ddot_rad_s2: f64,
     ) -> f64 {
-        let (s, h) = self.s_and_h(alpha_rad);
-        let centripetal = h * omega_rad_s * omega_rad_s;
-        let a = self.crank_radius_m() * (centripetal + s * alpha_ddot_rad_s2);
-        load.force_n(a) * self.crank_radius_m() * s
+        self.load_at(load, alpha_rad)
+            .torque_nm(omega_rad_s, alpha_ddot_rad_s2)
     }
 
     /// Total torque of all cranks, N·m, for an acceleration a of the platform, m/s², towards the crank axes.

@@ -13,6 +13,9 @@ use core::f64::consts::TAU;
 /// Samples per turn: every half degree.
 const SAMPLES: u32 = 720;
 
+/// Angle between two samples, rad.
+const STEP: f64 = TAU / SAMPLES as f64;
+
 /// Golden-section steps. Each keeps 0.618 of the bracket, so 1 deg shrinks to 1e-10 rad. A quadratic maximum is flat in
 /// `f64` within 1e-8 rad, where further steps compare rounding noise.
 const REFINEMENTS: u32 = 40;
@@ -37,15 +40,27 @@ pub struct TurnPeak {
 /// assert!((peak.alpha_rad - 1.0).abs() < 1e-7 && (peak.value - 5.0).abs() < 1e-12);
 /// ```
 pub fn largest_over_turn(curve: impl Fn(f64) -> f64) -> TurnPeak {
-    let step = TAU / f64::from(SAMPLES);
-    let at = |i: u32| curve(f64::from(i % SAMPLES) * step);
+    largest_of_samples(|i| curve(angle(i)), &curve)
+}
+
+/// Angles of the samples, rad.
+pub fn sample_angles() -> impl Iterator<Item = f64> {
+    (0..SAMPLES).map(angle)
+}
+
+fn angle(sample: u32) -> f64 {
+    f64::from(sample) * STEP
+}
+
+/// Finds the largest value of `curve`, whose values at [`sample_angles`] are those of `sample`. See [`largest_over_turn`].
+pub fn largest_of_samples(sample: impl Fn(u32) -> f64, curve: impl Fn(f64) -> f64) -> TurnPeak {
+    let at = |i: u32| sample(i % SAMPLES);
     let mut best: Option<TurnPeak> = None;
     let (mut before, mut here) = (at(SAMPLES - 1), at(0));
     for i in 0..SAMPLES {
         let after = at(i + 1);
         if here >= before && here >= after {
-            let middle = f64::from(i) * step;
-            let top = refine(&curve, middle - step, middle + step);
+            let top = refine(&curve, angle(i) - STEP, angle(i) + STEP);
             // The margin keeps the first of two maxima that differ by rounding only.
             if best.is_none_or(|b| top.value > b.value + 4.0 * f64::EPSILON * b.value.abs()) {
                 best = Some(top);

@@ -15,9 +15,11 @@ use cophase_link::board::{self, Board, Rp2040, Unfit};
 use cophase_scene::SceneError;
 use cophase_scene::file::Fidelity;
 
+use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
 use crate::drives::{AtCrank, Motor};
-use crate::mechanism::SquareLaw;
+use crate::mechanism::turn_search::{largest_of_samples, sample_angles};
+use crate::mechanism::{LoadAtAngle, SquareLaw};
 use crate::simulated_machine::SimulatedMachine;
 
 /// Speed up to which the board's limit is searched, rev/s. A board that has no limit below it counts as one without a limit.
@@ -39,7 +41,10 @@ pub struct OperatingRange {
     pub name: String,
     machine: SimulatedMachine,
     law: SquareLaw,
-    offsets_turns: Vec<f64>,
+    /// Offsets of the axes from the master, rad, in the order of the axes, with the number of consecutive axes that have each.
+    offsets: Vec<(f64, u32)>,
+    /// Load at each of the [`sample_angles`] of the master, for each of these offsets.
+    sampled: Vec<LoadAtAngle>,
     /// Motors at their cranks; `None` for an axis whose torque is not known.
     motors: Vec<Option<Motor>>,
     settings: Settings,
@@ -77,7 +82,6 @@ impl OperatingRange {
     /// The machine cannot be created from the numbers of the scene.
     pub fn new(checked: &Checked) -> Result<Option<Self>, SceneError> {
         let settings = &checked.settings;
-        let axes = settings.axes.iter();
         let motors: Vec<_> = (0..settings.axes.len())
             .map(|i| {
                 AtCrank::motor(&checked.scene, i).filter(|motor| motor.most_nm(0.0).is_finite())
@@ -90,11 +94,22 @@ impl OperatingRange {
         let mut undisturbed = checked.clone();
         undisturbed.scene.fault.clear();
         undisturbed.scene.noise.load_nm = 0.0;
+        let machine = SimulatedMachine::new(&undisturbed.on(Fidelity::Kinematic)?)?;
+        let mut offsets: Vec<(f64, u32)> = Vec::new();
+        for offset_rad in settings.axes.iter().map(|axis| axis.offset_turns * TAU) {
+            match offsets.last_mut() {
+                Some((last_rad, count)) if *last_rad == offset_rad => *count += 1,
+                _ => offsets.push((offset_rad, 1)),
+            }
+        }
         Ok(Some(Self {
             name: checked.scene.name.clone(),
-            machine: SimulatedMachine::new(&undisturbed.on(Fidelity::Kinematic)?)?,
+            sampled: sample_angles()
+                .flat_map(|alpha_rad| loads_at(&machine, &offsets, alpha_rad))
+                .collect(),
+            machine,
             law: checked.law(),
-            offsets_turns: axes.map(|axis| axis.offset_turns).collect(),
+            offsets,
             motors,
             levels: levels(checked),
             top_hz: checked.top_speed_hz(),
@@ -126,12 +141,25 @@ impl OperatingRange {
     /// Peak over a turn of the torque that is required of a motor, N·m at the motor, without sign, at a speed and an acceleration of the master.
     pub fn required_nm(&self, axis: usize, speed_hz: f64, acceleration_hz_per_s: f64) -> f64 {
         let (omega, acceleration) = (speed_hz * TAU, acceleration_hz_per_s * TAU);
-        let at = |alpha: f64| {
-            let alphas = self.offsets_turns.iter().map(|turns| alpha + turns * TAU);
-            let nm = self.machine.required_nm(axis, alphas, omega, acceleration);
-            nm.abs() / self.settings.axes[axis].gear.ratio()
+        let (motor, gear) = (
+            &self.machine.axes[axis],
+            self.settings.axes[axis].gear.ratio(),
+        );
+        let required = |loads: &[LoadAtAngle]| {
+            let torques_nm = loads
+                .iter()
+                .zip(&self.offsets)
+                .flat_map(|(load, (_, count))| {
+                    let nm = load.torque_nm(omega, acceleration);
+                    (0..*count).map(move |_| nm)
+                });
+            let share_nm = self.machine.share_nm(torques_nm);
+            motor.required_nm(share_nm, acceleration, speed_hz).abs() / gear
         };
-        crate::mechanism::turn_search::largest_over_turn(at).value
+        let count = self.offsets.len();
+        let sample = |i: u32| required(&self.sampled[i as usize * count..][..count]);
+        let curve = |alpha_rad| required(&loads_at(&self.machine, &self.offsets, alpha_rad));
+        largest_of_samples(sample, curve).value
     }
 
     /// Greatest torque of a motor at a speed of its crank, N·m at the motor; `None` if it is not known.
@@ -239,6 +267,16 @@ impl OperatingRange {
         });
         loads.reduce(|most, load| if load.ratio > most.ratio { load } else { most })
     }
+}
+
+/// Load with the master at one angle, rad, for each of the offsets.
+fn loads_at(
+    machine: &SimulatedMachine,
+    offsets: &[(f64, u32)],
+    alpha_rad: f64,
+) -> Axes<LoadAtAngle> {
+    let load = |i: usize| machine.follower().load_at(alpha_rad + offsets[i].0);
+    per_axis(offsets.len(), load)
 }
 
 /// Levels of a program, the lowest first, each once.

@@ -281,6 +281,7 @@ impl SimulatedIo {
             actual_turns: &self.now.actual_turns,
             machine: &self.machine,
             tilt_mrad: OnceCell::new(),
+            pose: OnceCell::new(),
         };
         self.played += 1;
         // Only played ticks count. The run may end before the next tick, and then no later tick shows a fault that latched in this one.

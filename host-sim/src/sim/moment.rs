@@ -78,6 +78,8 @@ pub struct Moment<'a> {
     pub machine: &'a SimulatedMachine,
     /// Tilt of the platform, computed once, when first needed.
     pub(super) tilt_mrad: OnceCell<f64>,
+    /// Pose of the platform, computed once, when first needed.
+    pub(super) pose: OnceCell<Pose>,
 }
 
 impl Moment<'_> {
@@ -116,7 +118,11 @@ impl Moment<'_> {
     }
 
     /// Pose of the platform at the end of the tick.
-    pub fn pose(&self) -> Pose {
+    pub fn pose(&self) -> &Pose {
+        self.pose.get_or_init(|| self.computed_pose())
+    }
+
+    fn computed_pose(&self) -> Pose {
         let ticks_per_s = 1e9 / (self.end_ns - self.start_ns) as f64;
         let motion = &self.telemetry.motion;
         let omega_turns_s = turns(motion.speed) * ticks_per_s;

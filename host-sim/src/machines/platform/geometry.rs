@@ -10,7 +10,7 @@ use cophase_scene::units::spread;
 use crate::axes::per_axis;
 use crate::dynamics::{Corners, MOST};
 use crate::machines::follower::Follower;
-use crate::mechanism::{AnyMechanism, Configured, Load, Mechanism};
+use crate::mechanism::{AnyMechanism, Configured, Load, LoadAtAngle, Mechanism};
 use crate::pose::Pose;
 
 /// Platform with its mechanism and its load.
@@ -138,9 +138,8 @@ impl Follower for Platform {
         self.most_tilt_mrad(turns) > mrad && self.most_tilt_here_mrad(turns) > mrad
     }
 
-    fn torque_nm(&self, alpha_rad: f64, omega_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
-        self.mechanism
-            .torque_nm(&self.load, alpha_rad, omega_rad_s, acceleration_rad_s2)
+    fn load_at(&self, alpha_rad: f64) -> LoadAtAngle {
+        self.mechanism.load_at(&self.load, alpha_rad)
     }
 }
 
