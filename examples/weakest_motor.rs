@@ -20,7 +20,7 @@ struct LargestTilt {
 
 impl Observer for LargestTilt {
     fn tick(&mut self, moment: &Moment<'_>) {
-        self.mrad = self.mrad.max(moment.tilt_mrad());
+        moment.raise_tilt(&mut self.mrad);
     }
 }
 

@@ -54,7 +54,7 @@ fn spread(error: &[f64; 3]) -> f64 {
 /// The gains that the scene derives, and the gains that the core receives.
 fn derived() -> (Gains, CorrectionSettings) {
     let checked = scene(&text("couple = true", "torque_nm = 1"));
-    let gains = servos(&checked.scene, &checked.settings.machine)
+    let gains = servos(&checked.scene, &*checked.machine)
         .unwrap()
         .gains()
         .unwrap();

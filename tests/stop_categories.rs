@@ -93,7 +93,7 @@ impl Observer for Eyes {
             state: moment.telemetry.state,
             drives: moment.drives_enabled,
             speed: moment.telemetry.motion.speed.to_bits(),
-            tilt_mrad: moment.tilt_mrad(),
+            tilt_mrad: moment.tilt_mrad().unwrap(),
         });
     }
 }

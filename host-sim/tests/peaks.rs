@@ -47,20 +47,23 @@ fn peaks_are_as_accurate_as_documented() {
     for (name, found, right) in [
         (
             "off_law_worst_mm",
-            own.off_law_worst_mm,
-            fine.off_law_worst_mm,
+            own.of("off_law_worst_mm").unwrap(),
+            fine.of("off_law_worst_mm").unwrap(),
         ),
         (
             "pusher_accel_worst_mps2",
-            own.pusher_accel_worst_mps2,
-            fine.pusher_accel_worst_mps2,
+            own.of("pusher_accel_worst_mps2").unwrap(),
+            fine.of("pusher_accel_worst_mps2").unwrap(),
         ),
     ] {
         let off = (found / right - 1.0).abs();
         assert!(off < 3e-4, "{name}: {found}, {right}: {off:.2e}");
     }
     let cam_side = |found: &Peaks| {
-        (found.cam_side_accel_worst_mps2 / fine.cam_side_accel_worst_mps2 - 1.0).abs()
+        (found.of("cam_side_accel_worst_mps2").unwrap()
+            / fine.of("cam_side_accel_worst_mps2").unwrap()
+            - 1.0)
+            .abs()
     };
     let (own, third) = (cam_side(&own), cam_side(&third));
     assert!((3e-4..3e-3).contains(&own), "{own:.2e}");

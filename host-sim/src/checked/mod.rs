@@ -9,7 +9,7 @@ use std::sync::Arc;
 use cophase_core::controller::Controller;
 use cophase_core::problem::SettingsError;
 use cophase_core::program::EntrySettings;
-use cophase_core::settings::{AxisSettings, MachineSettings, Settings};
+use cophase_core::settings::{AxisSettings, Settings};
 use cophase_scene::SceneError;
 use cophase_scene::file::{CamTable, Fidelity, Scene};
 use cophase_scene::program;
@@ -17,7 +17,7 @@ use cophase_scene::program;
 use crate::dynamics::{Chosen, scheme};
 use crate::machines::cam::off_law;
 use crate::machines::{DetachedCrank, Machine};
-use crate::mechanism::{AnyMechanism, Configured, Mechanism, SquareLaw};
+use crate::mechanism::SquareLaw;
 
 /// Scene whose values have been checked, alone and in combination.
 #[derive(Clone, Debug)]
@@ -52,12 +52,7 @@ impl Checked {
 
     /// Returns the law between the speed of the master and the amplitude.
     pub fn law(&self) -> SquareLaw {
-        match &self.settings.machine {
-            MachineSettings::Platform(platform) => {
-                AnyMechanism::of(&platform.mechanism, platform.crank_radius_m).law()
-            }
-            MachineSettings::Shafts(shafts) => SquareLaw::of_length(shafts.length_m),
-        }
+        self.machine.law()
     }
 
     /// Returns true if every axis turns once with the master, so that amplitude and speed of the master are those of every axis.
@@ -73,11 +68,10 @@ impl Checked {
         chosen.unwrap_or("the scene sets it")
     }
 
-    /// Returns the key, or the kind of fault, that puts cranks out of phase, if there is one.
-    pub fn cranks_apart(&self) -> Option<&'static str> {
+    /// Returns the key that commands shafts at different phases, if there is one.
+    pub fn commanded_apart(&self) -> Option<&'static str> {
         let axes = &self.settings.axes;
         let trims = &self.settings.trims_turns;
-        let starts = |i: usize| self.scene.resolved(i).own.start_deg;
         let differ = |one: fn(&AxisSettings) -> f64| {
             axes.windows(2).any(|pair| one(&pair[0]) != one(&pair[1]))
         };
@@ -93,6 +87,18 @@ impl Checked {
             Some("offset_deg")
         } else if trims.windows(2).any(|pair| pair[0] != pair[1]) {
             Some("trim_deg")
+        } else {
+            None
+        }
+    }
+
+    /// Returns the key, or the kind of fault, that puts shafts out of phase, if there is one.
+    pub fn cranks_apart(&self) -> Option<&'static str> {
+        let axes = &self.settings.axes;
+        let starts = |i: usize| self.scene.resolved(i).own.start_deg;
+        let commanded = self.commanded_apart();
+        if commanded.is_some() {
+            commanded
         } else if (1..axes.len()).any(|i| starts(i) != starts(0)) {
             Some("start_deg")
         } else if self.scene.has_wrong_drive() {
@@ -165,7 +171,7 @@ impl Checked {
         }
         one.settings.keep_axis(number);
         one.fidelity = Fidelity::Kinematic;
-        one.machine = Arc::new(DetachedCrank);
+        one.machine = Arc::new(DetachedCrank { law: self.law() });
         one.choice = None;
         one
     }

@@ -42,11 +42,6 @@ impl Elastic {
         self
     }
 
-    /// Damping of each rod, N·s/m.
-    pub fn damper_ns_per_m(&self) -> f64 {
-        self.damper_ns_per_m
-    }
-
     /// Angular frequency of the platform's heave on its rods with all cranks locked, rad/s.
     pub fn heave_rad_s(&self) -> f64 {
         (self.body.axes() as f64 * self.body.rod_n_per_m / self.body.load.mass_kg).sqrt()

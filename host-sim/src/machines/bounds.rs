@@ -18,10 +18,10 @@ pub trait Bounds: Debug + Send + Sync {
         None
     }
 
-    /// Largest distance of a platform on quasi-static rods from its position on elastic ones, m: the oscillation that its static response
-    /// replaces. It is 0 by default.
-    fn quasi_static_m(&self) -> f64 {
-        0.0
+    /// Largest distance by which the static response that a model level has in place of an oscillation is off, m. `None`, which is the
+    /// default, if the level replaces none.
+    fn quasi_static_m(&self, _model_level: Fidelity) -> Option<f64> {
+        None
     }
 
     /// Returns a sentence with the numbers from which the bounds follow.

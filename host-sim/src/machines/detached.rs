@@ -3,11 +3,15 @@
 use cophase_core::settings::AxisSettings;
 use cophase_scene::file::Fidelity;
 
-use super::{Machine, Moved};
+use super::{Machine, Shown};
+use crate::mechanism::SquareLaw;
 
 /// Crank of one axis with its rod detached. It moves nothing.
 #[derive(Clone, Copy, Debug)]
-pub struct DetachedCrank;
+pub struct DetachedCrank {
+    /// Law of the machine from which it is detached.
+    pub law: SquareLaw,
+}
 
 impl Machine for DetachedCrank {
     fn name(&self) -> &'static str {
@@ -18,8 +22,12 @@ impl Machine for DetachedCrank {
         "crank"
     }
 
-    fn moves(&self) -> Moved {
-        Moved::Part("crank")
+    fn law(&self) -> SquareLaw {
+        self.law
+    }
+
+    fn shown(&self) -> Shown {
+        Shown::Displacement("crank")
     }
 
     fn draw(&self, _: &str, _: &[AxisSettings]) -> String {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use cophase_methods::{Scheme, StepError};
 use cophase_scene::file::Fidelity;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::drives::SimulatedAxis;
 use crate::dynamics::Chosen;
@@ -23,9 +23,9 @@ pub trait Follower: CloneFollower + Debug {
     /// Pose of the part, without the shafts' warp. The shafts are at `turns`, and turn at the master's speed, rad/s, and acceleration, rad/s².
     fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose;
 
-    /// Tilt of a platform, mrad: the magnitude over both directions. It is 0 by default.
-    fn tilt_mrad(&self, _turns: &[f64]) -> f64 {
-        0.0
+    /// Tilt of the part, mrad: the magnitude over both directions. `None`, which is the default, if it does not tilt.
+    fn tilt_mrad(&self, _turns: &[f64]) -> Option<f64> {
+        None
     }
 
     /// Returns false if [`Self::tilt_mrad`] is certainly not above `mrad`. This check is faster than the tilt itself.
@@ -44,7 +44,7 @@ pub trait Follower: CloneFollower + Debug {
     }
 
     /// Motion of each axis's own part at the end of the tick. Empty, which is the default, if the axes have none.
-    fn pushers(&self) -> &[Pusher] {
+    fn parts(&self) -> &[PartMotion] {
         &[]
     }
 
@@ -116,43 +116,49 @@ pub struct ShaftTick<'a> {
 
 /// Motion of an axis's own part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pusher {
+pub struct PartMotion {
     /// Position, m.
     pub place_m: f64,
     /// Acceleration, m/s².
     pub accel_mps2: f64,
 }
 
-/// Peak values of an axis's own part, under their names in `report.json`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Peaks {
-    /// Largest deviation of the pusher from its law, mm.
-    pub off_law_worst_mm: f64,
-    /// Largest acceleration of the pusher, m/s².
-    pub pusher_accel_worst_mps2: f64,
-    /// Largest acceleration of the mass next to the cam, m/s²; for a pusher without a cam, that of
-    /// its law.
-    pub cam_side_accel_worst_mps2: f64,
-    /// Largest deviation of the pusher's acceleration from that of its law, m/s².
-    pub off_law_accel_worst_mps2: f64,
-}
+/// Greatest values of an axis's own part over some time, each under its name in `report.json`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peaks([(&'static str, f64); Self::COUNT]);
 
 impl Peaks {
-    /// Returns the greater of each pair of values.
+    /// Number of values.
+    pub const COUNT: usize = 4;
+
+    /// Creates the peaks of these names and values.
+    pub const fn new(values: [(&'static str, f64); Self::COUNT]) -> Self {
+        Self(values)
+    }
+
+    /// Returns the value of a name.
+    pub fn of(&self, name: &str) -> Option<f64> {
+        let value = self.0.iter().find(|(own, _)| *own == name);
+        value.map(|(_, value)| *value)
+    }
+
+    /// Returns the greater of each pair of values, of the same part.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
-        Self {
-            off_law_worst_mm: self.off_law_worst_mm.max(other.off_law_worst_mm),
-            pusher_accel_worst_mps2: self
-                .pusher_accel_worst_mps2
-                .max(other.pusher_accel_worst_mps2),
-            cam_side_accel_worst_mps2: self
-                .cam_side_accel_worst_mps2
-                .max(other.cam_side_accel_worst_mps2),
-            off_law_accel_worst_mps2: self
-                .off_law_accel_worst_mps2
-                .max(other.off_law_accel_worst_mps2),
+        if self.0[0].0.is_empty() {
+            return other;
         }
+        Self(std::array::from_fn(|i| {
+            let (name, value) = self.0[i];
+            (name, value.max(other.0[i].1))
+        }))
+    }
+}
+
+impl Serialize for Peaks {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let values = self.0.iter().filter(|(name, _)| !name.is_empty());
+        serializer.collect_map(values.copied())
     }
 }
 

@@ -31,18 +31,19 @@ use cophase_scene::{Scene, SceneError};
 
 use crate::dynamics::plant::{OnPlant, Plant, Record};
 use crate::dynamics::{Driven, Dynamics, RotorParts};
+use crate::mechanism::SquareLaw;
 use follower::{Follower, Nothing, Peaks, RunStart, Steady};
 
-/// Parts that the axes move.
+/// Motion of the part that the axes move, as the page of a run shows it beside amplitude, speed and phase errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Moved {
-    /// A platform, which tilts.
+pub enum Shown {
+    /// Tilt in two directions, with its limit.
     #[default]
-    Platform,
-    /// A pusher on each axis.
-    Pushers,
-    /// One part, by its name in a word, such as "jaw".
-    Part(&'static str),
+    Tilt,
+    /// Mean acceleration of parts of this name, such as "pushers". The amplitude is shown without it then.
+    Acceleration(&'static str),
+    /// Displacement of the part of this name, such as "jaw".
+    Displacement(&'static str),
 }
 
 /// Machine of a scene, as it is known before a run. It has no state.
@@ -55,16 +56,19 @@ pub trait Machine: Debug + Send + Sync {
         "shaft"
     }
 
-    /// Parts that the axes move.
-    fn moves(&self) -> Moved;
+    /// Law between the speed of shafts that turn once with the master, and the amplitude.
+    fn law(&self) -> SquareLaw;
+
+    /// Motion of the moved part that the page of a run shows.
+    fn shown(&self) -> Shown;
 
     /// True if the moved part pitches.
     fn pitches(&self) -> bool {
         false
     }
 
-    /// Acceleration that the program's amax is, in words. `None` if it is the moved part's own greatest one.
-    fn amax_words(&self) -> Option<&'static str> {
+    /// Sentence about the program's amax and the greatest acceleration of the moved part in a run, m/s². `None` if there is nothing to say.
+    fn about_amax(&self, _accel_worst_mps2: Option<f64>) -> Option<String> {
         None
     }
 
@@ -109,9 +113,26 @@ pub trait Machine: Debug + Send + Sync {
     /// Effects that a model level omits, in words, for readers of the results.
     fn left_out(&self, level: Fidelity) -> String;
 
+    /// Reason for the method of a model level, in words. `None`, which is the default, if it follows from whether torque moves the axes.
+    fn about_method(&self, _level: Fidelity) -> Option<&'static str> {
+        None
+    }
+
+    /// Causes of a large torque on a shaft besides its drive, in words.
+    fn causes_of_torque(&self) -> &'static str {
+        "and at its load"
+    }
+
     /// True if torque moves the axes on a model level. Elsewhere they are where commanded.
     fn moves_by_torque(&self, level: Fidelity) -> bool {
         level.moves_by_torque()
+    }
+
+    /// True if torque moves the axes on one of the model levels. On the others, and in machines without such a level, they are where
+    /// commanded.
+    fn has_level_of_torque(&self) -> bool {
+        let levels = self.levels().iter();
+        levels.copied().any(|level| self.moves_by_torque(level))
     }
 
     /// Part that the axes move where they stand as commanded, at the start of a run. On levels on which torque moves them it gives the geometry.
@@ -146,12 +167,14 @@ pub trait Machine: Debug + Send + Sync {
         Ok(Box::new(OnPlant::new(inertia_kgm2, friction_nm, plant)))
     }
 
-    /// Checks that the motors can turn the shafts as commanded. `apart` is the key that sets them apart, if one does. By default they can.
+    /// Checks that the motors can turn the shafts as commanded, on a model level on which torque moves them. `apart` is the key, or the kind
+    /// of fault, that sets them apart, if one does. By default they can.
     ///
     /// # Errors
     /// The key that sets the shafts too far apart.
     fn check_driven(
         &self,
+        _level: Fidelity,
         _driven: &Driven,
         _axes: &[AxisSettings],
         _apart: Option<&str>,
@@ -192,11 +215,11 @@ pub fn tables(scene: &Scene) -> impl Iterator<Item = Box<dyn Table>> {
         table.map(|table| Box::new(table.clone()) as Box<dyn Table>)
     }
     let tables = [
+        boxed(scene.machine.as_ref()),
+        boxed(scene.cam.as_ref()),
         boxed(scene.screen.as_ref()),
         boxed(scene.crusher.as_ref()),
         boxed(scene.five_bar.as_ref()),
-        boxed(scene.machine.as_ref()),
-        boxed(scene.cam.as_ref()),
     ];
     tables.into_iter().flatten()
 }

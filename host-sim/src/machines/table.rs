@@ -61,26 +61,36 @@ pub struct Made {
 }
 
 impl Made {
-    /// Creates a machine of shafts without a platform. Its amplitude is `length_m` times the squared speed of its shafts.
-    pub fn shafts(length_m: f64, machine: Arc<dyn Machine>) -> Self {
-        Self {
-            settings: MachineSettings::Shafts(ShaftSettings { length_m }),
-            machine,
-        }
-    }
-
-    /// Creates a machine whose shafts turn with the master. Its amplitude is `radius_m` times their squared speed.
+    /// Creates the machine of a table whose shafts move something other than a platform.
     ///
     /// # Errors
-    /// The radius, which the key of `radius` determines, is outside 0.1 to 500 mm. Or the scene has a key that applies to
+    /// The scene has a key that applies to platforms only.
+    pub fn shafts(
+        scene: &Scene,
+        table: &str,
+        machine: Arc<dyn Machine>,
+    ) -> Result<Self, SceneError> {
+        check_keys_of_platforms(scene, table, machine.axis_noun())?;
+        let length_m = machine.law().length_m();
+        Ok(Self {
+            settings: MachineSettings::Shafts(ShaftSettings { length_m }),
+            machine,
+        })
+    }
+
+    /// Creates the machine of a table whose shafts turn with the master.
+    ///
+    /// # Errors
+    /// Its amplitude over squared speed, which `length_key` determines, is outside 0.1 to 500 mm. Or the scene has a key that applies to
     /// platforms only, a shaft that does not turn once with the master, or a drive that takes torque setpoints.
     pub fn square_law(
         scene: &Scene,
         table: &str,
-        radius: (&str, f64),
+        length_key: &str,
         machine: Arc<dyn Machine>,
     ) -> Result<Self, SceneError> {
-        check_tilt_limit(scene, table, machine.axis_noun())?;
+        let made = Self::shafts(scene, table, machine)?;
+        let machine = &made.machine;
         let turns_on = |&i: &usize| {
             let (shaft, master) = scene.resolved(i).ratio;
             shaft != master
@@ -106,34 +116,39 @@ impl Made {
                 ),
             ));
         }
-        let (key, radius_m) = radius;
-        if !(1e-4..=0.5).contains(&radius_m) {
+        let length_m = machine.law().length_m();
+        if !(1e-4..=0.5).contains(&length_m) {
             return Err(SceneError::at(
-                key,
+                length_key,
                 format!(
                     "makes an amplitude of {:.4} mm times the squared speed, outside 0.1 to 500 mm; change it",
-                    1e3 * radius_m
+                    1e3 * length_m
                 ),
             ));
         }
-        Ok(Self::shafts(radius_m, machine))
+        Ok(made)
     }
 }
 
-/// Refuses a limit of the tilt in a scene whose machine has no platform.
-///
-/// # Errors
-/// The scene gives one.
-pub fn check_tilt_limit(scene: &Scene, table: &str, axis_noun: &str) -> Result<(), SceneError> {
-    if scene.drift.tilt_limit_mrad == Drift::default().tilt_limit_mrad {
-        return Ok(());
+/// Refuses keys that only a platform has, in the scene of another machine.
+fn check_keys_of_platforms(scene: &Scene, table: &str, axis_noun: &str) -> Result<(), SceneError> {
+    let of_platform = |key: &str, so: &str| {
+        let problem = format!("is of a platform, and [{table}] has none; {so}leave it out");
+        Err(SceneError::at(key, problem))
+    };
+    if scene.drift.tilt_limit_mrad != Drift::default().tilt_limit_mrad {
+        let so = format!("drift.warp_limit_deg limits how far {axis_noun}s may be apart, so ");
+        return of_platform("drift.tilt_limit_mrad", &so);
     }
-    Err(SceneError::at(
-        "drift.tilt_limit_mrad",
-        format!(
-            "is of a platform, and [{table}] has none; drift.warp_limit_deg limits how far {axis_noun}s may be apart, so leave it out"
+    let others = [
+        ("frame", scene.frame.is_some()),
+        ("questions.tilt_mrad", scene.questions.tilt_mrad.is_some()),
+        (
+            "questions.ground_percent",
+            scene.questions.ground_percent.is_some(),
         ),
-    ))
+    ];
+    given(&others).try_for_each(|key| of_platform(key, ""))
 }
 
 /// Returns the keys that a table gives, of keys with whether it does.

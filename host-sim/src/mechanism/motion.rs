@@ -91,6 +91,11 @@ impl SquareLaw {
         }
     }
 
+    /// Amplitude over squared speed, m.
+    pub fn length_m(&self) -> f64 {
+        self.radius_m * self.sharpest
+    }
+
     /// Largest acceleration at a constant speed, m/s².
     pub fn amax_mps2(&self, omega_rad_s: f64) -> f64 {
         self.radius_m * omega_rad_s * omega_rad_s * self.sharpest
@@ -98,7 +103,7 @@ impl SquareLaw {
 
     /// Speed at which the largest acceleration is `amax_mps2`, rad/s. NaN for a negative amax, because amax is a magnitude.
     pub fn speed_for_amax_rad_s(&self, amax_mps2: f64) -> f64 {
-        (amax_mps2 / (self.radius_m * self.sharpest)).sqrt()
+        (amax_mps2 / self.length_m()).sqrt()
     }
 }
 

@@ -82,10 +82,10 @@ impl Bounds {
         Some(left_out + 2.0 * resolution * whole)
     }
 
-    /// Returns the largest distance of a platform on quasi-static rods from its position on elastic ones, µm: the oscillation that its
-    /// static response replaces. `None` for machines without quasi-static rods.
-    pub fn quasi_static_um(&self) -> Option<f64> {
-        let um = self.of_machine.quasi_static_m() * 1e6;
+    /// Returns the largest distance by which the static response that a model level has in place of an oscillation is off, µm. `None` if
+    /// the level replaces none.
+    pub fn quasi_static_um(&self, model_level: Fidelity) -> Option<f64> {
+        let um = self.of_machine.quasi_static_m(model_level)? * 1e6;
         Some(um).filter(|um| um.is_finite() && *um > 0.0)
     }
 

@@ -1,15 +1,15 @@
 //! Corrections of phase errors for the core. Gains of the cross-coupling that a scene does not give are derived.
 
-use cophase_core::settings::{CorrectionSettings, MachineSettings, PlatformSettings};
+use cophase_core::settings::CorrectionSettings;
 use cophase_scene::SceneError;
 use cophase_scene::file::Scene;
 
 use crate::drives::coupling::{APART, Plant};
-use crate::mechanism::{AnyMechanism, Configured, Mechanism};
+use crate::machines::Machine;
 
 pub(super) fn correction(
     scene: &Scene,
-    machine: &MachineSettings,
+    machine: &dyn Machine,
 ) -> Result<CorrectionSettings, SceneError> {
     let given = &scene.correction;
     let both = given.coupling.is_some() && given.coupling_per_s.is_some();
@@ -36,11 +36,12 @@ pub(super) fn correction(
     })
 }
 
-/// Returns the data of a scene's servos for the cross-coupling, on a machine that the core has checked.
+/// Returns the data of a scene's servos for the cross-coupling. They move shafts whose part adds no known inertia by that of their rotors
+/// alone.
 ///
 /// # Errors
 /// The scene lacks the gains of its drives, or the inertia of its rotors.
-pub fn servos(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneError> {
+pub fn servos(scene: &Scene, machine: &dyn Machine) -> Result<Plant, SceneError> {
     let axes = &scene.axes;
     let servo = axes.servo.ok_or_else(|| {
         SceneError::at(
@@ -56,27 +57,14 @@ pub fn servos(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneEr
              correction.coupling_per_s themselves",
         ));
     }
-    // Servos move shafts without a platform by their rotors' inertia alone, as far as the controller knows.
-    let (lever_m, load_kg) = match machine {
-        MachineSettings::Shafts(_) => (0.0, 0.0),
-        MachineSettings::Platform(platform) => (lever_m(platform), platform.load_kg),
-    };
-    let share_kg = load_kg / axes.count as f64;
-    // In terms of the motors, the load of a crank is divided by the squared turns of its motor per crank turn.
+    // In terms of the motors, the load of a shaft is divided by the squared turns of its motor per shaft turn.
     let gears = (0..axes.count).map(|number| scene.resolved(number).gear.ratio());
     let least_turns = gears.fold(f64::INFINITY, f64::min);
-    let load_kgm2 = share_kg * (lever_m / least_turns) * (lever_m / least_turns);
+    let load_kgm2 = machine.carried_kgm2().unwrap_or(0.0) / (least_turns * least_turns);
     Ok(Plant {
         servo,
         least_kgm2: axes.rotor_inertia_kgm2,
         most_kgm2: axes.rotor_inertia_kgm2 + load_kgm2,
         tick_hz: f64::from(scene.control.tick_hz),
     })
-}
-
-/// Returns the largest travel of a platform per radian of its cranks, m.
-fn lever_m(platform: &PlatformSettings) -> f64 {
-    let mechanism = AnyMechanism::of(&platform.mechanism, platform.crank_radius_m);
-    let lever = (0..360).map(|degree| mechanism.s(f64::from(degree).to_radians()).abs());
-    platform.crank_radius_m * lever.fold(0.0, f64::max)
 }

@@ -12,7 +12,7 @@ mod settings;
 
 use cophase_core::problem::Problem;
 use cophase_link::board;
-use cophase_scene::file::{Fidelity, Scene};
+use cophase_scene::file::{Fidelity, MACHINES, Scene};
 use cophase_scene::{SceneError, program, range};
 
 use crate::checked::Checked;
@@ -39,7 +39,7 @@ impl Checked {
             settings: settings::settings(
                 &scene,
                 settings,
-                correction::correction(&scene, &settings)?,
+                correction::correction(&scene, &*machine)?,
                 cam_table::tables(&scene)?,
                 program.into_iter().map(|(entry, _)| entry),
             ),
@@ -52,13 +52,7 @@ impl Checked {
         };
         // A controller is created as a check, because only this runs all checks of the core.
         checked.controller()?;
-        numbers::check_drives(&checked.scene)?;
-        if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
-            return Err(SceneError::at(
-                "questions.ground_percent",
-                "requests the force on the ground, which needs a frame on springs: give [frame], or leave the question out",
-            ));
-        }
+        numbers::check_drives(&checked.scene, &*checked.machine)?;
         if checked.fidelity == Fidelity::Auto {
             let choice = choose(&checked)?;
             checked.fidelity = choice.model_level;
@@ -128,9 +122,8 @@ fn check_count(table: &dyn Table, count: usize) -> Result<(), SceneError> {
 /// Returns the table of the scene's machine. The reader refuses a second one.
 fn table(scene: &Scene) -> Result<Box<dyn Table>, SceneError> {
     machines::tables(scene).next().ok_or_else(|| {
-        SceneError::at(
-            "machine",
-            "missing; give [machine], cranks under a platform, or [cam], a cam shaft with its follower on each axis, or [screen], [crusher] or [five_bar]",
-        )
+        let listed = MACHINES.map(|key| format!("[{key}]")).join(" or ");
+        let problem = format!("missing; a scene has one machine: give {listed}");
+        SceneError::at("machine", problem)
     })
 }

@@ -5,6 +5,7 @@ use cophase_scene::SceneError;
 use cophase_scene::file::{self, AxisOverrides, Scene, Scope};
 
 use crate::drives::{DriveModel, check_keys};
+use crate::machines::Machine;
 
 /// Checks the entries of `[[axis]]`. Returns the first error of each.
 pub(super) fn check_overrides(scene: &Scene) -> Vec<SceneError> {
@@ -39,15 +40,7 @@ fn check_axis(scene: &Scene, entry: usize, overrides: &AxisOverrides) -> Result<
             ),
         ));
     }
-    let has_crank = scene.cam.is_none() && overrides.cam.is_none();
-    let takes_pulses = has_crank && scene.resolved(overrides.number).drive.kind().takes_pulses();
-    if overrides.drive_steps_per_turn.is_none() || takes_pulses {
-        return Ok(());
-    }
-    Err(SceneError::at(
-        key("drive_steps_per_turn"),
-        "is a drive's own count of pulses for a turn of its crank, and this axis has no such drive; leave it out",
-    ))
+    Ok(())
 }
 
 /// Checks tables whose keys depend on no other table. Returns all errors.
@@ -91,11 +84,19 @@ pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Checks that keys of drives have an effect.
-pub(super) fn check_drives(scene: &Scene) -> Result<(), SceneError> {
+/// Checks that keys of drives have an effect on a machine.
+pub(super) fn check_drives(scene: &Scene, machine: &dyn Machine) -> Result<(), SceneError> {
     let axes = &scene.axes;
     check_keys(scene)?;
     for (entry, own) in scene.axis.iter().enumerate() {
+        let takes_pulses = scene.resolved(own.number).drive.kind().takes_pulses();
+        let may_turn_otherwise = takes_pulses && own.cam.is_none() && machine.has_level_of_torque();
+        if own.drive_steps_per_turn.is_some() && !may_turn_otherwise {
+            return Err(SceneError::at(
+                format!("axis[{entry}].drive_steps_per_turn"),
+                "is a drive's own count of pulses for a turn of its crank, and this axis has no such drive; leave it out",
+            ));
+        }
         if own.pull_out_scale == 1.0 {
             continue;
         }

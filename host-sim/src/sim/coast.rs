@@ -48,9 +48,8 @@ impl Coast {
     #[cold]
     fn off(&mut self, moment: &Moment<'_>, record: &mut RunRecord) {
         let figures = &mut record.figures;
-        if figures.has_platform() {
-            let tilt_worst_mrad = figures.tilt_worst_off_mrad.get_or_insert(0.0);
-            raise(tilt_worst_mrad, moment.tilt_mrad());
+        if let Some(tilt_mrad) = moment.tilt_mrad() {
+            raise(figures.tilt_worst_off_mrad.get_or_insert(0.0), tilt_mrad);
         }
         if moment.machine.rotors().is_none() {
             return;

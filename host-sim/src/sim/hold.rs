@@ -31,12 +31,13 @@ impl FaultHold {
     fn hold(&mut self, moment: &Moment<'_>, was_on: bool, figures: &mut Figures) {
         let tilt_mrad = moment.tilt_mrad();
         if !was_on {
-            figures.tilt_at_stop_mrad = Some(tilt_mrad).filter(|_| figures.has_platform());
-            figures.tilt_worst_held_mrad = figures.tilt_at_stop_mrad;
+            figures.tilt_at_stop_mrad = tilt_mrad;
+            figures.tilt_worst_held_mrad = tilt_mrad;
             self.places = Places::at(moment.actual_turns);
             self.still_ticks = 0;
         }
-        if let Some(worst_mrad) = &mut figures.tilt_worst_held_mrad {
+        if let Some((worst_mrad, tilt_mrad)) = figures.tilt_worst_held_mrad.as_mut().zip(tilt_mrad)
+        {
             *worst_mrad = worst_mrad.max(tilt_mrad);
         }
         self.still_ticks += 1;

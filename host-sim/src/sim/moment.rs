@@ -76,9 +76,8 @@ pub struct Moment<'a> {
     pub actual_turns: &'a [f64],
     /// Machine at the end of the tick.
     pub machine: &'a SimulatedMachine,
-    /// Tilt of the platform, computed once, when first needed.
-    pub(super) tilt_mrad: OnceCell<f64>,
-    /// Pose of the platform, computed once, when first needed.
+    /// Tilt and pose of the moved part, each computed once, when first needed.
+    pub(super) tilt_mrad: OnceCell<Option<f64>>,
     pub(super) pose: OnceCell<Pose>,
 }
 
@@ -95,29 +94,33 @@ impl Moment<'_> {
         cranks.map(|(actual, aim)| actual - aim)
     }
 
-    /// Tilt of the platform at the end of the tick, mrad.
-    pub fn tilt_mrad(&self) -> f64 {
-        // Tilt is caused by differences between cranks: if all are alike, there is none.
-        let first = self.actual_turns[0];
-        if self.actual_turns.iter().all(|&turns| turns == first) {
-            return 0.0;
-        }
-        let tilt = || self.machine.tilt_mrad(self.actual_turns);
+    /// Tilt of the moved part at the end of the tick, mrad. `None` if it does not tilt.
+    pub fn tilt_mrad(&self) -> Option<f64> {
+        let tilt = || {
+            let tilt_mrad = self.machine.tilt_mrad(self.actual_turns);
+            tilt_mrad.map(|mrad| if self.is_level() { 0.0 } else { mrad })
+        };
         *self.tilt_mrad.get_or_init(tilt)
     }
 
-    /// Raises `most_mrad` to the tilt of the platform at the end of the tick, if that is larger.
+    /// True if all shafts are alike. Differences between them cause a tilt, so there is none then.
+    fn is_level(&self) -> bool {
+        let first = self.actual_turns[0];
+        self.actual_turns.iter().all(|&turns| turns == first)
+    }
+
+    /// Raises `most_mrad` to the tilt of the moved part at the end of the tick, if that is larger.
     pub fn raise_tilt(&self, most_mrad: &mut f64) {
+        if self.is_level() {
+            return;
+        }
         let is_known = self.tilt_mrad.get().is_some();
         if is_known || self.machine.may_tilt_beyond(*most_mrad, self.actual_turns) {
-            let tilt_mrad = self.tilt_mrad();
-            if tilt_mrad > *most_mrad {
-                *most_mrad = tilt_mrad;
-            }
+            *most_mrad = most_mrad.max(self.tilt_mrad().unwrap_or(0.0));
         }
     }
 
-    /// Pose of the platform at the end of the tick.
+    /// Pose of the moved part at the end of the tick.
     pub fn pose(&self) -> &Pose {
         self.pose.get_or_init(|| self.computed_pose())
     }

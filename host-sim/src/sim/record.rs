@@ -179,13 +179,6 @@ pub struct Figures {
     pub missed_deadlines: u32,
 }
 
-impl Figures {
-    /// True of a machine with a platform, which tilts.
-    pub(super) const fn has_platform(&self) -> bool {
-        self.tilt_limit_mrad.is_some()
-    }
-}
-
 /// Accuracy of amax while the program holds it and the shaft has reached its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Holding {

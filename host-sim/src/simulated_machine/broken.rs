@@ -8,23 +8,25 @@ pub enum Broken {
     /// The method could not make a step.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// A crank exceeds the speed limit of its machine.
+    /// A shaft exceeds the speed limit of its machine.
     #[error(
-        "crank {axis} turns at {speed_hz:.0} rev/s at t = {t_s:.4} s, which is beyond any speed of this machine: {cause}"
+        "{noun} {axis} turns at {speed_hz:.0} rev/s at t = {t_s:.4} s, which is beyond any speed of this machine: {cause}"
     )]
     RanAway {
         /// Time, s.
         t_s: f64,
-        /// Number of the crank.
+        /// Part that the axis turns, in a word.
+        noun: &'static str,
+        /// Number of the axis.
         axis: usize,
-        /// Speed of the crank, rev/s.
+        /// Speed of the shaft, rev/s.
         speed_hz: f64,
         /// Cause of the speed.
         cause: Cause,
     },
 }
 
-/// Cause of a crank that exceeds the speed limit of its machine.
+/// Cause of a shaft that exceeds the speed limit of its machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Cause {
     /// Shorter steps give another speed.
@@ -34,8 +36,13 @@ pub enum Cause {
     Step,
     /// Shorter steps give the same speed.
     #[error(
-        "shorter steps give the same speed, so the torque on this crank is that large; look at its drive (axes.servo.limit_nm \
-         limits its torque), at its load, and at cranks that stand apart and bend rods (offset_deg, start_deg, machine.rod_n_per_um)"
+        "shorter steps give the same speed, so the torque on this {noun} is that large; look at its drive (axes.servo.limit_nm \
+         limits its torque), {others}"
     )]
-    Torque,
+    Torque {
+        /// Part that the axis turns, in a word.
+        noun: &'static str,
+        /// Other causes of a large torque, in words.
+        others: &'static str,
+    },
 }

@@ -46,7 +46,7 @@ fn check_faults(checked: &Checked, model_level: Fidelity) -> Result<(), SceneErr
     let scene = &checked.scene;
     if let Some(i) = scene
         .moving_fault()
-        .filter(|_| !moves_by_torque_on_any_level(&*checked.machine))
+        .filter(|_| !checked.machine.has_level_of_torque())
     {
         return Err(SceneError::at(
             format!("fault[{i}].kind"),
@@ -61,9 +61,11 @@ fn check_faults(checked: &Checked, model_level: Fidelity) -> Result<(), SceneErr
     if checked.machine.moves_by_torque(model_level) {
         return Ok(()); // `cranks_apart` reports that no crank moves alone on the rigid model level
     }
-    let right = if moves_by_torque_on_any_level(&*checked.machine) {
-        "torque moves no cranks on this model level; let fidelity be \"phased\", or leave it out"
-            .to_owned()
+    let right = if checked.machine.has_level_of_torque() {
+        format!(
+            "torque moves no {}s on this model level; let fidelity be \"phased\", or leave it out",
+            checked.machine.axis_noun()
+        )
     } else {
         let name = checked.machine.name();
         format!("torque moves nothing on any model level of {name}; leave it out")
@@ -82,9 +84,4 @@ fn check_faults(checked: &Checked, model_level: Fidelity) -> Result<(), SceneErr
         ));
     }
     Ok(())
-}
-
-fn moves_by_torque_on_any_level(machine: &dyn Machine) -> bool {
-    let levels = machine.levels().iter();
-    levels.copied().any(|level| machine.moves_by_torque(level))
 }

@@ -221,10 +221,10 @@ impl SimulatedMachine {
         self.corners.warp(&errors) * 360.0
     }
 
-    /// Tilt of the platform, mrad: the magnitude over both directions. It is 0 on a machine without a platform.
-    pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
+    /// Tilt of the part that the axes move, mrad: the magnitude over both directions. `None` if it does not tilt.
+    pub fn tilt_mrad(&self, turns: &[f64]) -> Option<f64> {
         match self.rotors.as_ref().and_then(Rotors::place) {
-            Some([_, x, y]) => x.hypot(y) * 1e3,
+            Some([_, x, y]) => Some(x.hypot(y) * 1e3),
             None => self.follower.tilt_mrad(turns),
         }
     }

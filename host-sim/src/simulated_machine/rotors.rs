@@ -44,10 +44,29 @@ pub struct Rotors {
     were_on: bool,
     /// Ticks played.
     ticks: u64,
-    /// Largest speed of a crank, rad/s: a faster one has run away.
-    most_rad_s: f64,
+    /// Speed beyond which a shaft has run away.
+    limit: SpeedLimit,
     /// Reason why the equations could not be advanced further, if there is one.
     broken: Option<Broken>,
+}
+
+/// Limit beyond which a shaft has run away, and the words of its machine about it.
+#[derive(Clone, Copy, Debug)]
+pub struct SpeedLimit {
+    /// Largest speed of a shaft, rad/s.
+    pub most_rad_s: f64,
+    /// Part that an axis turns, in a word.
+    pub axis_noun: &'static str,
+    /// Causes of a large torque on a shaft besides its drive, in words.
+    pub causes_of_torque: &'static str,
+}
+
+impl SpeedLimit {
+    const NONE: Self = Self {
+        most_rad_s: f64::INFINITY,
+        axis_noun: "shaft",
+        causes_of_torque: "",
+    };
 }
 
 /// Rates and torques at the end of a tick.
@@ -110,15 +129,15 @@ impl Rotors {
             tick_s,
             were_on: false,
             ticks: 0,
-            most_rad_s: f64::INFINITY,
+            limit: SpeedLimit::NONE,
             broken: None,
         })
     }
 
-    /// Stops the simulation when a crank turns faster than `most_rad_s`.
+    /// Stops the simulation when a shaft turns faster than its limit.
     #[must_use]
-    pub fn watched(mut self, most_rad_s: f64) -> Self {
-        self.most_rad_s = most_rad_s;
+    pub fn watched(mut self, limit: SpeedLimit) -> Self {
+        self.limit = limit;
         self
     }
 
@@ -223,9 +242,10 @@ impl Rotors {
         let speeds = &self.state[from..from + self.driven.angles()];
         let axis = speeds
             .iter()
-            .position(|omega| omega.abs() > self.most_rad_s)?;
+            .position(|omega| omega.abs() > self.limit.most_rad_s)?;
         Some(Broken::RanAway {
             t_s: self.ticks as f64 * self.tick_s,
+            noun: self.limit.axis_noun,
             axis,
             speed_hz: speeds[axis].abs() / std::f64::consts::TAU,
             cause: self.cause(from + axis),
@@ -244,7 +264,10 @@ impl Rotors {
         });
         let here = self.state[component];
         match replayed {
-            Some(there) if (there - here).abs() <= REPLAY_PART * here.abs() => Cause::Torque,
+            Some(there) if (there - here).abs() <= REPLAY_PART * here.abs() => Cause::Torque {
+                noun: self.limit.axis_noun,
+                others: self.limit.causes_of_torque,
+            },
             _ => Cause::Step,
         }
     }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use cophase_methods::{Needs, Scheme};
 use cophase_scene::SceneError;
-use cophase_scene::file::Fidelity;
 
+use super::rotors::SpeedLimit;
 use super::{DriveCommand, Rotors};
 use crate::checked::Checked;
 use crate::drives::{AtCrank, DriveModel, Motor, SimulatedAxis};
@@ -29,7 +29,12 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
         .map(|i| motor(checked, i))
         .collect::<Result<Vec<_>, _>>()?;
     let driven = Driven::new(dynamics(checked)?, motors);
-    (checked.machine).check_driven(&driven, &settings.axes, checked.cranks_apart())?;
+    (checked.machine).check_driven(
+        checked.fidelity,
+        &driven,
+        &settings.axes,
+        checked.cranks_apart(),
+    )?;
     let commanded = axes.iter().map(|axis| DriveCommand {
         turns: axis.turns(),
         torque_nm: 0.0,
@@ -52,8 +57,13 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
     let ratios = ratios.map(|axis| axis.follower.most_ratio(&settings.cams));
     let fastest_hz = settings.limits.speed_hz * ratios.fold(1.0, f64::max);
     let beyond_hz = BEYOND * fastest_hz + COASTING_HZ;
+    let limit = SpeedLimit {
+        most_rad_s: beyond_hz * std::f64::consts::TAU,
+        axis_noun: checked.machine.axis_noun(),
+        causes_of_torque: checked.machine.causes_of_torque(),
+    };
     Rotors::new(driven, commanded.collect(), tick_s, chosen)
-        .map(|rotors| Some(rotors.watched(beyond_hz * std::f64::consts::TAU)))
+        .map(|rotors| Some(rotors.watched(limit)))
         .map_err(|problem| SceneError::at("method", problem))
 }
 
@@ -63,16 +73,6 @@ fn dynamics(checked: &Checked) -> Result<Box<dyn Dynamics>, SceneError> {
         inertia_kgm2: rotors_kgm2(checked)?,
         friction_nm: friction_nm(checked),
     };
-    if checked.fidelity == Fidelity::Rigid
-        && let Some(apart) = checked.cranks_apart()
-    {
-        return Err(SceneError::at(
-            "fidelity",
-            format!(
-                "\"rigid\" has all cranks at one angle on one shaft, and {apart} has them at others; let it be \"phased\""
-            ),
-        ));
-    }
     Arc::clone(&checked.machine).dynamics(checked.fidelity, rotors)
 }
 

@@ -72,6 +72,23 @@ fn invalid_crushers_are_refused() {
             "leave it out",
         ),
         case(
+            "crusher on a frame",
+            with(
+                "[limits]",
+                "[frame]\nmass_kg = 60\nsuspension_n_per_mm = 40\n[limits]",
+            ),
+            "frame",
+            "[crusher] has none",
+            "leave it out",
+        ),
+        case(
+            "crusher whose tilt is a question",
+            with("[questions]", "[questions]\ntilt_mrad = 1"),
+            "questions.tilt_mrad",
+            "[crusher] has none",
+            "leave it out",
+        ),
+        case(
             "crusher with torque setpoints",
             with("drive = \"induction\"", "drive = \"servo\""),
             "axes.drive",

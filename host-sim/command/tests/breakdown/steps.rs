@@ -77,7 +77,11 @@ fn a_step_beyond_the_limit_is_refused() {
         assert_eq!(taken, scheme);
         assert!(steps > 1);
         assert_eq!((outcome.diverged, outcome.state), (None, State::Parked));
-        let off_mm = outcome.record.axes[0].follower.unwrap().off_law_worst_mm;
+        let off_mm = outcome.record.axes[0]
+            .follower
+            .unwrap()
+            .of("off_law_worst_mm")
+            .unwrap();
         assert!((off_mm - 0.125).abs() < 0.002, "{off_mm} mm");
     }
 }

@@ -1,6 +1,6 @@
 //! Part of the report about the machine's equations: model level and method.
 
-use cophase_scene::file::{Fidelity, MethodName};
+use cophase_scene::file::MethodName;
 use host_sim::checked::Checked;
 use host_sim::checked::Judged;
 use host_sim::model_level::Bounds;
@@ -12,7 +12,7 @@ pub struct FidelityReport<'a> {
     model_level: &'static str,
     why: &'a str,
     left_out: String,
-    /// Largest distance of a platform on quasi-static rods from its position on springs, on levels where it moves.
+    /// Largest distance of the moved part from its position with the oscillation that quasi-static rods replace.
     #[serde(skip_serializing_if = "Option::is_none")]
     quasi_static_rods_um: Option<f64>,
     /// Requested outputs, with the accuracy of this model level.
@@ -84,27 +84,24 @@ impl MethodReport {
                 .method
                 .filter(|_| checked.scene.method.steps_per_tick.is_none())
                 .map(|_| checked.resolution),
-            why: match checked.fidelity {
-                Fidelity::QuasiStatic => {
-                    "torques follow from the motion, and slips from torques: nothing is integrated".to_owned()
-                }
-                _ if outcome.method.is_some() && checked.scene.method.name != MethodName::Auto => {
-                    "the scene sets it".to_owned()
-                }
-                _ if checked.moves_by_torque() => {
-                    "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution".to_owned()
-                }
-                Fidelity::Elastic => {
-                    "the follower is linear, so that nothing is unstable or damped by the method; a peak is looked at every \
-                         0.05 rad of the slowest mode"
-                        .to_owned()
-                }
-                _ => format!(
-                    "{}s are where pulses and setpoints put them: nothing is integrated",
-                    checked.machine.axis_noun()
-                ),
-            },
+            why: about_method(checked, outcome),
         }
+    }
+}
+
+/// Returns the reason for the method, in words.
+fn about_method(checked: &Checked, outcome: &Outcome) -> String {
+    if outcome.method.is_some() && checked.scene.method.name != MethodName::Auto {
+        "the scene sets it".to_owned()
+    } else if let Some(own) = checked.machine.about_method(checked.fidelity) {
+        own.to_owned()
+    } else if checked.moves_by_torque() {
+        "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution".to_owned()
+    } else {
+        format!(
+            "{}s are where pulses and setpoints put them: nothing is integrated",
+            checked.machine.axis_noun()
+        )
     }
 }
 
@@ -117,7 +114,6 @@ pub fn judged(checked: &Checked) -> &[Judged] {
 }
 
 fn quasi_static_rods_um(checked: &Checked) -> Option<f64> {
-    let moves = checked.fidelity >= Fidelity::Phased;
-    let bounds = moves.then(|| Bounds::new(checked).ok()).flatten()?;
-    bounds.quasi_static_um()
+    let bounds = Bounds::new(checked).ok()?;
+    bounds.quasi_static_um(checked.fidelity)
 }

@@ -104,16 +104,8 @@ fn write_page(
             of_master(checked),
         )?;
     }
-    if let Some(words) = checked.machine.amax_words() {
-        writeln!(page, "Here amax is {words}.")?;
-    }
-    let accel_mps2 = figures.accel_worst_mps2.unwrap_or(0.0);
-    if accel_mps2 > 0.0 && checked.machine.amax_words().is_none() {
-        writeln!(
-            page,
-            "The platform itself accelerated by at most {:.1} g.",
-            accel_mps2 / STANDARD_GRAVITY_MPS2
-        )?;
+    if let Some(about_amax) = checked.machine.about_amax(figures.accel_worst_mps2) {
+        writeln!(page, "{about_amax}")?;
     }
     let lagged = notable(&record.events)
         .iter()
@@ -137,10 +129,10 @@ fn write_page(
             "The cranks were exactly as far apart as commanded, which tilts the platform by up to {commanded_mrad:.3} mrad. Its centre accelerates by less than amax then."
         )?;
     } else if spread_deg < 1e-6 {
-        let stayed = if figures.tilt_limit_mrad.is_some() {
+        let stayed = if checked.commanded_apart().is_none() {
             "stayed exactly in phase with each other"
         } else {
-            "were exactly as far apart as commanded" // cams, and shafts with a ratio, are apart
+            "were exactly as far apart as commanded"
         };
         let by_model = match checked.fidelity {
             Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use cophase_files::trace::{Row, ScopeData, ScopeFrame};
-use host_sim::machines::Moved;
+use host_sim::machines::Shown;
 
 use super::{GRAVITY_MPS2, TICK_S, axes, mixing};
 
@@ -17,7 +17,7 @@ fn frame(title: &str, subtitle: &str) -> ScopeFrame {
         gravity_mps2: GRAVITY_MPS2,
         tilt_limit_mrad: Some(2.0),
         phase_error_limit_deg: Some(5.4),
-        moved: Moved::Platform,
+        shown: Shown::Tilt,
     }
 }
 
@@ -144,9 +144,9 @@ fn the_same_run_gives_the_same_page() {
 /// If this fails, the page shows the commanded amplitude as the actual one, or twice the amplitude of a level that is over.
 #[test]
 fn three_amplitudes_are_drawn_by_their_names() {
-    let page = |moved: Moved| {
+    let page = |shown: Shown| {
         let frame = ScopeFrame {
-            moved,
+            shown,
             ..frame("amplitudes", "")
         };
         let mut scope = ScopeData::new(1, frame);
@@ -167,7 +167,7 @@ fn three_amplitudes_are_drawn_by_their_names() {
         }
         scope.render()
     };
-    let platform = page(Moved::Platform);
+    let platform = page(Shown::Tilt);
     keep("scope-amplitudes.svg", &platform);
     for entry in [
         "requested, peak 36.0",
@@ -177,11 +177,11 @@ fn three_amplitudes_are_drawn_by_their_names() {
         assert!(platform.contains(entry), "{entry}");
     }
     assert!(
-        !page(Moved::Pushers).contains("actual"),
+        !page(Shown::Acceleration("pushers")).contains("actual"),
         "pushers have a panel of their own"
     );
     assert!(
-        page(Moved::Part("jaw")).contains("jaw, mm"),
+        page(Shown::Displacement("jaw")).contains("jaw, mm"),
         "a machine of its own kind has no tilt"
     );
 }

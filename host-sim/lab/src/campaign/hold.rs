@@ -30,7 +30,7 @@ impl Hold {
             stands,
             moment.start_ns as f64 * 1e-9,
             |most_mrad| moment.raise_tilt(most_mrad),
-            || moment.tilt_mrad(),
+            || moment.tilt_mrad().unwrap_or(0.0),
         );
     }
 

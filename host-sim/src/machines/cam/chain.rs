@@ -6,10 +6,10 @@ use cophase_core::units::MAX_AXES;
 use cophase_methods::problems::Chain;
 use cophase_methods::{Equations, Method, Scheme, StepError};
 
-use super::pushers::Turned;
+use super::pushers::{PusherPeaks, Turned};
 use crate::dynamics::Chosen;
 use crate::dynamics::step::{MOST_STEPS, in_words};
-use crate::machines::follower::{Peaks, Pusher};
+use crate::machines::follower::{PartMotion, Peaks};
 
 /// Largest phase advance of the slowest mode per step of exact discretisation, rad. A peak of the pusher lies within half a step of a
 /// sample, where its cosine is 1 − (0.05/2)²/2, an error of 0.03 %. The cam side follows the cam's motion directly, which the method
@@ -67,14 +67,14 @@ impl Elastic {
         axis: usize,
         turned: &Turned,
         tick_s: f64,
-        mut observe: impl FnMut(u32, &Pusher),
-    ) -> Result<(Pusher, Peaks), StepError> {
+        mut observe: impl FnMut(u32, &PartMotion),
+    ) -> Result<(PartMotion, Peaks), StepError> {
         let cam = &mut self.chain.cam;
         cam.start_rad = turned.from.rem_euclid(1.0) * std::f64::consts::TAU;
         cam.speed_rad_s = (turned.to - turned.from) * std::f64::consts::TAU / tick_s;
         let state = &mut self.states[axis];
         let mut rates = [0.0; 6];
-        let mut pusher = Pusher::default();
+        let mut pusher = PartMotion::default();
         let mut peaks = Peaks::default();
         let step_s = self.method.step_s();
         for step in 0..self.steps {
@@ -83,13 +83,14 @@ impl Elastic {
             let t_s = f64::from(step + 1) * step_s;
             self.chain.rates(t_s, state, &mut rates);
             let by_law = self.chain.cam.at(t_s);
-            peaks = peaks.or(Peaks {
+            peaks = peaks.or(PusherPeaks {
                 off_law_worst_mm: (state[2] - by_law.displacement).abs() * 1e3,
                 off_law_accel_worst_mps2: (rates[5] - by_law.acceleration).abs(),
                 pusher_accel_worst_mps2: rates[5].abs(),
                 cam_side_accel_worst_mps2: rates[3].abs(),
-            });
-            pusher = Pusher {
+            }
+            .into());
+            pusher = PartMotion {
                 place_m: state[2],
                 accel_mps2: rates[5],
             };

@@ -19,13 +19,12 @@ use cophase_scene::file::{CamShaft, Damper, Fidelity, LawName};
 use cophase_scene::{Scene, SceneError};
 
 use super::follower::{Follower, Peaks, RunStart};
-use super::{Bounds, Duty, Machine, Moved, NoBounds};
+use super::{Bounds, Duty, Machine, NoBounds, Shown};
+use crate::mechanism::SquareLaw;
 use pushers::Pushers;
 
 /// Name with its article, for messages.
 const NAME: &str = "a cam shaft";
-/// Part that an axis turns.
-const AXIS_NOUN: &str = "cam";
 
 /// A cam shaft with its follower on each axis, or a pusher on a screw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,11 +74,15 @@ impl Machine for CamShafts {
     }
 
     fn axis_noun(&self) -> &'static str {
-        AXIS_NOUN
+        "cam"
     }
 
-    fn moves(&self) -> Moved {
-        Moved::Pushers
+    fn law(&self) -> SquareLaw {
+        SquareLaw::of_length(self.cam.peak_m())
+    }
+
+    fn shown(&self) -> Shown {
+        Shown::Acceleration("pushers")
     }
 
     fn draw(&self, _: &str, _: &[AxisSettings]) -> String {
@@ -139,12 +142,16 @@ impl Machine for CamShafts {
     }
 
     fn about_parts(&self, level: Fidelity, worst: &Peaks) -> Option<String> {
-        let (pusher_mps2, off_mm) = (worst.pusher_accel_worst_mps2, worst.off_law_worst_mm);
+        let [pusher_mps2, off_mm, cam_side_mps2, off_mps2] = [
+            worst.of("pusher_accel_worst_mps2")?,
+            worst.of("off_law_worst_mm")?,
+            worst.of("cam_side_accel_worst_mps2")?,
+            worst.of("off_law_accel_worst_mps2")?,
+        ];
         Some(match (self.screw_lead_m, level) {
             (Some(_), _) => format!(
-                "The pushers accelerated by at most {pusher_mps2:.2} m/s², and those of a mechanical cam shaft by {:.2} m/s². They differ by at \
-                 most {off_mm:.4} mm and {:.3} m/s².",
-                worst.cam_side_accel_worst_mps2, worst.off_law_accel_worst_mps2,
+                "The pushers accelerated by at most {pusher_mps2:.2} m/s², and those of a mechanical cam shaft by {cam_side_mps2:.2} m/s². They differ by at \
+                 most {off_mm:.4} mm and {off_mps2:.3} m/s²."
             ),
             (None, Fidelity::Elastic) => format!(
                 "The pushers accelerated by at most {pusher_mps2:.1} m/s² and were at most {off_mm:.3} mm off their law."
@@ -153,6 +160,13 @@ impl Machine for CamShafts {
                 "The pushers accelerated by at most {pusher_mps2:.1} m/s², as their law has it."
             ),
         })
+    }
+
+    fn about_method(&self, level: Fidelity) -> Option<&'static str> {
+        (level == Fidelity::Elastic).then_some(
+            "the follower is linear, so that nothing is unstable or damped by the method; a peak is looked at every \
+             0.05 rad of the slowest mode",
+        )
     }
 
     fn moves_by_torque(&self, _: Fidelity) -> bool {

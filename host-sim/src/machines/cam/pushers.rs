@@ -13,7 +13,7 @@ use cophase_scene::file::Fidelity;
 use super::CamShafts;
 use super::chain::Elastic;
 use super::screw::Screws;
-use crate::machines::follower::{Follower, Peaks, Pusher, RunStart, ShaftTick};
+use crate::machines::follower::{Follower, PartMotion, Peaks, RunStart, ShaftTick};
 use crate::pose::Pose;
 
 /// Samples per tick where nothing is integrated.
@@ -32,6 +32,30 @@ pub(super) struct Turned {
     pub acceleration_rad_s2: f64,
 }
 
+/// Greatest values of a pusher, under their names in `report.json`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PusherPeaks {
+    /// Deviation from its law, mm.
+    pub off_law_worst_mm: f64,
+    /// Acceleration, m/s².
+    pub pusher_accel_worst_mps2: f64,
+    /// Acceleration of the mass next to the cam, m/s²; for a pusher without a cam, that of its law.
+    pub cam_side_accel_worst_mps2: f64,
+    /// Deviation of its acceleration from that of its law, m/s².
+    pub off_law_accel_worst_mps2: f64,
+}
+
+impl From<PusherPeaks> for Peaks {
+    fn from(peaks: PusherPeaks) -> Self {
+        Self::new([
+            ("off_law_worst_mm", peaks.off_law_worst_mm),
+            ("pusher_accel_worst_mps2", peaks.pusher_accel_worst_mps2),
+            ("cam_side_accel_worst_mps2", peaks.cam_side_accel_worst_mps2),
+            ("off_law_accel_worst_mps2", peaks.off_law_accel_worst_mps2),
+        ])
+    }
+}
+
 /// Cause of a pusher's motion.
 #[derive(Clone, Debug)]
 enum MovedBy {
@@ -48,7 +72,7 @@ enum MovedBy {
 pub(super) struct Pushers {
     cam: Cam,
     moved_by: MovedBy,
-    pushers: [Pusher; MAX_AXES],
+    pushers: [PartMotion; MAX_AXES],
     peaks: [Peaks; MAX_AXES],
     /// Last motion of each cam.
     turned: [Turned; MAX_AXES],
@@ -66,7 +90,7 @@ impl Pushers {
     pub fn new(shafts: &CamShafts, start: &RunStart<'_>) -> Result<Self, SceneError> {
         let &CamShafts { cam, links, .. } = shafts;
         let lift_m = |turns: f64| cam.at_angle(turns * std::f64::consts::TAU).displacement;
-        let mut pushers = [Pusher::default(); MAX_AXES];
+        let mut pushers = [PartMotion::default(); MAX_AXES];
         for (pusher, turns) in pushers.iter_mut().zip(start.turns) {
             pusher.place_m = match shafts.screw_lead_m {
                 Some(lead_m) => lead_m * turns,
@@ -113,7 +137,7 @@ impl Pushers {
         let axes = self.pushers[..self.axes].iter_mut().zip(&mut self.peaks);
         for (axis, ((pusher, peaks), turned)) in axes.zip(&self.turned).enumerate() {
             *peaks = Peaks::default();
-            let mut observe = |at: u32, pusher: &Pusher| {
+            let mut observe = |at: u32, pusher: &PartMotion| {
                 self.within_mps2[at as usize] += share * pusher.accel_mps2;
             };
             match &mut self.moved_by {
@@ -131,8 +155,8 @@ impl Pushers {
         }
     }
 
-    fn mean(&self, of: fn(&Pusher) -> f64) -> f64 {
-        self.pushers().iter().map(of).sum::<f64>() / self.axes as f64
+    fn mean(&self, of: fn(&PartMotion) -> f64) -> f64 {
+        self.parts().iter().map(of).sum::<f64>() / self.axes as f64
     }
 
     fn chain(&self) -> Option<&Elastic> {
@@ -181,7 +205,7 @@ impl Follower for Pushers {
         &self.within_mps2
     }
 
-    fn pushers(&self) -> &[Pusher] {
+    fn parts(&self) -> &[PartMotion] {
         &self.pushers[..self.axes]
     }
 
@@ -204,26 +228,27 @@ fn by_law(
     cam: &Cam,
     turned: &Turned,
     tick_s: f64,
-    mut observe: impl FnMut(u32, &Pusher),
-) -> (Pusher, Peaks) {
-    let (mut pusher, mut peaks) = (Pusher::default(), Peaks::default());
+    mut observe: impl FnMut(u32, &PartMotion),
+) -> (PartMotion, Peaks) {
+    let (mut pusher, mut peaks) = (PartMotion::default(), Peaks::default());
     for sample in 1..=SAMPLES {
         let part = f64::from(sample) / f64::from(SAMPLES);
         let angle_rad = (turned.from + (turned.to - turned.from) * part) * std::f64::consts::TAU;
         let omega = turned.omega_rad_s - turned.acceleration_rad_s2 * tick_s * (1.0 - part);
         let law = cam.at_angle(angle_rad);
-        pusher = Pusher {
+        pusher = PartMotion {
             place_m: law.displacement,
             accel_mps2: law.acceleration * omega * omega
                 + law.velocity * turned.acceleration_rad_s2,
         };
         observe(sample - 1, &pusher);
-        peaks = peaks.or(Peaks {
+        peaks = peaks.or(PusherPeaks {
             off_law_worst_mm: 0.0,
             pusher_accel_worst_mps2: pusher.accel_mps2.abs(),
             cam_side_accel_worst_mps2: pusher.accel_mps2.abs(),
             off_law_accel_worst_mps2: 0.0,
-        });
+        }
+        .into());
     }
     (pusher, peaks)
 }
@@ -252,7 +277,7 @@ mod tests {
         let mut pushers = Pushers {
             cam: Cam::wrapper(Law::ModifiedSine),
             moved_by: MovedBy::Chain(Box::new(elastic)),
-            pushers: [Pusher::default(); MAX_AXES],
+            pushers: [PartMotion::default(); MAX_AXES],
             peaks: [Peaks::default(); MAX_AXES],
             turned: [Turned::default(); MAX_AXES],
             within_mps2: Vec::new(),

@@ -12,7 +12,8 @@ use std::f64::consts::TAU;
 use cophase_core::units::{MAX_AXES, PerAxis};
 use cophase_methods::problems::Cam;
 
-use crate::machines::follower::{Peaks, Pusher, ShaftTick};
+use super::pushers::PusherPeaks;
+use crate::machines::follower::{PartMotion, Peaks, ShaftTick};
 
 /// Screws of all axes.
 #[derive(Clone, Debug)]
@@ -55,7 +56,7 @@ impl Screws {
         cam: &Cam,
         tick_s: f64,
         tick: &ShaftTick<'_>,
-        (pushers, peaks): (&mut [Pusher], &mut [Peaks]),
+        (pushers, peaks): (&mut [PartMotion], &mut [Peaks]),
     ) {
         let master_turns = tick.master_turns;
         let between = self.master_turns;
@@ -76,17 +77,18 @@ impl Screws {
             let by_law = lobe.acceleration * omega * omega + lobe.velocity * alpha;
             let accel_mps2 = (now[axis] - 2.0 * last[axis] + before[axis]) / (tick_s * tick_s);
             let place_m = self.place_m(screw.turns());
-            *pusher = Pusher {
+            *pusher = PartMotion {
                 place_m,
                 accel_mps2,
             };
             let lift_m = cam.at_angle(TAU * (self.master_turns + shift)).displacement;
-            *peaks = Peaks {
+            *peaks = PusherPeaks {
                 off_law_worst_mm: (place_m - lift_m).abs() * 1e3,
                 pusher_accel_worst_mps2: accel_mps2.abs(),
                 cam_side_accel_worst_mps2: by_law.abs(),
                 off_law_accel_worst_mps2: (accel_mps2 - by_law).abs(),
-            };
+            }
+            .into();
         }
         self.commanded = Some([last, now]);
     }

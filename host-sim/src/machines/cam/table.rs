@@ -13,8 +13,7 @@ use cophase_scene::{Scene, SceneError};
 
 use super::{CamShafts, cam_of, damped};
 use crate::drives::keys_of_torque;
-use crate::machines::table::{check_tilt_limit, given};
-use crate::machines::{Made, Table};
+use crate::machines::{Made, Table, given};
 
 /// λ of the crank of equal κ: the least that the core accepts.
 const LAMBDA: f64 = 0.1;
@@ -194,10 +193,9 @@ impl Table for CamShaft {
     }
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
-        check_tilt_limit(scene, self.key(), super::AXIS_NOUN)?;
         check_torque(scene)?;
         let shafts = cam_shafts(self)?;
         check_screws(self, scene)?;
-        Ok(Made::shafts(shafts.cam.peak_m(), Arc::new(shafts)))
+        Made::shafts(scene, self.key(), Arc::new(shafts))
     }
 }

@@ -32,7 +32,8 @@ use cophase_scene::file::Fidelity;
 
 use crate::dynamics::PlaneMotion;
 use crate::dynamics::plant::{Plant, Record, Shafts};
-use crate::machines::{Machine, Moved};
+use crate::machines::{Machine, Shown};
+use crate::mechanism::SquareLaw;
 use crate::pose::Pose;
 use mains::{Jaw, Linkage, Load};
 use record::CrusherRecord;
@@ -110,13 +111,18 @@ impl Machine for Crusher {
         NAME
     }
 
-    fn moves(&self) -> Moved {
-        Moved::Part("jaw")
+    fn law(&self) -> SquareLaw {
+        SquareLaw::of_length(self.amplitude_m())
     }
 
-    fn amax_words(&self) -> Option<&'static str> {
+    fn shown(&self) -> Shown {
+        Shown::Displacement("jaw")
+    }
+
+    fn about_amax(&self, _: Option<f64>) -> Option<String> {
         Some(
-            "one component of the acceleration of the jaw where the rock's force acts: that across the jaw, at a constant speed",
+            "Here amax is one component of the acceleration of the jaw where the rock's force acts: that across the jaw, at a constant speed."
+                .to_owned(),
         )
     }
 

@@ -92,7 +92,6 @@ impl Table for CrusherTable {
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
         let crusher = crusher(self, scene)?;
-        let radius = ("crusher.eccentric_mm", crusher.amplitude_m());
-        Made::square_law(scene, self.key(), radius, Arc::new(crusher))
+        Made::square_law(scene, self.key(), "crusher.eccentric_mm", Arc::new(crusher))
     }
 }

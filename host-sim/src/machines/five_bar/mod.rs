@@ -35,7 +35,8 @@ use nalgebra::{Matrix2, Vector2};
 use crate::drives::Field;
 use crate::dynamics::plant::{Memory, Plant, Record, Shafts};
 use crate::dynamics::{MOST, Mode, PlaneMotion};
-use crate::machines::{Machine, Moved};
+use crate::machines::{Machine, Shown};
+use crate::mechanism::SquareLaw;
 use crate::pose::Pose;
 
 pub use path::{Motion, NoTable, Path};
@@ -101,13 +102,18 @@ impl Machine for Arm {
         "joint"
     }
 
-    fn moves(&self) -> Moved {
-        Moved::Part("hand")
+    fn law(&self) -> SquareLaw {
+        SquareLaw::of_length(self.path.radius_m())
     }
 
-    fn amax_words(&self) -> Option<&'static str> {
+    fn shown(&self) -> Shown {
+        Shown::Displacement("hand")
+    }
+
+    fn about_amax(&self, _: Option<f64>) -> Option<String> {
         Some(
-            "that of a hand on a circle as long as the path; in the blends the hand accelerates more",
+            "Here amax is that of a hand on a circle as long as the path; in the blends the hand accelerates more."
+                .to_owned(),
         )
     }
 

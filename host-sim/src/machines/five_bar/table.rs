@@ -251,8 +251,7 @@ impl Table for FiveBarTable {
         check(self)?;
         let path = path(self)?;
         let tables = tables(self, &path)?;
-        let radius = ("five_bar.path_mm", path.radius_m());
         let arm = arm(self, scene, path, tables);
-        Made::square_law(scene, self.key(), radius, Arc::new(arm))
+        Made::square_law(scene, self.key(), "five_bar.path_mm", Arc::new(arm))
     }
 }

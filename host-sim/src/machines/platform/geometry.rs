@@ -126,12 +126,12 @@ impl Follower for Platform {
     }
 
     /// Tilt of the plane closest to the corners, mrad: the magnitude over both directions.
-    fn tilt_mrad(&self, turns: &[f64]) -> f64 {
+    fn tilt_mrad(&self, turns: &[f64]) -> Option<f64> {
         let heights = per_axis(turns.len(), |i| {
             self.mechanism.x_m(turns[i] * std::f64::consts::TAU)
         });
         let [_, x, y] = self.corners.plane(&heights);
-        x.hypot(y) * 1e3
+        Some(x.hypot(y) * 1e3)
     }
 
     fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
@@ -164,7 +164,7 @@ mod tests {
                 let apart = 0.5 * 10_f64.powf(-f64::from(apart) / 2.0);
                 let place = |i: usize| (i * i * 7 + i) % 5;
                 let turns = per_axis(count, |i| 3.0 + angle + apart * place(i) as f64 / 4.0);
-                let tilt_mrad = platform.tilt_mrad(&turns);
+                let tilt_mrad = platform.tilt_mrad(&turns).expect("a platform tilts");
                 let here_mrad = platform.most_tilt_here_mrad(&turns);
                 assert!(
                     tilt_mrad <= platform.most_tilt_mrad(&turns),

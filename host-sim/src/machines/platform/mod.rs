@@ -13,13 +13,14 @@ use std::sync::Arc;
 
 use cophase_core::settings::AxisSettings;
 use cophase_scene::file::{self, Fidelity, Rods};
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use cophase_scene::{Scene, SceneError};
 
 use super::follower::{Follower, RunStart};
-use super::{Bounds, Duty, Machine, Moved, NoBounds};
+use super::{Bounds, Duty, Machine, NoBounds, Shown};
 use crate::dynamics::{Driven, Dynamics, RotorParts};
 use crate::mechanism::turn_search::largest_over_turn;
-use crate::mechanism::{Mechanism, Mount};
+use crate::mechanism::{Mechanism, Mount, SquareLaw};
 use bounds::{Cranks, OnCranks};
 
 /// Name, for messages.
@@ -72,8 +73,30 @@ impl Machine for CranksUnderPlatform {
         "crank"
     }
 
-    fn moves(&self) -> Moved {
-        Moved::Platform
+    fn law(&self) -> SquareLaw {
+        self.platform.mechanism().law()
+    }
+
+    fn shown(&self) -> Shown {
+        Shown::Tilt
+    }
+
+    fn about_amax(&self, accel_worst_mps2: Option<f64>) -> Option<String> {
+        let accelerated = accel_worst_mps2.filter(|mps2| *mps2 > 0.0)?;
+        Some(format!(
+            "The platform itself accelerated by at most {:.1} g.",
+            accelerated / STANDARD_GRAVITY_MPS2
+        ))
+    }
+
+    fn about_method(&self, level: Fidelity) -> Option<&'static str> {
+        (level == Fidelity::QuasiStatic).then_some(
+            "torques follow from the motion, and slips from torques: nothing is integrated",
+        )
+    }
+
+    fn causes_of_torque(&self) -> &'static str {
+        "at its load, and at cranks that stand apart and bend rods (offset_deg, start_deg, machine.rod_n_per_um)"
     }
 
     fn draw(&self, scene: &str, axes: &[AxisSettings]) -> String {
@@ -182,11 +205,20 @@ impl Machine for CranksUnderPlatform {
 
     fn check_driven(
         &self,
+        level: Fidelity,
         driven: &Driven,
         axes: &[AxisSettings],
         apart: Option<&str>,
     ) -> Result<(), SceneError> {
-        assembly::check(driven, axes, apart)
+        match apart {
+            Some(apart) if level == Fidelity::Rigid => Err(SceneError::at(
+                "fidelity",
+                format!(
+                    "\"rigid\" has all cranks at one angle on one shaft, and {apart} has them at others; let it be \"phased\""
+                ),
+            )),
+            _ => assembly::check(driven, axes, apart),
+        }
     }
 
     fn mount_radius_m(&self) -> f64 {

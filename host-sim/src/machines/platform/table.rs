@@ -59,6 +59,12 @@ impl Table for file::Machine {
     }
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
+        if scene.questions.ground_percent.is_some() && scene.frame.is_none() {
+            return Err(SceneError::at(
+                "questions.ground_percent",
+                "requests the force on the ground, which needs a frame on springs: give [frame], or leave the question out",
+            ));
+        }
         let settings = platform(self)?;
         let machine = CranksUnderPlatform {
             platform: Platform::new(&settings, scene.axes.count),

@@ -31,7 +31,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::dynamics::plant::{Plant, Record, Shafts};
 use crate::dynamics::{Mode, PlaneMotion};
-use crate::machines::{Machine, Moved};
+use crate::machines::{Machine, Shown};
+use crate::mechanism::SquareLaw;
 use crate::pose::Pose;
 use record::ScreenRecord;
 
@@ -121,13 +122,18 @@ impl Machine for Screen {
         NAME
     }
 
-    fn moves(&self) -> Moved {
-        Moved::Part("box")
+    fn law(&self) -> SquareLaw {
+        SquareLaw::of_length(self.throw_m())
     }
 
-    fn amax_words(&self) -> Option<&'static str> {
+    fn shown(&self) -> Shown {
+        Shown::Displacement("box")
+    }
+
+    fn about_amax(&self, _: Option<f64>) -> Option<String> {
         Some(
-            "the throw times the squared speed, the acceleration of the box far above its resonances",
+            "Here amax is the throw times the squared speed, the acceleration of the box far above its resonances."
+                .to_owned(),
         )
     }
 

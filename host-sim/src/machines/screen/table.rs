@@ -138,7 +138,11 @@ impl Table for ScreenTable {
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
         let screen = screen(self, scene)?;
         check_torque(self, &screen, scene)?;
-        let radius = ("screen.eccentricity_mm", screen.throw_m());
-        Made::square_law(scene, self.key(), radius, Arc::new(screen))
+        Made::square_law(
+            scene,
+            self.key(),
+            "screen.eccentricity_mm",
+            Arc::new(screen),
+        )
     }
 }

@@ -1,7 +1,7 @@
 //! Data of a run that its drawing needs.
 
 use host_sim::checked::Checked;
-use host_sim::machines::Moved;
+use host_sim::machines::Shown;
 
 use super::envelope::{Envelope, PAGE_BUCKETS};
 use super::timeline::Timeline;
@@ -22,8 +22,8 @@ pub struct ScopeFrame {
     pub tilt_limit_mrad: Option<f64>,
     /// Limit of phase errors, degrees, in both directions.
     pub phase_error_limit_deg: Option<f64>,
-    /// Parts that the axes move, shown in the last panel.
-    pub moved: Moved,
+    /// Motion of the part that the axes move, in the last panel.
+    pub shown: Shown,
 }
 
 impl ScopeFrame {
@@ -41,7 +41,7 @@ impl ScopeFrame {
                 .collect(),
             gravity_mps2: cophase_scene::units::STANDARD_GRAVITY_MPS2,
             tilt_limit_mrad: checked.tilt_limit_mrad(),
-            moved: checked.machine.moves(),
+            shown: checked.machine.shown(),
             phase_error_limit_deg: None, // limits are on the modes of all phase errors, not on one
         }
     }

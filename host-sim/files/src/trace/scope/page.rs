@@ -2,7 +2,6 @@
 //!
 //! kuva draws each panel. This module stacks them on kuva's scene.
 
-use host_sim::machines::Moved;
 use kuva::render::layout::Layout;
 use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
 use kuva::render::theme::Theme;
@@ -32,11 +31,7 @@ fn panels(scope: &ScopeData) -> Vec<(MakePanel, f64)> {
     let mut panels: Vec<(MakePanel, f64)> = vec![
         (panel::acceleration, 190.0),
         (panel::speed, 150.0),
-        match scope.frame.moved {
-            Moved::Platform => (panel::tilt, 150.0),
-            Moved::Pushers => (panel::pushers, 150.0),
-            Moved::Part(_) => (panel::place, 150.0),
-        },
+        (panel::moved, 150.0),
     ];
     if panel::has_phase_error(scope) {
         panels.insert(2, (panel::phase_error, 170.0));

@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::machines::Moved;
+use host_sim::machines::Shown;
 use kuva::plot::legend::LegendShape;
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 
@@ -30,9 +30,9 @@ fn from_rest(scope: &ScopeData) -> Extent {
 
 /// Half of the least range of such an axis.
 fn least(scope: &ScopeData) -> f64 {
-    match scope.frame.moved {
-        Moved::Part(_) => 1e-9,
-        Moved::Platform | Moved::Pushers => 0.5,
+    match scope.frame.shown {
+        Shown::Displacement(_) => 1e-9,
+        Shown::Tilt | Shown::Acceleration(_) => 0.5,
     }
 }
 
@@ -46,8 +46,8 @@ pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
     let per_mps2 = in_g(scope);
     let requested = scope.envelope.total(channel::PROGRAM).times(per_mps2);
     let commanded = scope.envelope.total(channel::COMMAND).times(per_mps2);
-    // Pushers have a panel of their own.
-    let actual = if scope.frame.moved == Moved::Pushers {
+    // Accelerations with a panel of their own are in no other.
+    let actual = if matches!(scope.frame.shown, Shown::Acceleration(_)) {
         Extent::EMPTY
     } else {
         scope.envelope.total(channel::ACTUAL).times(per_mps2)
@@ -83,27 +83,19 @@ fn in_g(scope: &ScopeData) -> f64 {
     }
 }
 
-/// Mean acceleration of pushers in g: the actual values for the first panel.
-pub fn pushers(scope: &ScopeData, time: TimeAxis) -> Panel {
-    range(
-        scope,
-        time,
-        (channel::ACCEL, in_g(scope)),
-        ("pushers, g", "mean"),
-    )
-}
-
-/// Displacement, in mm, of the part that the machine moves.
-pub fn place(scope: &ScopeData, time: TimeAxis) -> Panel {
-    let Moved::Part(name) = scope.frame.moved else {
-        return range(scope, time, (channel::PLACE, 1e3), ("moved, mm", "moved"));
-    };
-    range(
-        scope,
-        time,
-        (channel::PLACE, 1e3),
-        (&format!("{name}, mm"), name),
-    )
+/// Motion of the part that the machine moves: its tilt, its acceleration in g, or its displacement in mm.
+pub fn moved(scope: &ScopeData, time: TimeAxis) -> Panel {
+    match scope.frame.shown {
+        Shown::Tilt => tilt(scope, time),
+        Shown::Acceleration(name) => {
+            let label = format!("{name}, g");
+            range(scope, time, (channel::ACCEL, in_g(scope)), (&label, "mean"))
+        }
+        Shown::Displacement(name) => {
+            let label = format!("{name}, mm");
+            range(scope, time, (channel::PLACE, 1e3), (&label, name))
+        }
+    }
 }
 
 /// Returns true if a part pitched by more than a rounding error.
@@ -239,7 +231,7 @@ pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {
 }
 
 /// Tilt along x and y in mrad, with its limit.
-pub fn tilt(scope: &ScopeData, time: TimeAxis) -> Panel {
+fn tilt(scope: &ScopeData, time: TimeAxis) -> Panel {
     let x = scope.envelope.total(channel::TILT_X);
     let y = scope.envelope.total(channel::TILT_Y);
     let (shown, limit) = with_limit(x.and(y), scope.frame.tilt_limit_mrad);

@@ -56,7 +56,7 @@ impl Observer for LastTurn {
     fn tick(&mut self, moment: &Moment<'_>) {
         let tick_s = (moment.end_ns - moment.start_ns) as f64 * 1e-9;
         let speed_hz = cophase_scene::units::turns(moment.telemetry.motion.speed) / tick_s;
-        if let Some(pusher) = moment.machine.follower().pushers().first() {
+        if let Some(pusher) = moment.machine.follower().parts().first() {
             let tick = (moment.master_turns, speed_hz, pusher.accel_mps2);
             self.ticks.push(tick);
         }

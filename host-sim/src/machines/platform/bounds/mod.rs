@@ -49,8 +49,8 @@ pub(super) struct Cranks {
     /// Change of the platform's acceleration by elastic rods, relative to amax. Only levels from phased on compute it. It is 0 for
     /// quasi-static rods.
     rods: f64,
-    /// Largest distance of the platform from its position on quasi-static rods, m; 0 for elastic rods.
-    quasi_static_m: f64,
+    /// Largest distance of the platform from its position on quasi-static rods, m; `None` for elastic rods.
+    quasi_static_m: Option<f64>,
     /// Tilt per difference between two cranks, mrad/rad.
     tilt_mrad: f64,
     /// Largest part of a peak that the samples at ticks miss.
@@ -91,11 +91,7 @@ impl Cranks {
             } else {
                 0.0
             },
-            quasi_static_m: if has_elastic_rods {
-                0.0
-            } else {
-                rods::quasi_static_m(body, rod_zeta, duty)
-            },
+            quasi_static_m: (!has_elastic_rods).then(|| rods::quasi_static_m(body, rod_zeta, duty)),
             worst,
             steady_load: duty.steady_load,
             mode: platform.mode,
@@ -222,8 +218,9 @@ impl Bounds for Cranks {
         Some(self.mode)
     }
 
-    fn quasi_static_m(&self) -> f64 {
-        self.quasi_static_m
+    fn quasi_static_m(&self, model_level: Fidelity) -> Option<f64> {
+        let moves_on_rods = matches!(model_level, Fidelity::Phased | Fidelity::Elastic);
+        self.quasi_static_m.filter(|_| moves_on_rods)
     }
 
     fn numbers(&self) -> String {
