@@ -4,7 +4,6 @@
 //! converts it into the core's settings and reports errors of its values. Each message names the file, the key, the problem, and the fix.
 #![forbid(unsafe_code)]
 
-pub mod built_in;
 pub mod digits;
 pub mod entry;
 mod error;

@@ -15,7 +15,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::DeTable;
 
-use super::built_in::SCENES;
+use super::library::{BuiltIn, SCENES};
 use super::{Scene, SceneError};
 use crate::file_kind::FileKind;
 use crate::input_file::{self, Unreadable};
@@ -131,6 +131,16 @@ fn instead(path: &Path) -> String {
     match nearest(&stem, &names) {
         Some(name) => format!("did you mean the built-in scene `{name}`? {START_FROM}"),
         None => format!("`cophase scenes` lists the built-in scenes, and {START_FROM}"),
+    }
+}
+
+impl BuiltIn {
+    /// Returns the scene.
+    ///
+    /// # Panics
+    /// Never: a test reads every built-in scene.
+    pub fn scene(&self) -> Scene {
+        parse(self.text).expect("built-in scenes are tested to be well-formed")
     }
 }
 
