@@ -26,7 +26,7 @@ fn watched(text: &str, fault: &str) -> (Checked, Observation) {
 fn watched_at(at_s: f64, text: &str, fault: &str) -> (Checked, Observation) {
     let checked = scene(&format!("{text}[[fault]]\nat_s = {at_s}\n{fault}"));
     let geometry = Geometry::new(&checked.scene);
-    let count = judge::cranks_that_count(&checked.scene);
+    let count = judge::cranks_that_count(&checked);
     let mut twin = Twin::default();
     simulate(&scene(text), &mut twin, |_, _| {}).expect("a checked scene runs");
     let mut watch = Watch::new(geometry.as_ref(), &checked, count).compared_with(&twin);

@@ -10,7 +10,7 @@ use crate::output::Output;
 /// Bounds on the difference between an output of each model level and that of the machine's top level.
 pub trait Bounds: Debug + Send + Sync {
     /// Returns the bound for an output of a model level, in the unit of its tolerance. It is infinite if the level does not compute the
-    /// output, or if there is no bound.
+    /// output, or if there is no bound. Levels that the machine lacks count as the nearest one below them.
     fn of(&self, model_level: Fidelity, output: Output) -> f64;
 
     /// Mode whose oscillation the method's step must resolve. `None` if none is known; this is the default.

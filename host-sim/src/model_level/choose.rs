@@ -88,8 +88,12 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
     let bounds = Bounds::new(checked);
     let bounds = match bounds {
         Ok(bounds) => bounds,
-        // Without rotors, the torques of servos cannot be compared.
-        Err(_) if checked.scene.questions.is_none() && checked.scene.axes.pull_out.is_empty() => {
+        // Without rotors, torques cannot be compared, except on a level without inertia, which takes the pull-out torque of steppers.
+        Err(_)
+            if checked.scene.questions.is_none()
+                && (checked.scene.axes.pull_out.is_empty()
+                    || !checked.machine.levels().contains(&Fidelity::QuasiStatic)) =>
+        {
             return Ok(without_questions(checked));
         }
         // There is no explicit question, so the torques are compared. The reason says so.

@@ -70,8 +70,13 @@ pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
     };
     let (clean, faulty) = (checked(true)?, checked(false)?);
     let geometry = Geometry::new(&case.scene);
-    let cranks_count = |checked: &Checked| judge::cranks_that_count(&checked.scene);
-    let watch = |checked: &Checked| Watch::new(geometry.as_ref(), checked, cranks_count(checked));
+    let watch = |checked: &Checked| {
+        Watch::new(
+            geometry.as_ref(),
+            checked,
+            judge::cranks_that_count(checked),
+        )
+    };
     let mut clean_watch = watch(&clean);
     let mut twin = Twin::default();
     let mut clean_run = Simulation::new(u64::MAX, &clean)?;
@@ -79,7 +84,7 @@ pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
     clean_run.run_until(fault_us, &mut (&mut clean_watch, &mut twin));
     let mut faulty_run = clean_run.clone();
     faulty_run.go_on_in(&faulty);
-    let faulty_watch = clean_watch.go_on_in(&faulty, cranks_count(&faulty));
+    let faulty_watch = clean_watch.go_on_in(&faulty, judge::cranks_that_count(&faulty));
     clean_run.run(&mut (&mut clean_watch, &mut twin));
     let mut faulty_watch = faulty_watch.compared_with(&twin);
     faulty_run.run(&mut faulty_watch);

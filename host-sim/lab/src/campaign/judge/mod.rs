@@ -6,6 +6,7 @@
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_scene::file::{AxisOverrides, FaultAt, FaultName, Scene};
 use host_sim::axes::{Axes, per_axis};
+use host_sim::checked::Checked;
 use host_sim::drives::DriveModel;
 
 use super::bound;
@@ -226,14 +227,15 @@ fn differs(scene: &Scene, fault: &FaultAt, what: fn(&AxisOverrides) -> f64) -> b
 
 /// Returns the axes whose cranks must stop, and not only their commands: those whose drives move the cranks as commanded. A drive does not
 /// move a crank that slips or is stuck, and a crank that torque moves swings on.
-pub fn cranks_that_count(scene: &Scene) -> Axes<bool> {
+pub fn cranks_that_count(checked: &Checked) -> Axes<bool> {
+    let scene = &checked.scene;
     let is_faulted = |axis: usize| {
         scene.fault.first().is_some_and(|fault| {
             matches!(fault.kind, FaultName::Slip | FaultName::Stuck) && fault.axis == Some(axis)
         })
     };
     per_axis(scene.axes.count, |axis| {
-        !scene.fidelity.moves_by_torque() && !is_faulted(axis)
+        !checked.moves_by_torque() && !is_faulted(axis)
     })
 }
 

@@ -252,7 +252,7 @@ fn kinds_of(checked: &Checked) -> Vec<FaultName> {
         let needs_index = matches!(kind, FaultName::IndexMissing | FaultName::IndexExtra);
         !faults::axes_for(scene, *kind).is_empty()
             && (scene.correction.prove_wiring || !faults::needs_proof(*kind))
-            && (checked.fidelity.moves_by_torque() || !faults::needs_torque(*kind))
+            && (checked.moves_by_torque() || !faults::needs_torque(*kind))
             && (scene.axes.index || !needs_index)
             && is_taken(*kind)
     };
