@@ -95,6 +95,20 @@ fn a_stalled_crusher_is_stopped_and_reported() {
     assert!(warnings.contains("no flywheel carries"), "{warnings}");
 }
 
+/// If this fails, the report gives rock as the cause of a stall before any was fed.
+#[test]
+fn a_stall_without_rock_is_no_effect_of_rock() {
+    let stuck = "[[fault]]\nat_s = 7\nkind = \"stuck\"\naxis = 0\n[limits]";
+    let run = with(&[
+        ("rock_turns = [24, 54]", "rock_turns = [9000, 9100]"),
+        ("[limits]", stuck),
+    ]);
+    assert!((7.0..7.1).contains(&figure(&run, "stalled_s").unwrap()));
+    let warnings = run.report["warnings"].to_string();
+    assert!(warnings.contains("no rock was fed there"), "{warnings}");
+    assert!(!warnings.contains("break this rock"), "{warnings}");
+}
+
 /// If this fails, a stop is confused with a stall. A shaft that comes to rest as commanded does not stall.
 #[test]
 fn a_stop_without_rock_is_no_stall() {

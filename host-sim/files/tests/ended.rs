@@ -228,3 +228,35 @@ fn the_report_contains_the_derived_coupling_gains() {
     assert_eq!(given["coupling"], derived["coupling"]);
     assert!(page.contains("(given)"), "{page}");
 }
+
+/// If this fails, steppers that lost their steps for want of torque look like a dead sensor or a held shaft, as their sensors show them.
+#[test]
+fn slips_before_a_fault_of_another_name_are_stated() {
+    let servos = "servo = { position_gain_per_s = 40, velocity_gain_nms = 700, limit_nm = 399, following_error_deg = 30 }";
+    let steppers = "pull_out = [[0, 400], [16, 300]]\ndamping_nms = 20";
+    let text = library::find("screen").unwrap().text;
+    let text = text.replace("\"pulse-servo\"", "\"stepper\"");
+    assert!(text.contains(servos));
+    let text = text.replace(servos, steppers);
+    let (report, page) = run(&text.replace("inertia_kgm2 = 3", "inertia_kgm2 = 9"));
+    assert_eq!(report["faults"][0]["kind"], "index-timeout");
+    let said = "In the simulation, axis 0, 1 had slipped by then, from 0.";
+    assert!(page.contains(said), "{page}");
+    // The cause of that is known before the run.
+    assert!(page.contains("lack torque for the steepest ramp"), "{page}");
+}
+
+/// If this fails, the summary states that an axis was given nothing, after it went back and forth.
+#[test]
+fn an_axis_on_a_cam_table_ends_where_the_table_has_it() {
+    let (_, page) = run(library::find("electronic-cam").unwrap().text);
+    let last = page
+        .lines()
+        .find(|line| line.starts_with("Axis 2"))
+        .unwrap();
+    assert_eq!(
+        last,
+        "Axis 2 followed its cam table, and ended 0 steps from where it began, at 4.200 turns."
+    );
+    assert!(!page.contains("was given"), "{page}");
+}

@@ -34,7 +34,7 @@ pub struct Level {
     pub speed_hz: f64,
 }
 
-/// Operating range of a platform on cranks.
+/// Operating range of a machine.
 #[derive(Debug)]
 pub struct OperatingRange {
     /// Name of the scene.
@@ -81,15 +81,30 @@ impl OperatingRange {
     /// # Errors
     /// The machine cannot be created from the numbers of the scene.
     pub fn new(checked: &Checked) -> Result<Option<Self>, SceneError> {
+        let compares = checked.machine.levels().contains(&Fidelity::QuasiStatic);
+        compares.then(|| Self::of_any(checked)).transpose()
+    }
+
+    /// Greatest load of a motor while the master accelerates at its limit, on any machine: of its moved part only what a model level compares.
+    /// `None` if the torque of no motor is known.
+    ///
+    /// # Errors
+    /// The machine cannot be created from the numbers of the scene.
+    pub fn steepest_load(checked: &Checked) -> Result<Option<Load>, SceneError> {
+        let range = Self::of_any(checked)?;
+        if range.motors.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        Ok(range.greatest_load_at(range.acceleration_limit_hz_per_s()))
+    }
+
+    fn of_any(checked: &Checked) -> Result<Self, SceneError> {
         let settings = &checked.settings;
         let motors: Vec<_> = (0..settings.axes.len())
             .map(|i| {
                 AtCrank::motor(&checked.scene, i).filter(|motor| motor.most_nm(0.0).is_finite())
             })
             .collect();
-        if !checked.machine.levels().contains(&Fidelity::QuasiStatic) {
-            return Ok(None);
-        }
         // Motors are not sized for faults and noise of the load, and some of these cannot occur on this model level.
         let mut undisturbed = checked.clone();
         undisturbed.scene.fault.clear();
@@ -102,7 +117,7 @@ impl OperatingRange {
                 _ => offsets.push((offset_rad, 1)),
             }
         }
-        Ok(Some(Self {
+        Ok(Self {
             name: checked.scene.name.clone(),
             sampled: sample_angles()
                 .flat_map(|alpha_rad| loads_at(&machine, &offsets, alpha_rad))
@@ -114,7 +129,7 @@ impl OperatingRange {
             levels: levels(checked),
             top_hz: checked.top_speed_hz(),
             settings: settings.clone(),
-        }))
+        })
     }
 
     /// Number of axes.
@@ -251,13 +266,17 @@ impl OperatingRange {
     /// Motor with the greatest ratio of required to available torque at a steady speed up to the program's greatest. `None` if the
     /// torque of no motor is known.
     pub fn greatest_load(&self) -> Option<Load> {
+        self.greatest_load_at(0.0)
+    }
+
+    fn greatest_load_at(&self, acceleration_hz_per_s: f64) -> Option<Load> {
         const SPEEDS: u32 = 64;
         let kinds: Vec<usize> = self.load_kinds().iter().map(|axes| axes[0]).collect();
         let speeds = (1..=SPEEDS).map(|i| self.top_hz * f64::from(i) / f64::from(SPEEDS));
         let loads = speeds.flat_map(|speed_hz| {
             kinds.iter().filter_map(move |&axis| {
-                let ratio =
-                    self.required_nm(axis, speed_hz, 0.0) / self.available_nm(axis, speed_hz)?;
+                let required_nm = self.required_nm(axis, speed_hz, acceleration_hz_per_s);
+                let ratio = required_nm / self.available_nm(axis, speed_hz)?;
                 Some(Load {
                     axis,
                     speed_hz,

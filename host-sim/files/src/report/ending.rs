@@ -163,7 +163,32 @@ fn stopped_by_fault(
         }
         State::Stop => at_rest(checked, outcome, from_s..off_s),
     };
-    format!("{detected}{renamed} {ended}{alike}")
+    let slipped = slipped(events, name, named_s);
+    format!("{detected}{renamed} {ended}{alike}{slipped}")
+}
+
+/// Returns a sentence about motors that slipped before a fault was named, unless its name says so. Sensors may show less than that: an index
+/// that stays away, or a shaft that stands.
+fn slipped(events: &[Event], name: &Fault, named_s: f64) -> String {
+    let slips = events.iter().filter_map(|event| match event.what {
+        EventKind::Slipped { axis, cycles } if cycles != 0 && event.t_s <= named_s => {
+            Some((axis, event.t_s))
+        }
+        _ => None,
+    });
+    let slips: Vec<_> = slips.collect();
+    let mut axes: Vec<_> = slips.iter().map(|(axis, _)| *axis).collect();
+    axes.sort_unstable();
+    axes.dedup();
+    let is_named = name.kind == FaultKind::LostSteps && axes == name.axis.as_slice();
+    let Some((_, first_s)) = slips.first().filter(|_| !is_named) else {
+        return String::new();
+    };
+    let axes: Vec<_> = axes.iter().map(usize::to_string).collect();
+    format!(
+        " In the simulation, axis {} had slipped by then, from {first_s:.3} s on.",
+        axes.join(", ")
+    )
 }
 
 /// Returns a sentence about other faults that look the same to the sensors of the axis, if there are any.

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use cophase_core::settings::AxisSettings;
 use cophase_scene::file::Fidelity;
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::checked::Checked;
@@ -288,17 +289,22 @@ fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::R
         true => "steps",
         false => "counts",
     };
-    let given = |axis: &AxisRecord| {
-        format!(
-            "was given {} {what}, {:.3} turns.",
-            axis.steps, axis.command_turns
-        )
+    let given = |(axis, settings): (&AxisRecord, &AxisSettings)| {
+        let (steps, turns) = (axis.steps, axis.command_turns);
+        match settings.follower.constant_ratio() {
+            Some(_) => format!("was given {steps} {what}, {turns:.3} turns."),
+            // It may have gone back and forth.
+            None => format!(
+                "followed its cam table, and ended {steps} {what} from where it began, at {turns:.3} turns."
+            ),
+        }
     };
-    if axes.windows(2).all(|pair| pair[0].steps == pair[1].steps) {
-        return writeln!(page, "Every axis {}", given(&axes[0]));
+    let all: Vec<_> = axes.iter().zip(&checked.settings.axes).map(given).collect();
+    if all.windows(2).all(|pair| pair[0] == pair[1]) {
+        return writeln!(page, "Every axis {}", all[0]);
     }
-    for (i, axis) in axes.iter().enumerate() {
-        writeln!(page, "Axis {i} {}", given(axis))?;
+    for (i, given) in all.iter().enumerate() {
+        writeln!(page, "Axis {i} {given}")?;
     }
     Ok(())
 }

@@ -17,7 +17,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     let (scene, record) = (&checked.scene, &outcome.record);
     let mut warnings = Vec::new();
     warnings.extend(unwatched(checked));
-    warnings.extend(lacking(checked));
+    warnings.extend(lacking(checked).or_else(|| lacking_in_ramps(checked)));
     warnings.extend(beyond_pull_out(checked));
     warnings.extend(before_start(&scene.command));
     warnings.extend(faults_at_standstill(checked, record));
@@ -134,6 +134,25 @@ fn lacking(checked: &Checked) -> Option<String> {
         format!(
             "The motors lack torque: that of axis {axis} needs {ratio:.1} times what it has. Lower the program's speed or the load, \
              or take stronger motors ({}).",
+            DriveModel::of(checked.scene.resolved(axis).drive).torque_key
+        )
+    })
+}
+
+/// Warns of motors that lack torque while the master accelerates at its limit.
+fn lacking_in_ramps(checked: &Checked) -> Option<String> {
+    let load = OperatingRange::steepest_load(checked).ok()??;
+    let Load {
+        axis,
+        speed_hz,
+        ratio,
+    } = load;
+    (ratio > 1.0 && ratio.is_finite()).then(|| {
+        format!(
+            "The motors lack torque for the steepest ramp: while the master accelerates by limits.acceleration_hz_per_s = {}, that of axis {axis} \
+             needs {ratio:.2} times what it has at {speed_hz:.1} rev/s. Lower that limit or the inertia (axes.rotor_inertia_kgm2), or take stronger \
+             motors ({}).",
+            checked.scene.limits.acceleration_hz_per_s,
             DriveModel::of(checked.scene.resolved(axis).drive).torque_key
         )
     })
@@ -345,6 +364,28 @@ mod tests {
         // A motor that makes two turns for one of the master's needs twice the speed.
         let geared = "pull_out = [[0, 30], [10, 28]]\ngear = [2, 1]\n";
         assert!(warned(geared).is_some());
+    }
+
+    /// If this fails, motors that only ramps overload seem to have enough torque. Rotors of 0.5 kg·m² need 0.5 · 2π · 20 = 63 N·m.
+    #[test]
+    fn motors_too_weak_for_the_steepest_ramp_are_reported() {
+        let warned = |inertia: f64| {
+            let curve = "pull_out = [[0, 30], [10, 28]]";
+            lacking_in_ramps(&scene(
+                "",
+                &format!("{curve}\nrotor_inertia_kgm2 = {inertia}\n"),
+            ))
+        };
+        assert_eq!(warned(1e-3), None);
+        let words = warned(0.5).unwrap();
+        assert!(
+            words.contains("limits.acceleration_hz_per_s = 20"),
+            "{words}"
+        );
+        assert!(
+            words.contains("needs 2.") && words.contains("axes.pull_out"),
+            "{words}"
+        );
     }
 
     /// If this fails, a scene is idle for its whole length, and its report does not say so.

@@ -15,11 +15,20 @@ struct Turn {
     is_crushing: bool,
 }
 
-/// Time and angle at which the rock stopped the shaft.
+/// Time and angle at which the shaft was stopped.
 #[derive(Clone, Copy, Debug)]
 struct Stall {
     t_s: f64,
     turn_deg: f64,
+    /// True if rock was fed then.
+    in_rock: bool,
+}
+
+impl Stall {
+    /// Time and angle, in words.
+    fn place(&self) -> String {
+        format!("{:.3} s, at {:.1}° of its turn", self.t_s, self.turn_deg)
+    }
 }
 
 /// Figures of a run.
@@ -30,6 +39,8 @@ pub struct CrusherRecord {
     turn: Option<(f64, Turn)>,
     /// Slowest, fastest and mean speed of the last complete turn with rock.
     crushing: Option<[f64; 3]>,
+    /// True once rock was fed.
+    was_fed: bool,
     /// Largest commanded speed, rad/s.
     top_rad_s: f64,
     /// True if the shaft has exceeded half of its commanded speed since its last commanded stop.
@@ -46,6 +57,7 @@ impl CrusherRecord {
             crusher: crusher.clone(),
             turn: None,
             crushing: None,
+            was_fed: false,
             top_rad_s: 0.0,
             turned: false,
             stall: None,
@@ -92,6 +104,7 @@ impl CrusherRecord {
             self.stall = Some(Stall {
                 t_s: tick.t_s,
                 turn_deg: phi_rad.rem_euclid(TAU).to_degrees(),
+                in_rock: self.crusher.fed_rad.contains(&phi_rad),
             });
         }
     }
@@ -104,6 +117,7 @@ impl CrusherRecord {
 
 impl Record for CrusherRecord {
     fn tick(&mut self, tick: &Tick<'_>) {
+        self.was_fed |= self.crusher.fed_rad.contains(&(tick.turns[0] * TAU));
         let Some(state) = tick.state else {
             return;
         };
@@ -152,11 +166,14 @@ impl Record for CrusherRecord {
                 "stalled_s",
                 self.stall.map(|stall| stall.t_s),
                 match self.stall {
-                    Some(stall) => format!(
-                        "The rock stopped the shaft at {:.3} s, at {:.1}° of its turn.",
-                        stall.t_s, stall.turn_deg
-                    ),
-                    None => "The rock did not stop the shaft.".to_owned(),
+                    Some(stall) if stall.in_rock => {
+                        format!("The rock stopped the shaft at {}.", stall.place())
+                    }
+                    Some(stall) => {
+                        format!("The shaft was stopped at {}, without rock.", stall.place())
+                    }
+                    None if self.was_fed => "The rock did not stop the shaft.".to_owned(),
+                    None => "No rock was fed.".to_owned(),
                 },
             ),
             figure(
@@ -170,16 +187,22 @@ impl Record for CrusherRecord {
     fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let mean_nm = self.mean_nm();
-        let weak = self.crusher.motor_nm.filter(|motor_nm| *motor_nm < mean_nm);
+        let is_weak = |motor_nm: &f64| self.was_fed && *motor_nm < mean_nm;
+        let weak = self.crusher.motor_nm.filter(is_weak);
         if let Some(motor_nm) = weak {
             warnings.push(format!(
                 "The rock takes {mean_nm:.0} N·m on average, and the motor has at most {motor_nm:.0}: no flywheel carries the shaft through that."
             ));
         }
         if let Some(stall) = self.stall {
+            let cause = if stall.in_rock {
+                "flywheel and motor do not break this rock at this speed"
+            } else {
+                "no rock was fed there, so look at the motor's torque, the ramps and the injected faults"
+            };
             warnings.push(format!(
-                "The crusher stalled at {:.3} s, at {:.1}° of its turn: flywheel and motor do not break this rock at this speed.",
-                stall.t_s, stall.turn_deg
+                "The crusher stalled at {}: {cause}.",
+                stall.place()
             ));
         }
         warnings
