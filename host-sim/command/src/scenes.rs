@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use cophase_scene::Scene;
 use cophase_scene::keys;
 use cophase_scene::library::{self, BuiltIn, SCENES};
 use cophase_scene::load;
@@ -42,32 +43,26 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
     }
     match &args.name {
         None => {
-            let width = SCENES
-                .iter()
-                .map(|scene| scene.name.len())
-                .max()
-                .unwrap_or(0);
-            let mut machines: Vec<&str> = SCENES.iter().map(machine_of).collect();
-            let mut listed = Vec::new();
-            machines.retain(|machine| {
-                let is_new = !listed.contains(machine);
-                listed.push(*machine);
-                is_new
-            });
+            let scenes = SCENES.iter().map(BuiltIn::scene);
+            let mut scenes: Vec<_> = scenes.map(|scene| (machine_of(&scene), scene)).collect();
+            let names = scenes.iter().map(|(_, scene)| scene.name.len());
+            let width = names.max().unwrap_or(0);
+            let first_use: Vec<_> = scenes.iter().map(|(machine, _)| *machine).collect();
+            // Stable, so that the scenes of a machine keep their order.
+            scenes.sort_by_key(|(machine, _)| first_use.iter().position(|first| first == machine));
             writeln!(
                 out,
                 "{:1$}  sensors         correction  description",
                 "machine, scene",
                 width + 2
             )?;
-            for machine in machines {
-                writeln!(out, "{machine}")?;
-                for built_in in SCENES.iter().filter(|scene| machine_of(scene) == machine) {
-                    let scene = built_in.scene();
+            for of_machine in scenes.chunk_by(|(machine, _), (next, _)| machine == next) {
+                writeln!(out, "{}", of_machine[0].0)?;
+                for (_, scene) in of_machine {
                     writeln!(
                         out,
                         "  {:width$}  {:14}  {:10}  {}",
-                        built_in.name,
+                        scene.name,
                         scene.sensors(),
                         scene.corrects(),
                         scene.description
@@ -84,12 +79,9 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
 }
 
 /// Returns the name of a scene's machine, for lists.
-fn machine_of(built_in: &BuiltIn) -> &'static str {
-    let scene = built_in.scene();
-    let mut tables = machines::tables(&scene);
-    tables
-        .next()
-        .map_or("no machine", |table| table.list_name())
+fn machine_of(scene: &Scene) -> &'static str {
+    let machine = machines::tables(scene).next();
+    machine.map_or("no machine", |table| table.list_name())
 }
 
 /// Returns the error that there is no such scene, with the names of all scenes.
