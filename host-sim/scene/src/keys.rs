@@ -122,23 +122,6 @@ pub(crate) fn example(path: &str) -> Option<String> {
     line.get(value.span()).map(str::to_owned)
 }
 
-/// Returns a table of the manual, in Markdown.
-#[cfg(test)]
-fn manual_table(section: &Key) -> String {
-    let rows = rows(&section.kind).unwrap_or_default().iter().map(|row| {
-        let default = written(row).unwrap_or_default();
-        format!("| `{}` | {default} | {} |\n", row.name, sentences(row))
-    });
-    let about = section.doc.trim().trim_end_matches('.');
-    let (first, rest) = about.split_at(1);
-    format!(
-        "| `[{}]`, {}{rest} | default | |\n| --- | --- | --- |\n{}",
-        section.name,
-        first.to_lowercase(),
-        rows.collect::<String>()
-    )
-}
-
 /// Returns the JSON Schema of a scene (draft 7, which editors of TOML know). Ranges are those of single keys: relations between keys are
 /// checked when a scene is read.
 pub fn schema() -> Value {
@@ -220,7 +203,7 @@ fn sentences(row: &Key) -> String {
         unit if unit.is_empty() || unit.starts_with('°') => unit.to_owned(),
         unit => format!(" {unit}"),
     };
-    let [low, high] = [row.low, row.high].map(|end| plain(hundredths(end, f64::round)));
+    let [low, high] = shown_ends(row);
     let narrower = [("at least", row.at_least), ("at most", row.at_most)]
         .into_iter()
         .filter_map(|(word, product)| Some(format!(", {word} {}", formula(product?))));
@@ -228,6 +211,11 @@ fn sentences(row: &Key) -> String {
         "{doc} {low} to {high}{unit}{}",
         narrower.collect::<String>()
     )
+}
+
+/// Returns the ends of a range in few digits.
+fn shown_ends(row: &Key) -> [String; 2] {
+    [row.low, row.high].map(|end| plain(hundredths(end, f64::round)))
 }
 
 /// Returns a product as a formula: `0.5 × screen.length_mm`.
@@ -246,7 +234,10 @@ fn formula(product: Product) -> String {
         "{factor}{}",
         product.keys.iter().map(power).collect::<String>()
     );
-    whole.trim_start_matches("1 × ").to_owned()
+    whole
+        .replacen("-1 × ", "-", 1)
+        .trim_start_matches("1 × ")
+        .to_owned()
 }
 
 #[cfg(test)]
@@ -255,16 +246,94 @@ mod tests {
 
     const MANUAL: &str = include_str!("../../../docs/scenes.md");
 
-    /// Tables of the manual that are those of the rows.
-    const IN_MANUAL: [&str; 4] = ["control", "index", "drift", "pulse"];
+    /// Line of a table in the manual: names of keys, and the cells of their defaults and their text.
+    type Line<'a> = (Vec<&'a str>, &'a str, &'a str);
 
-    /// If this fails, the manual states a range or a default that does not apply.
-    #[test]
-    fn the_manual_has_the_table_of_every_section() {
-        for name in IN_MANUAL {
-            let table = manual_table(row(name).unwrap());
-            assert!(MANUAL.contains(&table), "docs/scenes.md lacks\n{table}");
+    /// Returns the tables of keys in the manual, with the path in the heading of each.
+    fn manual_tables() -> Vec<(&'static str, Vec<Line<'static>>)> {
+        let mut tables: Vec<(&str, Vec<Line>)> = Vec::new();
+        let mut is_inside = false;
+        for line in MANUAL.lines() {
+            let cells: Vec<_> = line
+                .split(" |")
+                .map(|cell| cell.trim_start_matches('|').trim())
+                .collect();
+            let names = cells[0].split('`').skip(1).step_by(2);
+            if cells.get(1) == Some(&"default") && cells[0].starts_with("`[") {
+                let heading = names.map(|name| name.trim_matches(['[', ']'])).next();
+                tables.extend(heading.map(|heading| (heading, Vec::new())));
+                is_inside = true;
+            } else if !line.starts_with('|') {
+                is_inside = false;
+            } else if let [_, default, text, ..] = cells[..]
+                && is_inside
+                && let Some((_, lines)) = tables.last_mut()
+                && !default.starts_with("---")
+            {
+                lines.push((names.collect(), default, text));
+            }
         }
+        tables
+    }
+
+    /// If this fails, the manual states a range or a default that does not apply, or lacks one.
+    #[test]
+    fn tables_of_the_manual_have_the_defaults_and_ranges_of_the_rows() {
+        let mut wrong = Vec::new();
+        for (section, lines) in manual_tables() {
+            let keys = rows(&row(section).unwrap().kind).unwrap();
+            for (names, default, text) in lines {
+                let mut defaults = match names[..] {
+                    [_] => vec![default],
+                    _ => default.split(", ").collect(),
+                };
+                if let [of_all] = defaults[..] {
+                    defaults = vec![of_all; names.len()];
+                }
+                for (i, name) in names.iter().enumerate() {
+                    let place = format!("{section}.{name}");
+                    let key = keys.iter().find(|key| key.name == *name).expect(&place);
+                    let of_another_table = default.contains("as in");
+                    let stated = defaults.get(i).unwrap_or(&"").trim_matches('`');
+                    let applies = match (key.absent, written(key)) {
+                        (Absent::Needed, _) => stated.is_empty(),
+                        (Absent::Nothing, _) => stated.parse::<f64>().is_err(),
+                        (Absent::Value("[]"), _) => stated == "none",
+                        (_, default) => stated == default.unwrap(),
+                    };
+                    if !applies && !of_another_table {
+                        wrong.push(format!("{place}: default {stated}"));
+                    }
+                    let [low, high] = shown_ends(key);
+                    let has_range = key.is_open() || text.contains(&format!("{low} to {high}"));
+                    if !has_range && !of_another_table {
+                        wrong.push(format!("{place}: no {low} to {high}"));
+                    }
+                }
+            }
+        }
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+
+    /// If this fails, the manual lacks a key.
+    #[test]
+    fn the_manual_has_every_key() {
+        let tables = manual_tables();
+        let mut absent = Vec::new();
+        each(Scene::KEYS, "", &mut |key, path| {
+            let (section, name) = path.rsplit_once('.').unwrap_or(("", path));
+            let table = tables.iter().find(|(heading, _)| *heading == section);
+            let is_there = match table {
+                Some((_, lines)) if rows(&key.kind).is_none() => {
+                    lines.iter().any(|(names, ..)| names.contains(&name))
+                }
+                _ => MANUAL.contains(name),
+            };
+            if !is_there {
+                absent.push(path.to_owned());
+            }
+        });
+        assert_eq!(absent, [""; 0]);
     }
 
     /// Calls a function for every row with its path.

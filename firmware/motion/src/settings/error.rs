@@ -114,14 +114,19 @@ impl Problem {
 }
 
 /// Suffixes of keys and their units; the first match counts.
-const UNITS: [(&str, &str); 21] = [
+const UNITS: [(&str, &str); 26] = [
     ("_hz_per_s2", "rev/s³"),
     ("_hz_per_s", "rev/s²"),
     ("_deg_per_s", "°/s"),
     ("_n_per_mm", "N/mm"),
     ("_n_per_um", "N/µm"),
     ("_ns_per_m", "N·s/m"),
+    ("_mm_per_s", "mm/s"),
+    ("_per_s2", "1/s²"),
     ("_per_s", "1/s"),
+    ("_percent", "%"),
+    ("_kn", "kN"),
+    ("_n", "N"),
     ("_nms", "N·m·s"),
     ("_nm", "N·m"),
     ("tick_hz", "Hz"),

@@ -6,6 +6,7 @@
 
 use std::f64::consts::TAU;
 
+use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::machines::Shown;
 use kuva::plot::legend::LegendShape;
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
@@ -38,8 +39,6 @@ fn least(scope: &ScopeData) -> f64 {
 
 /// Remark about a phase error that remains after its correction.
 const STAYS: &str = "A correction moves command and crank alike: it brings the crank back beside the others, and the phase error stays.";
-
-const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
 
 /// Acceleration amplitude in g: requested, commanded and, of a platform, actual.
 pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
