@@ -21,6 +21,15 @@ export class TextPane {
     area.addEventListener('scroll', () => this.#scroll());
   }
 
+  get area() {
+    return this.#parts.area;
+  }
+
+  /** Element for a list over the text. */
+  get choices() {
+    return this.#parts.choices;
+  }
+
   get text() {
     return this.#parts.area.value;
   }
@@ -33,14 +42,39 @@ export class TextPane {
 
   /** Replaces the text so that the browser can undo it. */
   replace(text) {
+    this.write(0, this.text.length, text);
+  }
+
+  /** Replaces a part of the text so that the browser can undo it. */
+  write(start, end, text) {
     const { area } = this.#parts;
     area.focus();
-    area.select();
+    area.setSelectionRange(start, end);
     // Only this command keeps the history of edits.
     if (!document.execCommand('insertText', false, text)) {
-      area.setRangeText(text, 0, area.value.length, 'end');
+      area.setRangeText(text, start, end, 'end');
       area.dispatchEvent(new Event('input'));
     }
+  }
+
+  /** Moves an element below a place in the text, or above it where there is more room. */
+  place(element, at) {
+    const { area, copy } = this.#parts;
+    const before = this.text.slice(0, at).split('\n');
+    const row = copy.children[before.length - 1];
+    const range = document.createRange();
+    range.setStart(row.firstChild, 0);
+    range.setEnd(row.firstChild, Math.min(before.at(-1).length, row.firstChild.length));
+    const { left, top } = copy.getBoundingClientRect();
+    const begin = row.getBoundingClientRect();
+    const x = (before.at(-1) ? range.getBoundingClientRect().right : begin.left) - left;
+    const [above, below] = [begin.top - top, area.clientHeight - (begin.bottom - top)];
+    element.style.maxHeight = '';
+    const isBelow = below >= Math.min(above, element.offsetHeight);
+    element.style.left = `${Math.max(0, Math.min(x, area.clientWidth - element.offsetWidth))}px`;
+    element.style.maxHeight = `${Math.max(isBelow ? below : above, 0)}px`;
+    element.style.top = isBelow ? `${begin.bottom - top}px` : 'auto';
+    element.style.bottom = isBelow ? 'auto' : `${copy.clientHeight - above}px`;
   }
 
   /** Shows mistakes, each `{ line, text }`, at their lines. */
@@ -105,5 +139,6 @@ const TEMPLATE = `
     <div class="pe-copy" aria-hidden="true" data-part="copy"></div>
     <textarea class="pe-area" aria-label="Scene with its program, TOML" spellcheck="false" autocomplete="off"
       autocapitalize="off" wrap="off" data-part="area"></textarea>
+    <ul class="pe-choices" role="listbox" aria-label="Keys" hidden data-part="choices"></ul>
   </div>
 `;

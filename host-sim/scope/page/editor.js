@@ -1,5 +1,6 @@
-// Editor of a scene's program: text with line numbers and mistakes at their lines, and a plot of the controller's commands.
+// Editor of a scene's program: text with line numbers, keys to choose, and mistakes at their lines, and a plot of the controller's commands.
 
+import { Completion } from './editor-completion.js';
 import { insertExample, EXAMPLES } from './editor-examples.js';
 import { Plot } from './editor-plot.js';
 import { summarise } from './editor-summary.js';
@@ -7,8 +8,10 @@ import { TextPane } from './editor-text.js';
 import { html } from './html.js';
 import { Previews } from './previews.js';
 
-/** Name of the list of mistakes, which describes the text area. */
+/** Names of the list of mistakes and of the meaning of a key, which describe the text area, and of the list of keys. */
 const LIST_ID = 'program-mistakes';
+const HINT_ID = 'program-hint';
+const CHOICES_ID = 'program-choices';
 
 /**
  * Makes an editor inside `element`. `text` is the initial scene (TOML). `onLoad(text)` loads a text. It may return a sentence to
@@ -19,9 +22,17 @@ const LIST_ID = 'program-mistakes';
  */
 export function createEditor(element, { text = '', onLoad } = {}) {
   const parts = html(element, 'program-editor', TEMPLATE);
-  const pane = new TextPane(parts.text, { describedBy: LIST_ID, onInput: changed });
+  const pane = new TextPane(parts.text, { describedBy: `${HINT_ID} ${LIST_ID}`, onInput: changed });
   const plot = new Plot(parts.plot);
-  const previews = new Previews({ onProgress: progressed, onResult: drawn, onFailed: failed });
+  parts.hint.id = HINT_ID;
+  pane.choices.id = CHOICES_ID;
+  const completion = new Completion(pane, pane.choices, parts.hint);
+  const previews = new Previews({
+    onSchema: (schema) => (completion.schema = schema),
+    onProgress: progressed,
+    onResult: drawn,
+    onFailed: failed,
+  });
   let changedAt = 0;
   let limits = null;
   let isLoading = false;
@@ -138,6 +149,7 @@ const TEMPLATE = `
     <button type="button" data-part="load">Load</button>
   </div>
   <div class="pe-text" data-part="text"></div>
+  <p class="pe-hint" data-part="hint"></p>
   <ul class="pe-mistakes" aria-live="polite" aria-label="Mistakes" data-part="mistakes"></ul>
   <div class="pe-plot" data-part="plot"></div>
   <dl class="pe-summary" aria-label="Summary" data-part="summary"></dl>

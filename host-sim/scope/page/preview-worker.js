@@ -1,5 +1,5 @@
-// Computes previews in a worker, so that typing never waits. The first message is the compiled module. Each further one is
-// `{ text, buckets, ticks }`, answered by any number of `{ progress }` and one `{ result }` or `{ failed }`.
+// Computes previews in a worker, so that typing never waits. The first message is the compiled module, answered by `{ schema }`. Each
+// further one is `{ text, buckets, ticks }`, answered by any number of `{ progress }` and one `{ result }` or `{ failed }`.
 
 import { instantiate } from './preview.js';
 
@@ -9,7 +9,7 @@ self.onmessage = async ({ data }) => {
   try {
     if (preview === undefined) {
       preview = instantiate(data, (progress) => self.postMessage({ progress }, [progress.rows.buffer]));
-      await preview;
+      self.postMessage({ schema: (await preview).schema() });
       return;
     }
     const result = (await preview)(data.text, data);

@@ -45,7 +45,7 @@ export class Rows {
 /**
  * Makes a function `preview(text, { buckets, ticks })` from the compiled module. It returns `{ answer, rows }`: the answer of
  * host-sim/scope/wasm/src/answer.rs, and the numbers of the rows. During the preview, it calls
- * `onProgress({ rows, ticks, expectedTicks })`. After an exception the instance is unusable, and a new one must be made.
+ * `onProgress({ rows, ticks, expectedTicks })`. Its member `schema()` returns the JSON Schema of scenes. After an exception the instance is unusable, and a new one must be made.
  */
 export async function instantiate(module, onProgress = () => {}) {
   const instance = await WebAssembly.instantiate(module, {
@@ -57,13 +57,20 @@ export async function instantiate(module, onProgress = () => {}) {
   const wasm = instance.exports;
   // Memory may grow in any call, and then has another buffer. So all numbers are copied.
   const numbers = (pointer, count) => new Float64Array(wasm.memory.buffer, pointer, count * wasm.row_length()).slice();
-  return (text, { buckets = 1500, ticks = Infinity } = {}) => {
+  const answer = () => {
+    const json = new Uint8Array(wasm.memory.buffer, wasm.answer(), wasm.answer_length());
+    return JSON.parse(new TextDecoder().decode(json.slice()));
+  };
+  const preview = (text, { buckets = 1500, ticks = Infinity } = {}) => {
     const bytes = new TextEncoder().encode(text);
     const room = wasm.room(bytes.length);
     new Uint8Array(wasm.memory.buffer, room, bytes.length).set(bytes);
     wasm.preview(buckets, Math.min(ticks, Number.MAX_SAFE_INTEGER));
-    const json = new Uint8Array(wasm.memory.buffer, wasm.answer(), wasm.answer_length());
-    const answer = JSON.parse(new TextDecoder().decode(json.slice()));
-    return { answer, rows: numbers(wasm.envelope(), wasm.envelope_rows()) };
+    return { answer: answer(), rows: numbers(wasm.envelope(), wasm.envelope_rows()) };
   };
+  const schema = () => {
+    wasm.schema();
+    return answer();
+  };
+  return Object.assign(preview, { schema });
 }

@@ -13,9 +13,9 @@ export const MOST_TICKS = 20_000_000;
 
 /** Previews of texts. Of the waiting texts, only the newest is computed. */
 export class Previews {
-  /** Calls `onProgress({ rows, ticks, expectedTicks })`, `onResult({ answer, rows })` and `onFailed(message)`. */
-  constructor({ onProgress, onResult, onFailed }) {
-    this.handlers = { onProgress, onResult, onFailed };
+  /** Calls `onSchema(schema)`, `onProgress({ rows, ticks, expectedTicks })`, `onResult({ answer, rows })` and `onFailed(message)`. */
+  constructor({ onSchema, onProgress, onResult, onFailed }) {
+    this.handlers = { onSchema, onProgress, onResult, onFailed };
     this.waiting = null;
     this.worker = null;
     this.isBusy = false;
@@ -72,7 +72,11 @@ export class Previews {
     this.next();
   }
 
-  receive({ progress, result, failed }) {
+  receive({ schema, progress, result, failed }) {
+    if (schema) {
+      this.handlers.onSchema(schema);
+      return;
+    }
     if (progress) {
       if (this.waiting === null) this.handlers.onProgress({ ...progress, rows: new Rows(progress.rows) });
       return;

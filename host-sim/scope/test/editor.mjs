@@ -197,6 +197,87 @@ check('a valid program changes curve and summary', async () => {
   assert.notEqual(await page.locator('.pe-summary').innerText(), summary);
 });
 
+/** Puts the caret behind a text, and waits for the meaning of the key there. */
+async function meaningBehind(page, text, expected) {
+  await caretBehind(page, text);
+  await page.waitForFunction((expected) => new RegExp(expected).test(document.querySelector('.pe-hint').textContent), expected);
+}
+
+const choices = (page) => page.locator('.pe-choices li').allInnerTexts();
+const value = (page) => page.locator('textarea').inputValue();
+
+check('the key at the caret has its sentence, unit and range', async () => {
+  const page = await open();
+  await meaningBehind(page, '\nspeed_hz = 60', '^speed_hz Greatest speed, .*0\\.1 to 200 rev/s$');
+  await meaningBehind(page, '{ from_hz = 25', '^from_hz Lower edge');
+  await meaningBehind(page, '\n[axes]', '^axes Values for all axes');
+  await meaningBehind(page, '# crank radius', '^$');
+  const described = await page.locator('textarea').evaluate((area) =>
+    area.getAttribute('aria-describedby').split(' ').map((id) => document.getElementById(id).className));
+  assert.deepEqual(described, ['pe-hint', 'pe-mistakes']);
+});
+
+check('a key is chosen by arrows and written by Tab, and can be undone', async () => {
+  const page = await open();
+  await meaningBehind(page, 'jerk_hz_per_s2 = 600', '^jerk');
+  await page.keyboard.press('Enter');
+  assert.equal(await page.locator('.pe-choices').isVisible(), false, 'no list before a letter');
+  await page.keyboard.type('stop');
+  assert.deepEqual(await choices(page), ['stop_acceleration_hz_per_s', 'stop_jerk_hz_per_s2']);
+  await page.keyboard.press('ArrowDown');
+  const active = await page.locator('textarea').evaluate((area) => document.getElementById(area.getAttribute('aria-activedescendant')).textContent);
+  assert.equal(active, 'stop_jerk_hz_per_s2');
+  assert.equal(await page.locator('.pe-choices [aria-selected=true]').innerText(), 'stop_jerk_hz_per_s2');
+  assert.match(await page.locator('.pe-hint').innerText(), /^stop_jerk_hz_per_s2 .*rev\/s³/);
+  await page.keyboard.press('Tab');
+  assert.match(await value(page), /jerk_hz_per_s2 = 600\nstop_jerk_hz_per_s2 = \n/);
+  assert.equal(await page.locator('.pe-choices').isVisible(), false);
+  await page.keyboard.type('900');
+  await page.waitForFunction(() => document.querySelectorAll('.pe-mistakes li').length === 0);
+  // Without a list, Tab leaves the text as in any form.
+  await page.keyboard.press('Tab');
+  assert.equal(await page.locator('textarea:focus').count(), 0);
+  await page.locator('textarea').focus();
+  for (let i = 0; i < 4; i++) await page.keyboard.press('Control+z');
+  assert.doesNotMatch(await value(page), /stop_jerk_hz_per_s2 =/);
+});
+
+check('headings and words are listed, and the list closes without a trace', async () => {
+  const page = await open();
+  await meaningBehind(page, 'steps_per_turn = 3200', '^steps');
+  await page.keyboard.press('Enter');
+  await page.keyboard.type('[dri');
+  assert.deepEqual(await choices(page), ['[drift]']);
+  const before = await value(page);
+  for (const close of ['Escape', 'ArrowLeft']) {
+    await page.keyboard.press(close);
+    await page.locator('.pe-choices').waitFor({ state: 'hidden' });
+    assert.equal(await value(page), before, close);
+    await caretBehind(page, '[dri');
+    await page.keyboard.press('Control+Space');
+    assert.deepEqual(await choices(page), ['[drift]'], 'Ctrl+Space opens it');
+  }
+  await page.locator('.pe-choices li').click();
+  assert.match(await value(page), /3200\n\[drift\]\n/);
+  await caretBehind(page, 'drive = "');
+  await page.keyboard.press('Control+Space');
+  assert.ok((await choices(page)).includes('"pulse-servo"'));
+});
+
+check('the list of keys stays within the text, also on a phone', async () => {
+  for (const viewport of [{ width: 1280, height: 900 }, { width: 360, height: 700 }]) {
+    const page = await open({ viewport });
+    for (const text of ['name = "alone"', 'steps_per_turn = 3200']) {
+      await meaningBehind(page, text, '^[a-z]');
+      await page.keyboard.press('Enter');
+      await page.keyboard.press('Control+Space');
+      const [list, pane] = await page.evaluate(() => ['.pe-choices', '.pe-stack'].map((name) => document.querySelector(name).getBoundingClientRect().toJSON()));
+      assert.ok(list.height >= 24, `${list.height} high`);
+      assert.ok(list.left >= pane.left && list.right <= pane.right && list.top >= pane.top && list.bottom <= pane.bottom, JSON.stringify([list, pane]));
+    }
+  }
+});
+
 check('an example replaces the program, and can be undone', async () => {
   const page = await open();
   const before = await page.locator('textarea').inputValue();
@@ -266,6 +347,10 @@ check('both themes', async () => {
       await caretBehind(page, 'amax_g = 70');
       await previewAfter(page, () => page.keyboard.press('0'));
       await page.screenshot({ path: path.join(screenshots, 'editor-mistake.png'), fullPage: true });
+      await page.keyboard.press('End');
+      await page.keyboard.press('Enter');
+      await page.keyboard.type('h');
+      await page.screenshot({ path: path.join(screenshots, 'editor-keys.png'), fullPage: true });
     }
   }
   assert.notEqual(colors[0], colors[1]);

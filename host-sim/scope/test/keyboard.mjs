@@ -77,6 +77,11 @@ async function aStopKeyActsEverywhere(page) {
   const typed = await requests(page, () => page.keyboard.type(' # gap'));
   check('keys write in the editor', (await page.inputValue('#editor textarea')).endsWith(' # gap') && typed === '', typed);
   check('Escape stops, with the focus in the editor', await requests(page, () => page.keyboard.press('Escape')) === 'stop');
+  await page.keyboard.press('Control+Home');
+  await page.keyboard.type('des');
+  check('a key that is typed has a list', await page.isVisible('#editor .pe-choices'));
+  check('Escape stops beside the list, and closes it', await requests(page, () => page.keyboard.press('Escape')) === 'stop'
+    && await page.isHidden('#editor .pe-choices'));
   await blur(page);
   check('a stop key that is held stops once', await requests(page, () => hold(page, ' ')) === 'stop');
   await page.keyboard.press('?');

@@ -58,7 +58,13 @@ extern "C" fn preview(most_buckets: usize, most_ticks: f64) {
     ROWS.set(rows(&envelope));
 }
 
-/// Returns the answer of the last preview.
+/// Makes the JSON Schema of scenes the answer.
+#[unsafe(no_mangle)]
+extern "C" fn schema() {
+    ANSWER.set(serde_json::to_vec(&cophase_scene::keys::schema()).unwrap_or_default());
+}
+
+/// Returns the answer of the last call.
 #[unsafe(no_mangle)]
 extern "C" fn answer() -> *const u8 {
     ANSWER.with_borrow(|answer| answer.as_ptr())
