@@ -146,7 +146,6 @@ fn left_out(scene: &Scene) -> Vec<String> {
         ("fidelity", scene.fidelity != Fidelity::Auto),
         ("axes.friction_nm", axes.friction_nm != 0.0),
         ("questions", !scene.questions.is_none()),
-        ("frame", scene.frame.is_some()),
     ];
     let apart = |axis: &AxisOverrides| {
         [
@@ -165,7 +164,7 @@ fn left_out(scene: &Scene) -> Vec<String> {
         ("[scope]", scene.scope.is_some()),
     ];
     let mut keys: Vec<String> = machines::tables(scene)
-        .flat_map(|table| table.simulation_keys())
+        .flat_map(|table| table.simulation_keys(scene))
         .chain(given(&common))
         .chain(keys_of_torque(axes))
         .map(str::to_owned)

@@ -374,3 +374,19 @@ fn the_default_scene_needs_no_sample() {
     let disturbed = checked(&disturbed);
     assert!(fidelity::sample_run(&disturbed).unwrap().is_some());
 }
+
+/// If this fails, a screen with steppers whose inertia is not given is refused for a level that no screen has.
+#[test]
+fn a_level_is_chosen_of_those_that_the_machine_has() {
+    let pulse_servo = "drive = \"pulse-servo\"";
+    let text = library::find("screen").unwrap().text;
+    assert!(text.contains(pulse_servo));
+    let lines = text.lines().map(|line| match line.split(' ').next() {
+        Some("[questions]") => "[drift]",
+        Some("lag_deg" | "amax_percent" | "rotor_inertia_kgm2" | "servo") => "",
+        Some("drive") => "drive = \"stepper\"\npull_out = [[0, 400], [16, 300]]",
+        _ => line,
+    });
+    let screen = checked(&lines.collect::<Vec<_>>().join("\n"));
+    assert_eq!(screen.fidelity, Fidelity::Kinematic);
+}

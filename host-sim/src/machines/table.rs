@@ -23,8 +23,8 @@ pub trait Table: Debug {
         self.key()
     }
 
-    /// Keys of the table that it gives, and that concern the simulation alone. By default there are none.
-    fn simulation_keys(&self) -> Vec<&'static str> {
+    /// Keys of its machine that the scene gives, and that concern the simulation alone. By default there are none.
+    fn simulation_keys(&self, _: &Scene) -> Vec<&'static str> {
         Vec::new()
     }
 

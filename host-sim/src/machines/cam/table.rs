@@ -174,7 +174,7 @@ impl Table for CamShaft {
         }
     }
 
-    fn simulation_keys(&self) -> Vec<&'static str> {
+    fn simulation_keys(&self, _: &Scene) -> Vec<&'static str> {
         let keys = [
             ("cam.masses_kg", self.masses_kg.is_some()),
             ("cam.stiffness_n_per_mm", self.stiffness_n_per_mm.is_some()),

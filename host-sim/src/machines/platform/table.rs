@@ -43,13 +43,14 @@ impl Table for file::Machine {
         self.mechanism.name()
     }
 
-    fn simulation_keys(&self) -> Vec<&'static str> {
+    fn simulation_keys(&self, scene: &Scene) -> Vec<&'static str> {
         let keys = [
             (
                 "machine.tilt_inertia_kgm2",
                 self.tilt_inertia_kgm2.is_some(),
             ),
             ("machine.rods", self.rods != Rods::QuasiStatic),
+            ("frame", scene.frame.is_some()),
         ];
         given(&keys).collect()
     }
