@@ -260,3 +260,22 @@ fn an_axis_on_a_cam_table_ends_where_the_table_has_it() {
     );
     assert!(!page.contains("was given"), "{page}");
 }
+
+/// If this fails, a machine without rods is said to have bent them, and shafts are called cranks.
+#[test]
+fn a_machine_that_diverged_is_described_in_its_own_words() {
+    let text = library::find("screen").unwrap().text;
+    let text = text.replace("inertia_kgm2 = 3", "inertia_kgm2 = 0.1");
+    let text = text.replace(", following_error_deg = 30", "");
+    let load = "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 0\ntorque_nm = 1000\n";
+    let (report, page) = run(&(text + load));
+    assert_eq!(report["ended"]["diverged"], true, "{page}");
+    for said in [
+        "there: shaft 0 turns at ",
+        "torque on this shaft",
+        "and at its load.",
+    ] {
+        assert!(page.contains(said), "{page}");
+    }
+    assert!(!page.contains("rods"), "{page}");
+}
