@@ -44,10 +44,15 @@ fn offsets_that_bend_the_rods_too_far_are_refused() {
     for offset_deg in [30.0, 90.0, 180.0] {
         let refused = Checked::new(load::parse(&scene("phased", 4, offset_deg)).unwrap());
         let error = refused.unwrap_err();
-        assert_eq!(error.key, "axes.offset_deg");
+        assert_eq!(error.key, "axis[0].offset_deg");
         assert!(error.problem.contains("rods would bend by"), "{error}");
         assert!(error.problem.contains("at most three"), "{error}");
     }
+    // A trim moves a crank as far.
+    let trimmed = scene("phased", 4, 5.0).replace("offset_deg", "trim_deg");
+    let error = Checked::new(load::parse(&trimmed).unwrap()).unwrap_err();
+    assert_eq!(error.key, "axis[0].trim_deg", "{error}");
+    assert!(error.problem.contains("rods would bend by"), "{error}");
     // No rod bends on three cranks, on a model level without torque, or where all cranks have the same angle.
     for (fidelity, count, offset_deg) in [
         ("phased", 3, 90.0),

@@ -91,10 +91,11 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
     let ticks = controller.program().0.duration();
     let seconds = ticks as f64 / f64::from(settings.tick_hz);
     let mut text = format!(
-        "{}: {} axes, {} ticks a second, a program of {} entr{} that lasts {seconds:.1} s.\n\
+        "{}: {} ax{}s, {} ticks a second, a program of {} entr{} that lasts {seconds:.1} s.\n\
          Written to {}: {} bytes (header {HEADER_BYTES}, payload {}), format {}, CRC-32 {:#010x}.\n",
         checked.scene.name,
         settings.axes.len(),
+        if settings.axes.len() == 1 { "i" } else { "e" },
         settings.tick_hz,
         settings.program.len(),
         if settings.program.len() == 1 {

@@ -204,6 +204,16 @@ impl Checked {
         }
     }
 
+    /// Returns an error of a key under `[axes]` at the first `[[axis]]` that has its own value, if one has.
+    pub fn at_own_entry(&self, mut error: SceneError) -> SceneError {
+        if let Some(name) = error.key.strip_prefix("axes.")
+            && let Some(entry) = self.scene.axis.iter().position(|axis| axis.has(name))
+        {
+            error.key = format!("axis[{entry}].{name}");
+        }
+        error
+    }
+
     /// Returns true if axis `number` has an index sensor.
     pub fn has_index(&self, number: usize) -> bool {
         self.settings

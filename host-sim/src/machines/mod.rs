@@ -25,7 +25,7 @@ pub use table::{Made, Table, given};
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use cophase_core::settings::AxisSettings;
+use cophase_core::settings::{AxisSettings, Settings};
 use cophase_scene::file::Fidelity;
 use cophase_scene::{Scene, SceneError};
 
@@ -176,7 +176,7 @@ pub trait Machine: Debug + Send + Sync {
         &self,
         _level: Fidelity,
         _driven: &Driven,
-        _axes: &[AxisSettings],
+        _settings: &Settings,
         _apart: Option<&str>,
     ) -> Result<(), SceneError> {
         Ok(())

@@ -29,12 +29,10 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
         .map(|i| motor(checked, i))
         .collect::<Result<Vec<_>, _>>()?;
     let driven = Driven::new(dynamics(checked)?, motors);
-    (checked.machine).check_driven(
-        checked.fidelity,
-        &driven,
-        &settings.axes,
-        checked.cranks_apart(),
-    )?;
+    let apart = checked.cranks_apart();
+    (checked.machine)
+        .check_driven(checked.fidelity, &driven, settings, apart)
+        .map_err(|error| checked.at_own_entry(error))?;
     let commanded = axes.iter().map(|axis| DriveCommand {
         turns: axis.turns(),
         torque_nm: 0.0,

@@ -20,6 +20,20 @@ fn invalid_crushers_are_refused() {
             "change it, or the lengths",
         ),
         case(
+            "crusher with two keys of a platform",
+            with("[crusher]", "[crusher]\nload_kg = 3\nmount_radius_mm = 200"),
+            "crusher.load_kg",
+            "load_kg, mount_radius_mm are keys of [machine], and a scene has one machine, here [crusher]",
+            "leave them out",
+        ),
+        case(
+            "crusher with one key of a platform",
+            with("[crusher]", "[crusher]\nmount_radius_mm = 200"),
+            "crusher.mount_radius_mm",
+            "it belongs under [machine], and a scene has one machine",
+            "leave it out",
+        ),
+        case(
             "crusher with two axes",
             with("count = 1", "count = 2"),
             "axes.count",

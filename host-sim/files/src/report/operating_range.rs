@@ -287,7 +287,7 @@ impl Picture<'_> {
             draft.entry(
                 LegendShape::Line,
                 colour,
-                format!("{steps} steps a turn"),
+                format!("{steps:.0} steps a turn"),
                 false,
             );
         }

@@ -92,7 +92,7 @@ impl<'a> Reader<'a> {
                 values.insert(key.name.to_owned(), value);
             }
         }
-        let meant = self.refuse_unknown(path, &unknown_in(table, keys), keys);
+        let meant = self.refuse_unknown(path, table, keys);
         for key in keys.iter().filter(|key| !table.contains_key(key.name)) {
             let path = join(path, key.name);
             match key.absent {
@@ -146,16 +146,25 @@ impl<'a> Reader<'a> {
     fn refuse_unknown(
         &mut self,
         path: &str,
-        unknown: &[&Spanned<Cow<'_, str>>],
+        table: &DeTable,
         keys: &'static [Key],
     ) -> Vec<&'static str> {
+        let unknown = unknown_in(table, keys);
         let known: Vec<&str> = keys.iter().map(|key| key.name).collect();
         let names: Vec<String> = unknown
             .iter()
             .map(|name| explain::short(&explain::one_line(name.get_ref())))
             .collect();
         if let Some(heading) = explain::other_heading(&names) {
-            let problem = explain::wrong_heading(path, &names, &heading);
+            let of_heading = keys::row(heading.trim_matches(['[', ']']));
+            let of_heading = of_heading
+                .and_then(|row| keys::rows(&row.kind))
+                .unwrap_or_default();
+            let is_there = |name: &str| of_heading.iter().any(|key| key.name == name);
+            let has_others = table.iter().any(|(name, _)| {
+                known.contains(&name.get_ref().as_ref()) && !is_there(name.get_ref())
+            });
+            let problem = explain::wrong_heading(path, &names, has_others, &heading);
             let at = Some(unknown[0].span().start);
             self.refuse(at, &join(path, &names[0]), problem);
             self.excused
@@ -164,10 +173,10 @@ impl<'a> Reader<'a> {
             return known;
         }
         let mut meant = Vec::new();
-        for (i, (name, place)) in names.iter().zip(unknown).enumerate() {
+        for (i, (name, place)) in names.iter().zip(&unknown).enumerate() {
             let nearest = explain::meant(name, &known);
             meant.extend(nearest);
-            let problem = explain::unknown_key(name, nearest, &known, i == 0);
+            let problem = explain::unknown_key(path, name, nearest, &known, i == 0);
             self.refuse(Some(place.span().start), &join(path, name), problem);
         }
         meant
@@ -209,7 +218,7 @@ impl<'a> Reader<'a> {
                 if let Some(heading) = explain::other_heading(&names) {
                     self.excused
                         .push(heading.trim_matches(['[', ']']).to_owned());
-                    explain::wrong_heading(path, &names, &heading)
+                    explain::wrong_heading(path, &names, false, &heading)
                 } else {
                     explain::wrong_form(path, kind, given.get_ref(), source)
                 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use cophase_core::settings::AxisSettings;
+use cophase_core::settings::Settings;
 use cophase_scene::SceneError;
 
 use crate::dynamics::{Corners, Driven, MOST};
@@ -22,19 +22,22 @@ const PLACES: u32 = 64;
 /// Names the key that sets them apart, the deflection of the rods, and the torque that it takes.
 pub(super) fn check(
     driven: &Driven,
-    axes: &[AxisSettings],
+    settings: &Settings,
     apart: Option<&str>,
 ) -> Result<(), SceneError> {
     let Some(body) = driven.body() else {
         return Ok(());
     };
+    let axes = &settings.axes;
     let ratios = axes.iter().map(|axis| axis.follower.constant_ratio());
     let Some(ratios) = ratios.collect::<Option<Vec<_>>>() else {
         return Ok(()); // cam tables are for screws
     };
-    let key = match apart {
-        Some("ratio") => "ratio",
-        Some("offset_deg") => "offset_deg",
+    let smaller = "take smaller differences, at most three cranks, or a lower machine.rod_n_per_um if the rods are softer";
+    let (key, fix) = match apart {
+        Some("ratio") => ("ratio", "turn all cranks alike, or take at most three"),
+        Some("offset_deg") => ("offset_deg", smaller),
+        Some("trim_deg") => ("trim_deg", smaller),
         _ => return Ok(()),
     };
     if body.axes() <= 3 {
@@ -46,19 +49,25 @@ pub(super) fn check(
         let mut heights = [0.0; MOST];
         let mut levers = [0.0; MOST];
         for (i, (ratio, axis)) in ratios.iter().zip(axes).enumerate() {
-            let crank = body.crank((master * ratio + axis.offset_turns) * TAU);
+            let trim_turns = settings.trims_turns.get(i).copied().unwrap_or_default();
+            let crank = body.crank((master * ratio + axis.offset_turns + trim_turns) * TAU);
             (heights[i], levers[i]) = (crank.height_m, crank.lever_m);
         }
         let plane = corners.plane(&heights[..body.axes()]);
         for (i, motor) in driven.motors().iter().enumerate() {
             let bent_m = (heights[i] - corners.height(&plane, i)).abs();
             let torque_nm = body.rod_n_per_m * bent_m * levers[i].abs();
-            if bent_m > MOST_BENT_M || torque_nm > motor.most_nm(0.0) {
+            let most_nm = motor.most_nm(0.0);
+            if bent_m > MOST_BENT_M || torque_nm > most_nm {
+                let of = match most_nm.is_finite() {
+                    true => format!(", where its motor has {most_nm:.0} N·m"),
+                    false => String::new(),
+                };
                 return Err(SceneError::at(
                     format!("axes.{key}"),
                     format!(
                         "has cranks apart on a platform that more than three hold: the rods would bend by {:.2} mm, and crank {i} would \
-                         have to give {torque_nm:.0} N·m; turn all cranks alike, or take at most three",
+                         have to give {torque_nm:.0} N·m{of}; {fix}",
                         bent_m * 1e3
                     ),
                 ));

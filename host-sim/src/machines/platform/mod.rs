@@ -11,7 +11,7 @@ pub use table::platform;
 
 use std::sync::Arc;
 
-use cophase_core::settings::AxisSettings;
+use cophase_core::settings::{AxisSettings, Settings};
 use cophase_scene::file::{self, Fidelity, Rods};
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use cophase_scene::{Scene, SceneError};
@@ -207,7 +207,7 @@ impl Machine for CranksUnderPlatform {
         &self,
         level: Fidelity,
         driven: &Driven,
-        axes: &[AxisSettings],
+        settings: &Settings,
         apart: Option<&str>,
     ) -> Result<(), SceneError> {
         match apart {
@@ -217,7 +217,7 @@ impl Machine for CranksUnderPlatform {
                     "\"rigid\" has all cranks at one angle on one shaft, and {apart} has them at others; let it be \"phased\""
                 ),
             )),
-            _ => assembly::check(driven, axes, apart),
+            _ => assembly::check(driven, settings, apart),
         }
     }
 

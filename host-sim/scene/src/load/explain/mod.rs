@@ -6,7 +6,7 @@ use toml::de::DeValue;
 
 use super::nearest::nearest;
 use super::repair::{QUOTES, Repaired, commas_in_list, pasted_in_text, repair_value};
-use crate::file::Scene;
+use crate::file::{MACHINES, Scene};
 use crate::keys;
 
 /// Longest piece of a file that a message repeats, in characters.
@@ -156,6 +156,7 @@ pub(super) fn meant<'a>(unknown: &str, known: &[&'a str]) -> Option<&'a str> {
 
 /// Returns the sentence about a key that no scene has at its place. The known keys are listed once for a table.
 pub(super) fn unknown_key(
+    table: &str,
     unknown: &str,
     meant: Option<&str>,
     known: &[&str],
@@ -171,6 +172,9 @@ pub(super) fn unknown_key(
         let homes = keys::homes(unknown);
         let place = homes.join(" or ");
         match homes.first() {
+            Some(home) if is_machine(home) && is_machine(table) => parts.push(format!(
+                "it belongs under {place}, and a scene has one machine; leave it out"
+            )),
             Some(home) if home.starts_with('[') => parts.push(format!("it belongs under {place}")),
             Some(_) => parts.push(format!("it belongs {place}")),
             None => {}
@@ -197,15 +201,28 @@ pub(super) fn other_heading(unknown: &[String]) -> Option<String> {
     is_one.then_some(heading)
 }
 
-/// Returns the sentence about keys of a heading that are in a table without it, or with another one.
-pub(super) fn wrong_heading(table: &str, unknown: &[String], heading: &str) -> String {
+/// Returns the sentence about keys of a heading that are in a table without it, or with another one, which may have keys of its own.
+pub(super) fn wrong_heading(
+    table: &str,
+    unknown: &[String],
+    has_others: bool,
+    heading: &str,
+) -> String {
     let list = unknown.join(", ");
     match table {
         "" => format!("the heading {heading} is missing above this line: {list} are its keys"),
+        table if has_others && is_machine(table) && is_machine(heading) => format!(
+            "{list} are keys of {heading}, and a scene has one machine, here [{table}]; leave them out"
+        ),
         table => format!(
             "{list} are keys of {heading}; write {heading} in the place of [{table}], or move them there"
         ),
     }
+}
+
+/// True for the heading of a machine, with or without brackets.
+fn is_machine(heading: &str) -> bool {
+    MACHINES.contains(&heading.trim_matches(['[', ']']))
 }
 
 fn list_of_tables(kind: &Kind) -> bool {
