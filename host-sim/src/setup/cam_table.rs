@@ -5,7 +5,7 @@ use cophase_core::axes::{
 };
 use cophase_scene::SceneError;
 use cophase_scene::entry::ordinal;
-use cophase_scene::file::{Axis, CamSegment, CamTable, Scene};
+use cophase_scene::file::{Axis, AxisOverrides, CamSegment, CamTable, Scene};
 use cophase_scene::load::{meant_net_turns, nearest};
 
 use crate::machines::Table;
@@ -146,43 +146,57 @@ pub(super) fn follower(scene: &Scene, axis: &Axis) -> FollowerSettings {
     })
 }
 
-/// Checks the table names of axes, and that each axis can follow a table. `machine` is the table of the scene's machine.
-pub(super) fn check_axes(scene: &Scene, machine: &dyn Table) -> Result<(), SceneError> {
-    for (entry, own) in scene.axis.iter().enumerate() {
-        let key = |name: &str| format!("axis[{entry}].{name}");
-        let Some(name) = &own.cam else {
-            if own.cam_shift_deg != 0.0 {
-                return Err(SceneError::at(
-                    key("cam_shift_deg"),
-                    "shifts nothing: the axis follows no table; give cam = \"…\", or leave it out",
-                ));
-            }
-            continue;
-        };
-        let names: Vec<_> = scene.cam_table.iter().map(|t| t.name.as_str()).collect();
-        if !names.contains(&name.as_str()) {
-            let meant = nearest(name, &names).map(|name| format!("did you mean \"{name}\"? "));
-            return Err(SceneError::at(
-                key("cam"),
-                format!(
-                    "there is no [[cam_table]] of the name \"{name}\"; {}given are: {}",
-                    meant.unwrap_or_default(),
-                    names.join(", ")
-                ),
-            ));
+/// Checks the table names of axes, and that each axis can follow a table. `machine` is the table of the scene's machine. Returns the
+/// errors, each once.
+pub(super) fn check_axes(scene: &Scene, machine: &dyn Table) -> Vec<SceneError> {
+    let entries = scene.axis.iter().enumerate();
+    let mut errors: Vec<_> = entries
+        .filter_map(|(entry, own)| check_axis(scene, machine, entry, own).err())
+        .collect();
+    // The first wrong axis shows what is wrong with all.
+    errors.dedup_by(|error, before| error.problem == before.problem);
+    errors
+}
+
+fn check_axis(
+    scene: &Scene,
+    machine: &dyn Table,
+    entry: usize,
+    own: &AxisOverrides,
+) -> Result<(), SceneError> {
+    let key = |name: &str| format!("axis[{entry}].{name}");
+    let Some(name) = &own.cam else {
+        if own.cam_shift_deg == 0.0 {
+            return Ok(());
         }
-        if own.ratio.is_some() {
-            return Err(SceneError::at(
-                key("ratio"),
-                "given together with cam; an axis has a gear or follows a table, so leave one out",
-            ));
-        }
-        if !machine.axes_follow_tables() {
-            return Err(SceneError::at(
-                key("cam"),
-                "turns neither a crank nor a cam evenly: only pushers on screws follow a table here, so give [cam] with cam.screw_lead_mm",
-            ));
-        }
+        return Err(SceneError::at(
+            key("cam_shift_deg"),
+            "shifts nothing: the axis follows no table; give cam = \"…\", or leave it out",
+        ));
+    };
+    let names: Vec<_> = scene.cam_table.iter().map(|t| t.name.as_str()).collect();
+    if !names.contains(&name.as_str()) {
+        let meant = nearest(name, &names).map(|name| format!("did you mean \"{name}\"? "));
+        return Err(SceneError::at(
+            key("cam"),
+            format!(
+                "there is no [[cam_table]] of the name \"{name}\"; {}given are: {}",
+                meant.unwrap_or_default(),
+                names.join(", ")
+            ),
+        ));
+    }
+    if own.ratio.is_some() {
+        return Err(SceneError::at(
+            key("ratio"),
+            "given together with cam; an axis has a gear or follows a table, so leave one out",
+        ));
+    }
+    if !machine.axes_follow_tables() {
+        return Err(SceneError::at(
+            key("cam"),
+            "turns neither a crank nor a cam evenly: only pushers on screws follow a table here, so give [cam] with cam.screw_lead_mm",
+        ));
     }
     Ok(())
 }

@@ -33,7 +33,6 @@ impl Checked {
         faults::fill(&mut scene);
         let table = table(&scene)?;
         let program = fill(&*table, &mut scene)?;
-        cam_table::check_axes(&scene, &*table)?;
         let Made { settings, machine } = table.make(&scene)?;
         let mut checked = Self {
             settings: settings::settings(
@@ -89,6 +88,7 @@ fn fill(table: &dyn Table, scene: &mut Scene) -> Result<Vec<program::Placed>, Sc
     match filled {
         Ok(()) => {
             errors.extend(numbers::check_overrides(scene));
+            errors.extend(cam_table::check_axes(scene, table));
             errors.extend(faults::check(scene));
             errors.extend(numbers::check_bands(&scene.limits).err());
             errors.extend(PullOut::new(&scene.axes.pull_out).err());

@@ -266,6 +266,11 @@ fn all_errors_are_reported_together() {
             "fault[0].axis",
         ),
         (
+            "pull_out_scale = 1",
+            "pull_out_scale = 1\ncam = \"lobe\"",
+            "axis[0].cam",
+        ),
+        (
             "[[axis]]\nnumber = 2",
             "[[axis]]\nnumber = 7",
             "axis[1].number",
@@ -273,8 +278,9 @@ fn all_errors_are_reported_together() {
         ("amax_g = 3\n", "", "program[0].amax_g"),
         ("to_s = 1", "to_s = 0.2", "scope.to_s"),
     ];
-    for wrong in [decided, combined] {
-        let lines = lines_of(&wrong.map(|(from, to, _)| (from, to)));
+    for wrong in [&decided[..], &combined] {
+        let changes: Vec<_> = wrong.iter().map(|&(from, to, _)| (from, to)).collect();
+        let lines = lines_of(&changes);
         assert_eq!(lines.len(), wrong.len(), "{lines:#?}");
         for (line, (_, _, key)) in lines.iter().zip(wrong) {
             assert!(line.contains(&format!(": {key}")), "not {key}: {line}");
