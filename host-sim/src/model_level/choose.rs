@@ -107,11 +107,14 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
                 resolution: RESOLUTION,
             });
         }
-        // No data is missing, but the method or the cranks' offsets are invalid.
+        // No data is missing, but the method, the cranks' phases or a fault are invalid.
         Err(wrong)
-            if ["method", "axes.offset_deg", "axes.ratio"]
+            if ["method", "fault"]
                 .iter()
-                .any(|key| wrong.key.starts_with(key)) =>
+                .any(|table| wrong.key.starts_with(table))
+                || ["offset_deg", "trim_deg", "ratio"]
+                    .iter()
+                    .any(|name| wrong.key.ends_with(name)) =>
         {
             return Err(wrong);
         }
