@@ -25,4 +25,5 @@ pub mod pose;
 pub mod setup;
 pub mod sim;
 pub mod simulated_machine;
+mod sines;
 pub mod virtual_time;

@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use cophase_scene::file::Axes;
 
+use crate::sines::sin_cos;
+
 use super::{AtCrank, DriveKey, DriveModel, Field, Motor, PullOut, TorqueLaw};
 
 /// Full steps per electrical cycle.
@@ -73,8 +75,8 @@ impl TorqueLaw for Stepper {
     #[inline]
     fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64, _: f64) -> f64 {
         let ahead_rad = self.cycles_per_turn * (field.alpha_rad - alpha_rad);
-        self.most_nm(omega_rad_s) * ahead_rad.sin()
-            + self.damping_nms * (field.omega_rad_s - omega_rad_s)
+        let ([sine], _) = sin_cos(&[ahead_rad]);
+        self.most_nm(omega_rad_s) * sine + self.damping_nms * (field.omega_rad_s - omega_rad_s)
     }
 
     fn damping_nms(&self) -> f64 {

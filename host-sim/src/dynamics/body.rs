@@ -91,16 +91,22 @@ impl Body {
     }
 
     /// Geometry of a crank at an angle.
-    #[inline(always)] // a call costs as much as a third of the rates of a platform
     pub fn crank(&self, alpha_rad: f64) -> Crank {
+        let [crank] = self.cranks(&[alpha_rad]);
+        crank
+    }
+
+    /// Geometry of cranks at their angles.
+    #[inline(always)] // a call costs as much as a third of the rates of a platform
+    pub fn cranks<const N: usize>(&self, alpha_rad: &[f64; N]) -> [Crank; N] {
         let up = self.upwards();
         let radius_m = up * self.mechanism.crank_radius_m();
-        let at = self.mechanism.at(alpha_rad);
-        Crank {
+        let at_each = self.mechanism.at_each(alpha_rad);
+        at_each.map(|at| Crank {
             height_m: up * at.x_m,
             lever_m: -radius_m * at.s,
             lever_rate_m: -radius_m * at.h,
-        }
+        })
     }
 
     /// The platform's inertia in each freedom of a plane, kg and kg·m².

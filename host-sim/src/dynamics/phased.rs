@@ -17,8 +17,6 @@
 //! least deformation, and corner i is loaded with k times its distance from that plane. The rods' own oscillation, at
 //! √(k / m) and above, is not modelled ([`super::Elastic`] does so).
 
-use std::cell::Cell;
-
 use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Crank, Frame, PlaneMotion};
 use crate::axes::{Axes, per_axis};
@@ -36,9 +34,6 @@ pub struct Phased {
     platform_mobility: [f64; FREEDOMS],
     mobility: [f64; FREEDOMS],
     rotor_mobility: [f64; MOST],
-    /// Last angle and result of each crank, as a cache. A method starts a step at the end of the previous one, and the
-    /// plane of the platform is computed there as well.
-    last: [Cell<(f64, Crank)>; MOST],
 }
 
 impl Phased {
@@ -56,7 +51,6 @@ impl Phased {
             platform_mobility,
             mobility: platform_mobility,
             rotor_mobility,
-            last: std::array::from_fn(|_| Cell::new((f64::NAN, Crank::default()))),
         }
     }
 
@@ -67,19 +61,6 @@ impl Phased {
         self.mobility = std::array::from_fn(|f| self.platform_mobility[f] + frame_mobility[f]);
         self.frame = Some(frame);
         self
-    }
-
-    /// Geometry of crank `i` at an angle, rad.
-    #[inline(always)] // the equations of motion call it in each evaluation, for each crank
-    fn crank(&self, i: usize, alpha: f64) -> Crank {
-        let (last_alpha, last_crank) = self.last[i].get();
-        // Compares bits and not values, because the levers at 0 and −0 have different signs.
-        if last_alpha.to_bits() == alpha.to_bits() {
-            return last_crank;
-        }
-        let crank = self.body.crank(alpha);
-        self.last[i].set((alpha, crank));
-        crank
     }
 
     /// Height of each of N corners above the platform's plane, m. Zero for up to three corners.
@@ -107,7 +88,7 @@ impl Phased {
         let (omega, rate) = v.split_first_chunk::<N>().expect(ONE_EACH);
         let (cranks_out, frame_out) = out.split_first_chunk_mut::<N>().expect(ONE_EACH);
         let torque = torque.first_chunk::<N>().expect(ONE_EACH);
-        let cranks: [Crank; N] = std::array::from_fn(|i| self.crank(i, alpha[i]));
+        let cranks = body.cranks(alpha);
         let warps = self.warps(&cranks.map(|crank| crank.height_m));
 
         let [a, d, f] = self.mobility;
@@ -157,32 +138,15 @@ impl Phased {
         }
     }
 
-    /// Height of each corner above the platform's plane, m. Zero for up to three corners.
-    fn warps_m(&self, alpha: &[f64]) -> Axes<f64> {
-        let plane = self.corners.plane(&self.heights_m(alpha));
-        let is_plane = alpha.len() <= FREEDOMS;
-        per_axis(alpha.len(), |i| {
-            if is_plane {
-                0.0
-            } else {
-                self.crank(i, alpha[i]).height_m - self.corners.height(&plane, i)
-            }
-        })
-    }
-
-    fn heights_m(&self, alpha: &[f64]) -> Axes<f64> {
-        per_axis(alpha.len(), |i| self.crank(i, alpha[i]).height_m)
-    }
-
     /// Position and motion of the platform at these positions and their rates.
     pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
         let n = self.body.axes();
+        let cranks = self.cranks(&q[..n]);
         let mut motion = PlaneMotion {
-            place: self.place_at(q),
+            place: self.place_of(&cranks, q),
             ..PlaneMotion::default()
         };
-        for i in 0..n {
-            let crank = self.crank(i, q[i]);
+        for (i, crank) in cranks.iter().enumerate() {
             let rate = crank.lever_m * v[i];
             let acceleration = crank.lever_m * a[i] + crank.lever_rate_m * v[i] * v[i];
             for (f, share) in self.corners.share(i).into_iter().enumerate() {
@@ -199,12 +163,16 @@ impl Phased {
         motion
     }
 
-    /// Position of the platform at these positions.
-    fn place_at(&self, q: &[f64]) -> [f64; FREEDOMS] {
-        let n = self.body.axes();
-        let mut place = self.corners.plane(&self.heights_m(&q[..n]));
+    fn cranks(&self, alpha: &[f64]) -> Axes<Crank> {
+        per_axis(alpha.len(), |i| self.body.crank(alpha[i]))
+    }
+
+    /// Position of the platform on these cranks.
+    fn place_of(&self, cranks: &[Crank], q: &[f64]) -> [f64; FREEDOMS] {
+        let heights = per_axis(cranks.len(), |i| cranks[i].height_m);
+        let mut place = self.corners.plane(&heights);
         if self.frame.is_some() {
-            for (place, frame) in place.iter_mut().zip(&q[n..]) {
+            for (place, frame) in place.iter_mut().zip(&q[cranks.len()..]) {
                 *place += frame;
             }
         }
@@ -272,7 +240,7 @@ impl Dynamics for Phased {
     }
 
     fn place(&self, q: &[f64]) -> Option<[f64; FREEDOMS]> {
-        Some(self.place_at(q))
+        Some(self.place_of(&self.cranks(&q[..self.body.axes()]), q))
     }
 
     fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
@@ -285,8 +253,22 @@ impl Dynamics for Phased {
         let platform: f64 = (0..FREEDOMS)
             .map(|f| masses[f] * motion.rate[f] * motion.rate[f])
             .sum();
-        let warps = self.warps_m(&q[..n]);
-        let rods: f64 = warps.iter().map(|warp| warp * warp).sum();
+        // Up to three corners always lie in a plane.
+        let heights = self
+            .cranks(&q[..n])
+            .iter()
+            .map(|crank| crank.height_m)
+            .collect::<Axes<_>>();
+        let plane = self.corners.plane(&heights);
+        let warps = heights
+            .iter()
+            .enumerate()
+            .map(|(i, height)| height - self.corners.height(&plane, i));
+        let rods: f64 = if n > FREEDOMS {
+            warps.map(|warp| warp * warp).sum()
+        } else {
+            0.0
+        };
         let mut energy =
             0.5 * (rotors + platform + body.rod_n_per_m * rods) + body.weight_n() * motion.place[0];
         if let Some(frame) = &self.frame {

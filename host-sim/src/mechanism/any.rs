@@ -77,9 +77,9 @@ macro_rules! any {
                 match self { $(Self::$Name(mechanism) => mechanism.crank_radius_m(),)* }
             }
 
-            #[inline(always)] // the equations of motion call it in each evaluation, for each crank
-            fn at(&self, alpha_rad: f64) -> AtAngle {
-                match self { $(Self::$Name(mechanism) => mechanism.at(alpha_rad),)* }
+            #[inline(always)] // the equations of motion call it in each evaluation
+            fn at_each<const N: usize>(&self, alpha_rad: &[f64; N]) -> [AtAngle; N] {
+                match self { $(Self::$Name(mechanism) => mechanism.at_each(alpha_rad),)* }
             }
 
             fn x_m(&self, alpha_rad: f64) -> f64 {

@@ -114,8 +114,15 @@ pub trait Mechanism: Copy {
     /// Unit of length R, m, for s and h: the crank radius, if there is one.
     fn crank_radius_m(&self) -> f64;
 
-    /// Returns x, s and h together. Equations of motion need all three at every evaluation.
-    fn at(&self, alpha_rad: f64) -> AtAngle;
+    /// Returns x, s and h together at each of some angles. Equations of motion need all three at every evaluation, for all cranks.
+    fn at_each<const N: usize>(&self, alpha_rad: &[f64; N]) -> [AtAngle; N];
+
+    /// Returns x, s and h together.
+    #[inline]
+    fn at(&self, alpha_rad: f64) -> AtAngle {
+        let [at] = self.at_each(&[alpha_rad]);
+        at
+    }
 
     /// Upper bound of |s| over the turn.
     fn greatest_s(&self) -> f64;

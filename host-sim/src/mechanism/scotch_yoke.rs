@@ -14,6 +14,7 @@ use cophase_scene::file::Machine;
 
 use super::drawing::{self, Link, Mount};
 use super::{AtAngle, Configured, Mechanism};
+use crate::sines::sin_cos;
 
 /// A Scotch yoke of known size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,13 +41,14 @@ impl Mechanism for ScotchYoke {
         self.crank_radius_m
     }
 
-    fn at(&self, alpha_rad: f64) -> AtAngle {
-        let (sin, cos) = alpha_rad.sin_cos();
-        AtAngle {
-            x_m: self.crank_radius_m * cos,
-            s: sin,
-            h: cos,
-        }
+    #[inline(always)]
+    fn at_each<const N: usize>(&self, alpha_rad: &[f64; N]) -> [AtAngle; N] {
+        let (sines, cosines) = sin_cos(alpha_rad);
+        std::array::from_fn(|i| AtAngle {
+            x_m: self.crank_radius_m * cosines[i],
+            s: sines[i],
+            h: cosines[i],
+        })
     }
 
     fn greatest_s(&self) -> f64 {

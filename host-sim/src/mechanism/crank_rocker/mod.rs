@@ -79,13 +79,15 @@ impl Mechanism for CrankRocker {
         self.unit_m
     }
 
-    fn at(&self, alpha_rad: f64) -> AtAngle {
-        let rocker = self.linkage.at(self.stretched_rad + alpha_rad);
-        AtAngle {
-            x_m: self.unit_m * (self.folded_rocker_rad - rocker.angle_rad),
-            s: rocker.slope,
-            h: rocker.curvature,
-        }
+    fn at_each<const N: usize>(&self, alpha_rad: &[f64; N]) -> [AtAngle; N] {
+        alpha_rad.map(|alpha_rad| {
+            let rocker = self.linkage.at(self.stretched_rad + alpha_rad);
+            AtAngle {
+                x_m: self.unit_m * (self.folded_rocker_rad - rocker.angle_rad),
+                s: rocker.slope,
+                h: rocker.curvature,
+            }
+        })
     }
 
     fn greatest_s(&self) -> f64 {

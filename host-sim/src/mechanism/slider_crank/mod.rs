@@ -24,6 +24,7 @@ pub use extrema::{Extrema, Extremum};
 use super::drawing::{self, Link, Mount};
 use super::turn_search::{TurnPeak, largest_over_turn};
 use super::{AtAngle, Mechanism};
+use crate::sines::sin_cos;
 
 /// Largest crank/rod ratio that is accepted. The source uses 0.1 to 0.6. Above 0.8 (at 0.85) the exact acceleration becomes
 /// largest near 90 deg instead of at α = 0. Then amax = R ω² (1 + λ), on which all speeds here are based, is no longer the
@@ -190,20 +191,28 @@ impl Mechanism for SliderCrank {
         )
     }
 
-    /// Returns x, s and h together, with one sine and one root. Equations of motion need all three at every evaluation.
-    fn at(&self, alpha_rad: f64) -> AtAngle {
-        let (sin, cos) = alpha_rad.sin_cos();
+    /// Returns x, s and h together, with one sine and one root for each angle.
+    #[inline(always)] // so that its loop is unrolled and vectorised
+    fn at_each<const N: usize>(&self, alpha_rad: &[f64; N]) -> [AtAngle; N] {
+        let (sines, cosines) = sin_cos(alpha_rad);
         let lambda = self.lambda();
-        let shorter = lambda * sin;
-        let under_root = 1.0 - shorter * shorter;
-        let root = under_root.sqrt();
-        let over_root = root.recip();
-        let above = 1.0 + (shorter * shorter - 2.0) * sin * sin;
-        AtAngle {
-            x_m: self.crank_radius_m * cos + self.rod_length_m * root,
-            s: sin + lambda * sin * cos * over_root,
-            h: cos + lambda * above * over_root * over_root * over_root,
+        let (mut x_m, mut s, mut h) = ([0.0; N], [0.0; N], [0.0; N]);
+        for i in 0..N {
+            let (sin, cos) = (sines[i], cosines[i]);
+            let shorter = lambda * sin;
+            let under_root = 1.0 - shorter * shorter;
+            let root = under_root.sqrt();
+            let over_root = root.recip();
+            let above = 1.0 + (shorter * shorter - 2.0) * sin * sin;
+            x_m[i] = self.crank_radius_m * cos + self.rod_length_m * root;
+            s[i] = sin + lambda * sin * cos * over_root;
+            h[i] = cos + lambda * above * over_root * over_root * over_root;
         }
+        std::array::from_fn(|i| AtAngle {
+            x_m: x_m[i],
+            s: s[i],
+            h: h[i],
+        })
     }
 
     /// Upper bound 1 + λ/2: the sum of the peaks of both sines of the two-term s.
