@@ -142,7 +142,7 @@ fn rigid() -> Result<Problem, ChartError> {
         start: vec![0.0, SPEED_RAD_S],
         end_s: TURN_S,
         answer: vec![6.906_729_890_485_487],
-        uncertainty: 1e-14,
+        uncertainty: 3e-14,
         required_error: 1e-5,
         steps: (16, 10),
     })
