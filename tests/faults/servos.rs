@@ -80,7 +80,9 @@ fn faults_that_the_scene_cannot_have_are_refused() {
     let cams = cophase_scene::library::find("wrapper").unwrap().text;
     let said = refused(&format!("{cams}\n{}", fault("stuck")));
     assert!(
-        said.contains("fault[0].kind") && !said.contains("questions"),
+        said.contains("fault[0].kind")
+            && said.contains("leave it out")
+            && !said.contains("questions"),
         "{said}"
     );
     // Faults that move no cam are accepted there too.

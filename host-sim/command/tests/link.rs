@@ -312,7 +312,7 @@ fn bring_up_of_an_axis_distinguishes_a_missing_pulse_from_a_wrong_ratio() {
     let dead = "[[fault]]\nat_s = 0\nkind = \"index-missing\"\naxis = 1\n";
     let (text, status) = bring_up(3200, dead);
     assert!(
-        text.contains("no index pulse in 20.") && status == 1,
+        text.contains("no index pulse in 20.") && text.contains("commanded turns") && status == 1,
         "{text}"
     );
     // A fault of another axis is none of this crank.
