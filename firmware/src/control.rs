@@ -6,7 +6,7 @@
 use core::future::Future;
 
 use cophase_core::control_loop::{Io, SubmissionResult};
-use cophase_core::drift::{IndexFilter, IndexPulses};
+use cophase_core::monitor::{IndexFilter, IndexPulses};
 use cophase_core::panel::{self, Panel, Source};
 use cophase_core::program::Program;
 use cophase_core::signals::{Feedback, Output};

@@ -1,7 +1,7 @@
 //! Sets up the machine: the state of the loop and the board around it, each in a static of its own.
 
 use cophase_core::controller::Controller;
-use cophase_core::drift::IndexFilter;
+use cophase_core::monitor::IndexFilter;
 use cophase_core::panel::Panel;
 use cophase_core::problem::SettingsError;
 use cophase_core::settings::Settings;

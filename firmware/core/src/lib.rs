@@ -6,7 +6,7 @@
 //! ```text
 //! program ─► mechanism ─► shaft ──► axes ──► pulse, servo ──► drives
 //! amax(t)     ω(amax)       ▲         ▲                          │
-//!                       supervisor ◄─ drift ◄─ index pulses ◄────┘
+//!                       supervisor ◄─ monitor ◄ index pulses ◄────┘
 //! ```
 //!
 //! [`controller`] runs one tick of that path, [`signals`] are its input and output, and [`control_loop`] waits for the
@@ -22,8 +22,8 @@ extern crate std;
 pub mod axes;
 pub mod control_loop;
 pub mod controller;
-pub mod drift;
 pub mod mechanism;
+pub mod monitor;
 pub mod panel;
 pub mod phase_offset;
 pub mod problem;

@@ -1,6 +1,6 @@
 //! Input and output of the control loop at a deadline.
 
-use crate::drift::{AxisSet, IndexPulses, Modes};
+use crate::monitor::{AxisSet, IndexPulses, Modes};
 use crate::pulse::{Run, Runs, Sharing};
 use crate::servo::Setpoint;
 use crate::shaft::Motion;

@@ -9,8 +9,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use cophase_core::axes::{CamSettings, CamTableSettings, FollowerSettings, GearSettings};
 use cophase_core::controller::Controller;
-use cophase_core::drift::IndexPulse;
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings, SliderCrankSettings};
+use cophase_core::monitor::IndexPulse;
 use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, Drift, DriveKind, HostLossSettings,
@@ -74,7 +74,6 @@ fn visit(settings: &mut Settings, on: &mut Change) {
         name,
         tick_hz,
         clock_hz,
-        detect_at_once,
         machine,
         limits,
         pulse,
@@ -106,7 +105,6 @@ fn visit(settings: &mut Settings, on: &mut Change) {
     on.key("name", Nothing, name, |_| short_name("other"));
     on.key("tick_hz", Constants, tick_hz, |_| 2500);
     on.key("clock_hz", Constants, clock_hz, |_| 126_000_000);
-    on.flag("detect_at_once", Constants, detect_at_once);
     match machine {
         MachineSettings::Shafts(ShaftSettings { length_m }) => {
             on.number("length_m", Constants, length_m);

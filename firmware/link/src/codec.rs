@@ -113,7 +113,6 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
         name,
         tick_hz,
         clock_hz: _, // The board's clock, which no file contains.
-        detect_at_once: _,
         machine,
         limits,
         pulse,

@@ -12,7 +12,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use cophase_core::drift::AxisSet;
+use cophase_core::monitor::AxisSet;
 use cophase_core::settings::{InputWiring, WiringSettings};
 use cophase_core::supervisor::{SafetyInputs, State};
 use cophase_link::message::{Inputs, Output};

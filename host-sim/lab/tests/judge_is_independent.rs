@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// Names that the judge's sources must not contain: gates and thresholds of the monitor, and its table of reactions.
 const OF_THE_MONITOR: [&str; 4] = [
-    "cophase_core::drift",
+    "cophase_core::monitor",
     "supervisor::reaction",
     "place_gate",
     "Reaction",
@@ -59,7 +59,7 @@ fn no_source_of_the_judge_imports_the_monitor() {
 #[test]
 fn imports_are_found_however_they_are_written() {
     for text in [
-        "use cophase_core::drift::Modes;",
+        "use cophase_core::monitor::Modes;",
         "use cophase_core::{\n    drift::Modes,\n    signals::Telemetry,\n};",
         "use cophase_core::{signals, drift};",
         "use cophase_core::supervisor::{FaultKind, reaction};",

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use cophase_core::drift::{IndexFilter, IndexPulse, IndexPulses};
+use cophase_core::monitor::{IndexFilter, IndexPulse, IndexPulses};
 use cophase_core::units::PerAxis;
 
 use super::Stream;

@@ -26,7 +26,6 @@ pub(super) fn settings(
         name: short_name(&scene.name),
         tick_hz: scene.control.tick_hz,
         clock_hz: Rp2040::CLOCK_HZ, // The board that scenes are simulated for.
-        detect_at_once: false,
         machine,
         limits: limits(&scene.limits),
         pulse: scene.pulse,

@@ -70,7 +70,6 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
         name: heapless::String::new(),
         tick_hz,
         clock_hz: 125_000_000,
-        detect_at_once: script.below(4) == 0,
         machine: MachineSettings::Platform(PlatformSettings {
             crank_radius_m: 0.01,
             mechanism: if script.one_in(4) {

@@ -103,15 +103,15 @@ parts! {
     gains: |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 2, sum)),
     gain_scales: |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 3, sum)),
     bands: |c, i, sum| entry(c.shaft.limits().bands(), i, sum, |band, sum| band.hash(sum)),
-    mount: |c, i, sum| slice(sum, |sum| c.drift.mount().hash_axis(i, sum)),
+    mount: |c, i, sum| slice(sum, |sum| c.monitor.config().mount.hash_axis(i, sum)),
     timing: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(0, sum)),
     fractions: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(1, sum)),
     followers: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(2, sum)),
     drives: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(3, sum)),
     flags: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 0, sum)),
     tolerances: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 1, sum)),
-    places: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 2, sum)),
-    encoders: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 3, sum)),
+    distances: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 2, sum)),
+    encoders: |c, i, sum| slice(sum, |sum| c.monitor.hash_encoder(i, sum)),
     offset_limits: |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 0, sum)),
     offset_moves: |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 1, sum)),
     offset_slots: |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 2, sum)),
@@ -235,8 +235,7 @@ impl Controller {
 
     #[inline(always)]
     fn hash_sensor(&self, axis: usize, slice: usize, sum: &mut Checksum) -> bool {
-        let home_offset = self.homing.home_offset();
-        self.drift.hash_axis(axis, slice, home_offset, sum)
+        self.monitor.config().hash_axis(axis, slice, sum)
     }
 
     /// Hashes a slice of what is common to all axes.
@@ -255,7 +254,7 @@ impl Controller {
             program: _,
             mechanism,
             channels,
-            drift,
+            monitor,
             offsets,
             homing,
             cams: _,
@@ -271,8 +270,8 @@ impl Controller {
                 (amplitude.step(), step_rate.tick_cycles()).hash(sum);
             }
             4 => offsets.hash_common(sum),
-            5 => drift.hash_common(sum),
-            6 | 7 => drift.limits().hash_half(slice == 7, sum),
+            5 => monitor.config().hash_common(sum),
+            6 | 7 => monitor.config().limits.hash_half(slice == 7, sum),
             8 => homing.config().hash_common(sum),
             _ => {
                 if let Some(coupling) = coupling {

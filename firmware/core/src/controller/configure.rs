@@ -9,8 +9,8 @@ use super::homing::{Homing, HomingConfig};
 use super::wiring_proof::wiring_patterns;
 use super::{Controller, LoopState};
 use crate::axes::{Bounds, Follower, NO_CAMS};
-use crate::drift::{AxisSet, DriftMonitor};
 use crate::mechanism::AnyMechanism;
+use crate::monitor::{AxisSet, DriftMonitor};
 use crate::phase_offset::PhaseOffsets;
 use crate::problem::{Problem, SettingsError};
 use crate::program::{AmplitudeOverride, Program};
@@ -52,7 +52,7 @@ impl Controller {
             step_rate: StepRates::new(62_500),
             followers: 0,
             cams: NO_CAMS,
-            drift: DriftMonitor::new(),
+            monitor: DriftMonitor::new(),
             homing: Homing::new(HomingConfig::NONE),
             offsets: PhaseOffsets::new(),
             coupling: None,
@@ -87,7 +87,7 @@ impl Controller {
         settings.fill_program(&mut self.program)?;
         settings.fill_curves(&mut self.cams);
         self.fill_channels(settings)?;
-        self.drift.configure(settings);
+        self.monitor.configure(settings);
         self.offsets.configure(settings);
         self.fill_homing(settings)?;
         self.coupling = servo_part(coupling(settings)?);
@@ -145,7 +145,7 @@ impl Controller {
     #[cold]
     fn fill_homing(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let patterns = if settings.correction.prove_wiring {
-            wiring_patterns(settings, &self.drift, &self.offsets)?
+            wiring_patterns(settings, &self.monitor, &self.offsets)?
         } else {
             [PerAxis::default(); 2]
         };
@@ -154,7 +154,7 @@ impl Controller {
             has_home_offset: self.followers == 0,
             count: settings.axes.len(),
             lag: turns(settings.drift.common_limit_deg / 360.0 / LAG_PART),
-            tolerance: core::array::from_fn(|axis| self.drift.tolerance(axis)),
+            tolerance: core::array::from_fn(|axis| self.monitor.tolerance(axis)),
         });
         Ok(())
     }

@@ -4,7 +4,7 @@
 
 use super::correction::Step;
 use super::{Controller, homing};
-use crate::drift::Finding;
+use crate::monitor::Finding;
 use crate::units::Turns;
 
 impl Controller {
@@ -38,24 +38,24 @@ impl Controller {
         self.state.is_busy = true;
         self.state.correction.step = match self.state.correction.step {
             // Encoders were read, or a round has ended. The cranks must be at their commanded phases.
-            Step::Verify if self.offsets.is_moving() || !self.drift.is_homed() => Step::Wait,
+            Step::Verify if self.offsets.is_moving() || !self.monitor.is_homed() => Step::Wait,
             Step::Verify => {
-                if let Some(fault) = self.homing.corrected(&self.drift, &self.offsets) {
+                if let Some(fault) = self.homing.corrected(&self.monitor, &self.offsets) {
                     self.state.correction.step = Step::Wait;
                     return Some(Finding::of(fault));
                 }
                 Step::Compute
             }
             Step::Compute => {
-                let errors = homing::errors(&self.drift, &self.offsets);
-                let watched = self.drift.watched();
+                let errors = homing::errors(&self.monitor, &self.offsets);
+                let watched = self.monitor.watched();
                 self.state.correction.target = self.offsets.against(&errors, watched, false);
                 Step::Allow
             }
             // A difference that the offsets may not remove remains, until it exceeds a limit.
             Step::Allow => {
                 let target = &self.state.correction.target;
-                if self.offsets.beyond_limit(target).is_none() && self.drift.allows(target) {
+                if self.offsets.beyond_limit(target).is_none() && self.monitor.allows(target) {
                     Step::Round
                 } else {
                     Step::Wait
@@ -75,7 +75,7 @@ impl Controller {
 
     fn is_correction_due(&mut self) -> bool {
         let correction = &mut self.state.correction;
-        if self.drift.has_encoders() {
+        if self.monitor.has_encoders() {
             correction.turned = correction.turned.wrapping_add(self.state.motion.speed);
             if correction.turned < Turns::ONE {
                 return false;
@@ -83,7 +83,7 @@ impl Controller {
             correction.turned = Turns::ZERO;
             return true;
         }
-        let rounds = self.drift.rounds();
+        let rounds = self.monitor.rounds();
         core::mem::replace(&mut correction.rounds, rounds) != rounds
     }
 }

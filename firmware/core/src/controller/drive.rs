@@ -7,7 +7,7 @@
 use super::Controller;
 use super::channel::Channel;
 use crate::axes::Follower;
-use crate::drift::{AxisSet, TickTurns};
+use crate::monitor::{AxisSet, TickTurns};
 use crate::phase_offset::OffsetMotion;
 use crate::signals::Output;
 use crate::supervisor::State;

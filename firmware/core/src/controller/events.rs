@@ -1,14 +1,16 @@
 //! Events of a tick: selection of the one that is reported first, and of the reaction to it.
 
 use super::Controller;
-use crate::drift::{Finding, is_better};
+use crate::monitor::Finding;
 use crate::signals::Feedback;
-use crate::supervisor::{Fault, FaultKind, Reaction, Supervisor, SupervisorInput, reaction};
+use crate::supervisor::{
+    Fault, FaultKind, Reaction, Supervisor, SupervisorInput, is_better, reaction,
+};
 use crate::units::MAX_AXES;
 
-/// Number of ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, `MAX_AXES` + 3 until it is
-/// evaluated.
-const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
+/// Number of ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, and one for each axis, as one
+/// finding is reported per tick.
+const LAST_PULSES: u64 = 2 + MAX_AXES as u64;
 
 impl Controller {
     /// Drops a finding that is no fault of an axis. Renames one for which homing or the master's speed gives a better name.
@@ -25,7 +27,7 @@ impl Controller {
             return;
         }
         if finding.fault.kind == FaultKind::HomingRangeExceeded
-            && let Some(fault) = self.homing.explain(&self.drift, &self.offsets)
+            && let Some(fault) = self.homing.explain(&self.monitor, &self.offsets)
         {
             finding.fault = fault;
         }

@@ -17,9 +17,9 @@
 //! - of every axis after a common lag, as all cranks then turn until they have made up for it.
 
 use super::Controller;
-use crate::drift::{DriftMonitor, may_run_away};
+use crate::monitor::DriftMonitor;
 use crate::signals::Feedback;
-use crate::supervisor::{Fault, FaultKind, State};
+use crate::supervisor::{Fault, FaultKind, State, may_run_away};
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
 /// Reciprocal of the part of a second after which rotors no longer swing about their places: 1/10 s.
@@ -78,26 +78,26 @@ impl Controller {
     }
 
     fn check_held(&mut self, axis: usize, feedback: &Feedback) -> Option<Fault> {
-        let drift: &DriftMonitor = &self.drift;
+        let monitor: &DriftMonitor = &self.monitor;
         let fault = Fault::new(FaultKind::Runaway).on_axis(axis);
-        if let Some(error) = drift.motor_error(axis) {
+        if let Some(error) = monitor.motor_error(axis) {
             let away = self
                 .state
                 .hold
-                .has_moved_away(axis, error, drift.alone(axis));
-            let size = drift.phase_error().get(axis).copied();
+                .has_moved_away(axis, error, monitor.alone(axis));
+            let size = monitor.phase_error().get(axis).copied();
             return away.then_some(fault.with_size(size.unwrap_or_default()));
         }
         feedback.index.of(axis)?;
         let is_parked = self.supervisor.state() == State::Parked;
         let latched = self.supervisor.fault();
         // A crank that may have run away is not where its last pulse showed it. With two cranks, no reading shows which one ran away.
-        let is_ambiguous = drift.watched().count_ones() <= 2;
+        let is_ambiguous = monitor.watched().count_ones() <= 2;
         let may_run = latched.is_some_and(|fault| {
             (fault.axis == Some(axis) || is_ambiguous) && may_run_away(&fault)
         });
         let phase = self.output.telemetry.axis_phase(axis);
-        let is_at_flag = !may_run && drift.is_at_flag(axis, phase);
+        let is_at_flag = !may_run && monitor.is_at_flag(axis, phase);
         let swings = is_parked
             || (self.state.ticks - self.state.driven) * SWINGS_FOR < u64::from(self.tick_hz);
         if is_at_flag && swings {
@@ -106,8 +106,9 @@ impl Controller {
         let latched = latched.map(|fault| fault.kind);
         let may_catch_up = matches!(latched, Some(FaultKind::CommonLag | FaultKind::Capture));
         let tolerated = u8::from(is_parked || is_at_flag || may_catch_up);
-        let is_by_index =
-            |axis: &usize| drift.watched() & 1 << axis != 0 && drift.motor_error(*axis).is_none();
+        let is_by_index = |axis: &usize| {
+            monitor.watched() & 1 << axis != 0 && monitor.motor_error(*axis).is_none()
+        };
         // With one axis only, a pulse cannot be one that all axes make.
         let is_one_of_many = (0..self.channels.len()).filter(is_by_index).count() > 1;
         let all = (0..self.channels.len()).filter(|axis| is_one_of_many && is_by_index(axis));

@@ -1,5 +1,5 @@
 //! Control loop: one tick of the whole path. It leads from program and mechanism through master shaft and axes to pulses and setpoints. It
-//! leads back from the index pulses through the drift monitor to the supervisor.
+//! leads back from the index pulses through the phase-drift monitor to the supervisor.
 //!
 //! **Times.** The output that [`Controller::tick`] returns at one deadline is played for one tick from the next deadline on. The index
 //! pulses that it reads arrived between the previous deadline and this one, while the output of two ticks ago was played.
@@ -18,8 +18,8 @@ mod tick;
 mod wiring_proof;
 
 use crate::axes::Cams;
-use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
+use crate::monitor::{AxisSet, DriftMonitor, History};
 use crate::phase_offset::PhaseOffsets;
 use crate::program::{AmplitudeOverride, Cursor, Program};
 use crate::pulse::StepRates;
@@ -53,7 +53,7 @@ pub struct Controller {
     program: Program,
     mechanism: AnyMechanism,
     channels: heapless::Vec<Channel, MAX_AXES>,
-    drift: DriftMonitor,
+    monitor: DriftMonitor,
     offsets: PhaseOffsets,
     homing: Homing,
     /// Curves of the cam tables.

@@ -3,8 +3,8 @@
 use super::Controller;
 use super::events::select_reaction;
 use super::hold::HoldWatch;
-use crate::drift::{Finding, Sensed};
 use crate::mechanism::Mechanism;
+use crate::monitor::{Finding, Sensed};
 use crate::program::Cursor;
 use crate::shaft::{Demand, Target};
 use crate::signals::{Feedback, Output};
@@ -69,7 +69,7 @@ impl Controller {
     #[inline(never)] // seldom
     fn adjust(&mut self, command: Option<Command>) {
         match command {
-            Some(Command::ResetPeak) => self.drift.reset_peak(),
+            Some(Command::ResetPeak) => self.monitor.reset_peak(),
             Some(Command::Override(permille)) => self.amplitude.set(permille),
             _ => {}
         }
@@ -78,10 +78,10 @@ impl Controller {
     /// Collects the measurements since the last tick. Returns the event to report, if there is one.
     #[inline(never)]
     fn observe(&mut self, feedback: &Feedback, input: &mut SupervisorInput) -> Option<Fault> {
-        // Planning a stop takes as long as any of the work that can wait.
-        let is_about_to_stop = self.is_about_to_stop(feedback);
-        let mut found = self.measure(feedback, !is_about_to_stop);
-        self.state.is_busy = self.drift.is_busy() || is_about_to_stop;
+        let mut found = self.measure(feedback);
+        // A pulse takes as long as the work that can wait, and so does planning a stop.
+        self.state.is_busy =
+            self.monitor.pulsed_by_index(&feedback.index) != 0 || self.is_about_to_stop(feedback);
         if self.supervisor.operates() {
             self.state.driven = self.state.ticks;
         }
@@ -117,7 +117,7 @@ impl Controller {
 
     /// Reads the sensors.
     #[inline(never)]
-    fn measure(&mut self, feedback: &Feedback, may_process: bool) -> Option<Finding> {
+    fn measure(&mut self, feedback: &Feedback) -> Option<Finding> {
         let sensed = Sensed {
             index: &feedback.index,
             encoder: &feedback.encoder,
@@ -126,23 +126,22 @@ impl Controller {
             history: &self.state.history,
             correction: self.offsets.now(),
             speed: self.state.motion.speed,
-            may_process,
         };
         if core::mem::take(&mut self.state.was_late) {
-            self.drift.disregard(&sensed);
+            self.monitor.disregard(&sensed);
             return None;
         }
-        let found = self.drift.observe(&sensed);
+        let found = self.monitor.observe(&sensed);
         // Cranks that no drive holds may be turned by hand, and not all of them may have passed their flags.
         let is_held =
             self.supervisor.drives_enabled() || self.state.ticks - self.state.driven <= LAST_PLAYED;
-        if !is_held && self.drift.pulsed_by_index(&feedback.index) != 0 {
+        if !is_held && self.monitor.pulsed_by_index(&feedback.index) != 0 {
             self.homing.forget();
         }
         if let Some(coupling) = &mut self.coupling {
             // Until homing is over, phase errors show where the cranks were left, and not which load they carry.
             if self.supervisor.drives_enabled() && self.homing.is_done() {
-                coupling.advance(self.drift.phase_error());
+                coupling.advance(self.monitor.phase_error());
             } else {
                 coupling.reset();
             }
@@ -162,9 +161,12 @@ impl Controller {
     /// Continues homing.
     #[inline(never)]
     fn advance_homing(&mut self) -> Option<Finding> {
-        self.homing
-            .advance(&mut self.drift, &mut self.offsets, self.state.motion.speed)
-            .map(Finding::of)
+        let has_time = self.has_time();
+        let (monitor, speed) = (&mut self.monitor, self.state.motion.speed);
+        let fault = self
+            .homing
+            .advance(monitor, &mut self.offsets, speed, has_time);
+        fault.map(Finding::of)
     }
 
     /// Returns the fault with which homing would end, if it is known before anything moves: a crank was left beyond the limits of the
@@ -174,7 +176,7 @@ impl Controller {
         if before != State::Idle || now != State::Homing || !self.homing.has_found() {
             return None;
         }
-        let (axis, by) = self.drift.left_beyond_limits(self.offsets.now())?;
+        let (axis, by) = self.monitor.left_beyond_limits(self.offsets.now())?;
         let fault = Fault::new(FaultKind::HomingRangeExceeded).on_axis(axis);
         Some(fault.with_size(by).at(self.state.ticks, self.crank_phase()))
     }
@@ -186,7 +188,7 @@ impl Controller {
             // After the drives were off, only the index pulses show the phases of the cranks.
             State::Homing if before == State::Idle => {
                 let phase = |axis| self.output.telemetry.axis_phase(axis);
-                self.drift.reset(&core::array::from_fn(phase));
+                self.monitor.reset(&core::array::from_fn(phase));
                 self.homing.begin();
                 self.offsets.hold();
                 self.state.cursor = Cursor::new();
@@ -277,10 +279,10 @@ impl Controller {
         telemetry.is_at_homing_speed = action == Action::Home;
         telemetry.motion = self.state.motion;
         telemetry.override_permille = self.amplitude.permille();
-        if self.drift.take_changed() {
-            telemetry.phase_error = *self.drift.phase_error();
-            telemetry.peak = *self.drift.peak();
-            telemetry.modes = *self.drift.modes();
+        if self.monitor.take_changed() {
+            telemetry.phase_error = *self.monitor.phase_error();
+            telemetry.peak = *self.monitor.peak();
+            telemetry.modes = *self.monitor.modes();
         }
         // The phases come last, as the four words would take up the registers meanwhile.
         telemetry.phase = self.shaft.phase();

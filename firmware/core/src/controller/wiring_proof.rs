@@ -1,7 +1,7 @@
 //! Tilts that prove the wiring: about one axis, and about the other. They are computed once from the settings; [`super::homing`] commands
 //! them.
 
-use crate::drift::DriftMonitor;
+use crate::monitor::DriftMonitor;
 use crate::phase_offset::PhaseOffsets;
 use crate::problem::{Problem, SettingsError};
 use crate::settings::Settings;
@@ -17,11 +17,11 @@ pub(super) const APART: i64 = 3;
 #[cold]
 pub(super) fn wiring_patterns(
     settings: &Settings,
-    drift: &DriftMonitor,
+    monitor: &DriftMonitor,
     offsets: &PhaseOffsets,
 ) -> Result<[PerAxis<Turns>; 2], SettingsError> {
     let count = settings.axes.len();
-    let tolerances = (0..count).map(|axis| drift.tolerance(axis));
+    let tolerances = (0..count).map(|axis| monitor.tolerance(axis));
     let tolerance = tolerances.max().unwrap_or_default();
     let patterns = patterns(count, tolerance);
     // Adds the largest error of a reading.
@@ -29,7 +29,7 @@ pub(super) fn wiring_patterns(
     for pattern in &patterns {
         // Where a trim has no room for it, a tilt goes the other way.
         if offsets.beyond_limit(pattern).is_some()
-            || !drift.allows(&pattern.map(on_top))
+            || !monitor.allows(&pattern.map(on_top))
             || !settings.allows_apart(pattern)
             || !settings.allows_apart(&pattern.map(|level| -level))
         {

@@ -56,10 +56,6 @@ pub struct Settings {
     /// that runs the settings sets it from its board.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub clock_hz: u32,
-    /// True to process all index pulses of a tick in that tick. A board does one piece of detection per tick, which takes up to N + 3
-    /// ticks. Only for comparisons: a settings file does not have it, and a build without the feature `servo` ignores it.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    pub detect_at_once: bool,
     /// Machine that the axes move.
     pub machine: MachineSettings,
     /// Limits of the master shaft.
@@ -279,7 +275,6 @@ impl Settings {
             name: heapless::String::new(),
             tick_hz: 0,
             clock_hz: 0,
-            detect_at_once: false,
             machine: MachineSettings::Shafts(ShaftSettings { length_m: 0.0 }),
             limits: LimitSettings {
                 speed_hz: 0.0,

@@ -35,7 +35,6 @@ pub(crate) fn settings(axes: usize) -> Settings {
         name: short_name("bench"),
         tick_hz: 2000,
         clock_hz: 125_000_000,
-        detect_at_once: false,
         machine: MachineSettings::Platform(PlatformSettings {
             crank_radius_m: 0.02,
             mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: 0.3 }),

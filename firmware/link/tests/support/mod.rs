@@ -24,7 +24,6 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
         name: short_name("bench"),
         tick_hz: 2000,
         clock_hz: Rp2040::CLOCK_HZ,
-        detect_at_once: false,
         machine: MachineSettings::Platform(PlatformSettings {
             crank_radius_m: 0.02,
             mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: 0.3 }),

@@ -2,7 +2,7 @@
 //!
 //! The fourth machine of the first block polls all lines at once. A DMA channel moves changes and their times into a
 //! ring in RAM ([`program`], [`ring`]). The loop reads the ring once a tick. The core decides, and its tests check,
-//! which of these changes are pulses (`cophase_core::drift`).
+//! which of these changes are pulses (`cophase_core::monitor`).
 //!
 //! Times are on the clock of the machines, which is also that of the steps. The machine starts with the first steps and
 //! never stops. A line is sampled through the pins' synchroniser, 2 cycles after it changed.
@@ -10,7 +10,7 @@
 mod program;
 mod ring;
 
-use cophase_core::drift::{IndexFilter, IndexPulses};
+use cophase_core::monitor::{IndexFilter, IndexPulses};
 use embassy_rp::pac;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 

@@ -57,8 +57,8 @@ pub(super) struct RunArgs {
     /// Run in step with the clock, FACTOR times as fast, so that a live plot moves [default without =FACTOR: 1]
     #[arg(long, value_name = "FACTOR", value_parser = speed, num_args = 0..=1, require_equals = true, default_missing_value = "1")]
     real_time: Option<f64>,
-    /// Process all index pulses of a tick in that tick, where a board processes one per tick: reactions come up to N + 3 ticks earlier
-    #[arg(long)]
+    /// Accepted for scripts of earlier versions: every run and every board processes all index pulses of a tick in that tick
+    #[arg(long, hide = true)]
     detect_at_once: bool,
     /// Print nothing but errors
     #[arg(long, short)]
@@ -120,8 +120,7 @@ pub(super) fn run(
 ) -> Result<Status, CommandError> {
     let began = Instant::now();
     args.check().map_err(CommandError::Input)?;
-    let mut checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
-    checked.settings.detect_at_once = args.detect_at_once;
+    let checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
     let refused = |error: SceneError| CommandError::Input(error.in_file(&args.scene).to_string());
     sim::check_times(&checked).map_err(refused)?;
     if !args.quiet {

@@ -5,7 +5,7 @@
 
 use std::cmp::Ordering;
 
-use cophase_core::drift::alternatives;
+use cophase_core::supervisor::alternatives;
 use cophase_core::settings::AxisSettings;
 use cophase_core::supervisor::{Fault, FaultKind};
 use serde::Serialize;

@@ -1,7 +1,7 @@
 //! Warnings: the simulated machine and its controller disagree, or the run does not show what was
 //! requested.
 
-use cophase_core::drift::{Knowledge, Mount};
+use cophase_core::monitor::{Knowledge, Mount};
 use cophase_core::supervisor::State;
 use cophase_scene::file::{CommandAt, CommandName, FaultAt, FaultName};
 use host_sim::checked::Checked;

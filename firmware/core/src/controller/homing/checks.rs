@@ -2,7 +2,7 @@
 //! another.
 
 use crate::controller::wiring_proof::APART;
-use crate::drift::AxisSet;
+use crate::monitor::AxisSet;
 use crate::units::{Turns, nearest};
 
 /// Time of a check.

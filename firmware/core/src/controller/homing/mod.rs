@@ -20,7 +20,7 @@ mod verify;
 
 use core::hash::{Hash, Hasher};
 
-use crate::drift::{AxisSet, DriftMonitor, Measured};
+use crate::monitor::{AxisSet, DriftMonitor, Measured};
 use crate::phase_offset::PhaseOffsets;
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 use checks::{Deviation, Moves, When};

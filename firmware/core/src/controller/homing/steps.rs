@@ -2,7 +2,7 @@
 
 use super::verify::Verdict;
 use super::{Homing, Step, errors};
-use crate::drift::{DriftMonitor, Measured};
+use crate::monitor::{DriftMonitor, Measured};
 use crate::phase_offset::PhaseOffsets;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
@@ -11,27 +11,26 @@ use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 const MOST_WAITED: Turns = Turns::lit("8");
 
 impl Homing {
-    /// Plays one tick of homing. The master made `speed` turns in the tick before.
+    /// Plays one tick of homing. The master made `speed` turns in the tick before. Unless `has_time` is true, what can wait is left for
+    /// another tick.
     #[inline]
     pub(in crate::controller) fn advance(
         &mut self,
         monitor: &mut DriftMonitor,
         offsets: &mut PhaseOffsets,
         speed: Turns,
+        has_time: bool,
     ) -> Option<Fault> {
         let step = self.step;
-        // In the search, cranks that moved alike are compared once the pulses of all of them have been evaluated.
-        if (step != Step::Find || !monitor.is_busy())
-            && let Some((axis, by)) = monitor.take_moved()
+        if let Some((axis, by)) = monitor.take_moved()
             && let Some(fault) = self.moved(axis, by, monitor, offsets)
         {
             return Some(fault);
         }
-        // Evaluating pulses takes as long as a step of homing, so a tick does only one of them.
-        let fault = if monitor.is_busy() {
-            None
-        } else {
+        let fault = if has_time {
             self.go(monitor, offsets)
+        } else {
+            None
         };
         if self.step != step || offsets.is_moving() {
             self.waited = Turns::ZERO;

@@ -2,7 +2,7 @@
 
 use super::checks::When;
 use super::{Homing, Step};
-use crate::drift::{DriftMonitor, Measured};
+use crate::monitor::{DriftMonitor, Measured};
 use crate::phase_offset::PhaseOffsets;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Turns, nearest};

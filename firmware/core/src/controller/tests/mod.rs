@@ -4,7 +4,7 @@ mod commands;
 
 use super::*;
 use crate::axes::FollowerSettings;
-use crate::drift::IndexPulse;
+use crate::monitor::IndexPulse;
 use crate::program::{EntrySettings, SegmentSettings, Shape};
 use crate::settings::{
     BandSettings, DriveKind, LimitSettings, MachineSettings, Settings, ShaftSettings, sample,
@@ -283,7 +283,7 @@ fn trims_of_an_interrupted_wiring_proof_are_reverted() {
     }
     settings.correction.prove_wiring = true;
     let mut controller = controller(&settings, 100.0);
-    let tolerance = controller.drift.tolerance(0);
+    let tolerance = controller.monitor.tolerance(0);
     let trim = |controller: &Controller| controller.offsets.now()[0].abs();
     play(&mut controller, Some(Command::Start), 1, false);
     let mut was_tilted = false;

@@ -10,14 +10,14 @@ use crate::units::Turns;
 
 /// Limits of the platform, turns of crank angle.
 #[derive(Clone, Copy, Debug, Hash)]
-pub(in crate::drift) struct Limits {
+pub(super) struct Limits {
     tilt: Turns,
     warp: Turns,
 }
 
 impl Limits {
     /// Limit that the modes exceed by `margin`, if they do.
-    pub(in crate::drift) fn exceeded(&self, modes: &Modes, margin: Turns) -> Option<FaultKind> {
+    pub(super) fn exceeded(&self, modes: &Modes, margin: Turns) -> Option<FaultKind> {
         let tilt = self.tilt.wrapping_add(margin);
         if square(modes.tilt_x) + square(modes.tilt_y) > square(tilt) {
             Some(FaultKind::Tilt)
@@ -41,17 +41,17 @@ impl Limits {
 #[derive(Clone, Copy, Debug)]
 pub struct DriftLimits {
     /// Limits on the cranks themselves.
-    pub(in crate::drift) of_cranks: Limits,
-    pub(in crate::drift) common: Turns,
+    pub(super) of_cranks: Limits,
+    pub(super) common: Turns,
     /// Delay with which all axes follow, `lag_us` in ticks, 16 fraction bits.
     lag: i64,
     /// Error of a reading, turns.
-    pub(in crate::drift) reading: Turns,
+    pub(super) reading: Turns,
 }
 
 impl DriftLimits {
     /// Limits of a monitor without axes: zero.
-    pub(in crate::drift) const NONE: Self = {
+    pub(super) const NONE: Self = {
         const NONE: Limits = Limits {
             tilt: Turns::ZERO,
             warp: Turns::ZERO,
@@ -97,7 +97,7 @@ impl DriftLimits {
     }
 
     /// Limits on readings of cranks that have moved: lower by a reading error.
-    pub(in crate::drift) fn of_readings(&self) -> Limits {
+    pub(super) fn of_readings(&self) -> Limits {
         // A limit that is narrower than two reading errors is halved, so that some of it is left.
         let less = |limit: Turns| {
             let half = Turns::from_bits(limit.to_bits() / 2);
@@ -110,23 +110,23 @@ impl DriftLimits {
     }
 
     /// The common lag as a fault, if it exceeds its limit at this speed of the master, turns per tick.
-    pub(in crate::drift) fn of_common(&self, modes: &Modes, speed: Turns) -> Option<FaultKind> {
+    pub(super) fn of_common(&self, modes: &Modes, speed: Turns) -> Option<FaultKind> {
         (self.beyond_natural(modes, speed).abs() > self.common).then_some(FaultKind::CommonLag)
     }
 
     /// Common phase error, without the lag that belongs to the speed.
-    pub(in crate::drift) fn beyond_natural(&self, modes: &Modes, speed: Turns) -> Turns {
+    pub(super) fn beyond_natural(&self, modes: &Modes, speed: Turns) -> Turns {
         modes.common.wrapping_add(self.natural(speed))
     }
 
     /// Lag that belongs to the speed: speed times `lag_us`.
-    pub(in crate::drift) fn natural(&self, speed: Turns) -> Turns {
+    pub(super) fn natural(&self, speed: Turns) -> Turns {
         Turns::from_bits((speed.to_bits() >> 16).wrapping_mul(self.lag))
     }
 
     /// Phase error with which one of `count` axes alone exceeds a limit, turns.
     #[cold]
-    pub(in crate::drift) fn alone(&self, mount: &Mount, axis: usize, count: usize) -> Turns {
+    pub(super) fn alone(&self, mount: &Mount, axis: usize, count: usize) -> Turns {
         let (tilt, warp) = mount.alone(axis);
         let most = |limit: Turns, share: f64| {
             if share > 1e-6 {

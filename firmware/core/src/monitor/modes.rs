@@ -11,6 +11,7 @@
 
 use core::hash::{Hash, Hasher};
 
+use super::angles::Angle;
 use crate::functions::multiply_q30;
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
@@ -80,14 +81,14 @@ impl MountedAxis {
     };
 }
 
-/// Fraction bits that are dropped from a phase error. ±½ turn then fits 30 bits, and so does a weighted sum of six.
-const DROPPED_BITS: u32 = 19;
+/// Fraction bits that are dropped from an angle. ±½ turn then fits 30 bits, and so does a weighted sum of six.
+const DROPPED_BITS: u32 = 3;
 
 /// Fraction bits of a product of a drift and a weight, less those of a drift.
 const WEIGHT_BITS: u32 = 28;
 
 /// One turn in the unit of phase error times weight.
-const ONE_TURN_OF_SUM: i32 = 1 << (Turns::FRAC_NBITS - DROPPED_BITS + WEIGHT_BITS - 30);
+const ONE_TURN_OF_SUM: i32 = 1 << (32 - DROPPED_BITS + WEIGHT_BITS - 30);
 
 /// Modes that a set of axes shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +107,7 @@ pub enum Knowledge {
 
 impl Mount {
     /// Mount without axes.
-    pub(in crate::drift) const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         axes: [MountedAxis::NONE; MAX_AXES],
         detected: 0,
     };
@@ -196,7 +197,7 @@ impl Mount {
 
     /// Tilt, and warp of the axis itself, if this axis alone has a phase error of one.
     #[cold]
-    pub(in crate::drift) fn alone(&self, axis: usize) -> (f64, f64) {
+    pub(super) fn alone(&self, axis: usize) -> (f64, f64) {
         let float = |value: i32, bits: u32| f64::from(value) / f64::from(1_u32 << bits);
         let axis = self.axes.get(axis).unwrap_or(&MountedAxis::NONE);
         let weight = |value: i32| float(value, WEIGHT_BITS);
@@ -213,16 +214,16 @@ impl Mount {
         (libm::sqrt(x * x + y * y), warp)
     }
 
-    /// Decomposes the phase errors, each from −½ to ½ turn; those of axes that are not detected are ignored.
+    /// Decomposes the phase errors; those of axes that are not detected are ignored.
     ///
     /// Error below 1e-6 of the largest, and 2⁻²⁵ turn: phase errors are taken with 29 fraction bits, and up to twelve
     /// products are rounded down.
     #[inline(never)]
-    pub fn modes(&self, phase_error: &PerAxis<Turns>) -> Modes {
+    pub fn modes(&self, phase_error: &PerAxis<Angle>) -> Modes {
         // The weights of axes that do not exist are zero.
         let axes = || {
             let errors = phase_error.iter();
-            let errors = errors.map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
+            let errors = errors.map(|e| e.0.to_bits() >> DROPPED_BITS);
             errors.zip(&self.axes)
         };
         let (mut common, mut tilt_x, mut tilt_y) = (0, 0, 0);
@@ -248,7 +249,7 @@ impl Mount {
                 detected >>= 1;
             }
         }
-        let turns = |value: i32| Turns::from_bits(i64::from(value) << DROPPED_BITS);
+        let turns = |value: i32| Turns::from_bits(i64::from(value) << (DROPPED_BITS + 16));
         Modes {
             common: turns(common),
             tilt_x: turns(tilt_x),
@@ -273,6 +274,7 @@ fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::angles::angle;
     use super::*;
     use proptest::prelude::*;
 
@@ -285,7 +287,7 @@ mod tests {
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             Turns::from_num(common + tilt.0 * theta.cos() + tilt.1 * theta.sin() + sign * warp)
         });
-        let modes = Mount::new(count).modes(&phase_error);
+        let modes = Mount::new(count).modes(&phase_error.map(angle));
         for (name, actual, expected) in [
             ("common", modes.common, common),
             ("tilt_x", modes.tilt_x, tilt.0),
@@ -354,7 +356,7 @@ mod tests {
                     };
                     Turns::from_num(e)
                 });
-                let modes = mount.modes(&phase_error);
+                let modes = mount.modes(&phase_error.map(angle));
                 let actual = [modes.common, modes.tilt_x, modes.tilt_y].map(Turns::to_num::<f64>);
                 assert!(modes.warp.to_num::<f64>() < 1e-6, "a plane has no warp");
                 let detected: std::vec::Vec<_> =
@@ -391,7 +393,7 @@ mod tests {
     fn a_single_axis_shows_as_tilt_and_warp() {
         let mut phase_error = PerAxis::default();
         phase_error[2] = Turns::from_num(0.02);
-        let modes = Mount::new(6).modes(&phase_error);
+        let modes = Mount::new(6).modes(&phase_error.map(angle));
         assert!((modes.warp.to_num::<f64>() - 0.01).abs() < 1e-6);
         assert_eq!(modes.warp_axis, 2);
     }

@@ -34,7 +34,7 @@ pub(super) fn monitor(
 pub(super) fn true_alone(count: usize, axis: usize) -> f64 {
     let mut settings = settings(count, 3.0, 5.0, 15.0);
     settings.drift.reading_error_deg = 0.0;
-    configured(&settings).axes[axis].traits.alone.to_num()
+    configured(&settings).alone(axis).to_num()
 }
 
 /// Commanded phases at the end of a tick, and the history that leads to them after a tick in which all axes made `before` turns.
@@ -82,12 +82,11 @@ pub(super) fn detect_after(
         history: &history,
         correction: &PerAxis::default(),
         speed: commanded[0].turns,
-        may_process: true,
     })
 }
 
-/// Lets a monitor process all queued updates while the cranks stand.
-pub(super) fn process_all(monitor: &mut DriftMonitor, at: &PerAxis<TickPhase>) -> Vec<Finding> {
+/// Findings that wait, taken while the cranks stand.
+pub(super) fn take_all(monitor: &mut DriftMonitor, at: &PerAxis<TickPhase>) -> Vec<Finding> {
     let still = at.map(|phase| TickPhase::still(phase.start.advanced(phase.turns)));
     (0..MAX_AXES + 3)
         .filter_map(|_| detect(monitor, &[None; MAX_AXES], &[0; MAX_AXES], &still))
@@ -215,6 +214,14 @@ impl Cranks {
         self.monitor.settle();
         self
     }
+}
+
+/// Moves the flag of one axis `by` turns further on.
+pub(super) fn move_flag(monitor: &mut DriftMonitor, axis: usize, by: f64) {
+    let by = Turns::from_num(by);
+    let config = &mut monitor.config.axes[axis];
+    config.index = config.index.wrapping_add(by);
+    monitor.axes[axis].shift(config, angle(by));
 }
 
 /// True if every index has been detected, though a turn may not have confirmed it.

@@ -1,6 +1,6 @@
 //! Phase of an axis over one tick, and at a cycle of it.
 
-use crate::drift::detection::modes::AxisSet;
+use super::modes::AxisSet;
 use crate::functions::{multiply_high, multiply_long};
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 
@@ -90,15 +90,15 @@ const CYCLE_SPARE_BITS: u32 = 14;
 
 /// Length of a tick.
 #[derive(Clone, Copy, Debug, Hash)]
-pub(in crate::drift) struct TickClock {
-    pub(in crate::drift) cycles: u32,
+pub(super) struct TickClock {
+    pub(super) cycles: u32,
     /// 2⁴² / cycles.
     per_cycle: u32,
 }
 
 impl TickClock {
     /// Clock of a tick of `cycles`, at least 2048.
-    pub(in crate::drift) const fn new(cycles: u32) -> Self {
+    pub(super) const fn new(cycles: u32) -> Self {
         Self {
             cycles,
             per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / cycles as u64) as u32, // at most 2³¹
@@ -116,7 +116,7 @@ impl TickPhase {
     }
 
     /// A tick of `turns` that ends at this phase.
-    pub(in crate::drift) const fn ending_at(end: Phase, turns: Turns) -> Self {
+    pub(super) const fn ending_at(end: Phase, turns: Turns) -> Self {
         Self {
             start: end.advanced(turns.wrapping_neg()),
             turns,
@@ -124,7 +124,7 @@ impl TickPhase {
     }
 
     /// Phase `cycle` cycles into a tick.
-    pub(in crate::drift) fn at(&self, cycle: u32, clock: TickClock) -> Phase {
+    pub(super) fn at(&self, cycle: u32, clock: TickClock) -> Phase {
         // cycle / tick_cycles with 24 fraction bits; and of the turns of a tick, below ½, the upper 40: 2⁻²⁴ of a tick
         // is less than a cycle.
         let part = multiply_high(cycle << CYCLE_SPARE_BITS, clock.per_cycle).min(1 << 24);

@@ -2,8 +2,8 @@
 //!
 //! Most axes make the master's turns, so only the turns of other axes are stored. Past phases are computed from the present one.
 
+use super::modes::AxisSet;
 use super::tick_phase::TickPhase;
-use crate::drift::detection::modes::AxisSet;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 
 /// Turns that are commanded in one tick.

@@ -21,7 +21,7 @@ fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
             settings.axes[3].cycle_steps = cycle_steps;
             let mut monitor = configured(&settings);
             monitor.reset(&[Phase::ZERO; MAX_AXES]);
-            let alone = monitor.axes[3].traits.alone.to_num::<f64>();
+            let alone = monitor.alone(3).to_num::<f64>();
             assert!((0.006..0.018).contains(&alone), "{alone}");
             let gate = 4.0 * monitor.tolerance(3).to_num::<f64>();
             let overdue = if cycle_steps == 0 { alone } else { gate };
@@ -131,7 +131,7 @@ fn a_first_pulse_where_the_crank_was_left_is_ignored() {
         let pulses = [Some(IndexPulse { cycle: 7 }); MAX_AXES];
         let found = detect(&mut monitor, &pulses, &[0; MAX_AXES], &[tick; MAX_AXES]);
         assert_eq!(found, None);
-        assert_eq!(process_all(&mut monitor, &[tick; MAX_AXES]), []);
+        assert_eq!(take_all(&mut monitor, &[tick; MAX_AXES]), []);
         assert_eq!(are_detected(&monitor), counts, "{place} turns");
     }
 }
@@ -148,7 +148,7 @@ fn a_first_pulse_that_was_ignored_comes_again_in_time() {
     let flag_deg = 2.6;
     settings.axes[1].index_turns = Some(flag_deg / 360.0);
     let mut cranks = Cranks::new(configured(&settings), 0.0001);
-    let traits = cranks.monitor.axes[0].traits;
+    let traits = &cranks.monitor.config.axes[0];
     let flag = Turns::from_num(flag_deg / 360.0);
     let half = Turns::from_bits(traits.cycle.to_bits() / 2);
     assert!(half.max(traits.alone) < flag && flag < traits.tolerance);
@@ -178,7 +178,7 @@ fn turn_on_after_a_pulse_at_rest(turns: f64, cycle: i32, ahead: f64) -> Vec<(f64
         before,
     );
     assert_eq!(found, None);
-    assert_eq!(process_all(&mut cranks.monitor, &at_rest), []);
+    assert_eq!(take_all(&mut cranks.monitor, &at_rest), []);
     cranks.before[1] += ahead;
     let found = cranks.turn(150, |i, _| if i == 1 { ahead } else { 0.0 });
     let phase = |tick| f64::from(tick + 1) * 0.01;
@@ -234,7 +234,7 @@ fn a_crank_that_rests_at_the_end_of_its_flag_says_nothing() {
                 &[0; MAX_AXES],
                 &[at_end; MAX_AXES],
             ));
-            found.extend(process_all(&mut cranks.monitor, &[at_end; MAX_AXES]));
+            found.extend(take_all(&mut cranks.monitor, &[at_end; MAX_AXES]));
         }
         let slips = found.iter().any(|finding| {
             finding.fault.axis == Some(1) && finding.fault.kind != FaultKind::IndexTimeout
@@ -283,8 +283,8 @@ fn a_place_is_confirmed_by_a_turn_with_no_pulse_between() {
             }
             let mut cranks = Cranks::new(monitor(3, 3.0, 5.0, 15.0), 0.01);
             cranks.flags = [0.99; MAX_AXES];
-            for watch in &mut cranks.monitor.axes {
-                watch.shift(Turns::from_num(0.99));
+            for axis in 0..3 {
+                move_flag(&mut cranks.monitor, axis, 0.99);
             }
             let noise = move |i: usize, t: f64, pulse: Option<IndexPulse>| {
                 let made = (t - place).floor() as i32;

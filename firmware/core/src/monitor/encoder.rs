@@ -7,19 +7,19 @@
 
 use core::hash::Hash;
 
+use super::config::AxisConfig;
 use super::tick_phase::TickPhase;
-use crate::drift::axis_watch::Traits;
 use crate::functions::Ratio;
 use crate::pulse::StepsPerTurn;
-use crate::units::Turns;
+use crate::units::{Phase, Turns};
 
 /// Motion of a motor compared with its command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::drift) enum Tracking {
+pub(super) enum Tracking {
     /// About as commanded.
     #[default]
     Ok,
-    /// It stands, or turns back: [`EncoderWatch::has_gone_back`] decides which.
+    /// It stands, or turns back: [`Encoder::has_gone_back`] decides which.
     Stalled,
     /// Faster than commanded.
     Overspeed,
@@ -27,7 +27,7 @@ pub(in crate::drift) enum Tracking {
 
 /// Result of a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::drift) enum Read {
+pub(super) enum Read {
     /// Nothing new.
     Nothing,
     /// The reading jumped, and came back.
@@ -44,7 +44,7 @@ pub(in crate::drift) enum Read {
 
 /// Conversion of counts to turns of the crank, exact over any number of readings.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::drift) struct CountScale {
+pub(super) struct CountScale {
     /// True if the counts are against the axis's own sense.
     reversed: bool,
     /// Turns per count: whole units, and the exact fraction of one that is left, with the remainder so far.
@@ -54,7 +54,7 @@ pub(in crate::drift) struct CountScale {
 
 impl CountScale {
     /// Scale of an encoder with these counts per turn of the crank, reversed or not.
-    pub(in crate::drift) const fn new(counts: StepsPerTurn, reversed: bool) -> Self {
+    pub(super) const fn new(counts: StepsPerTurn, reversed: bool) -> Self {
         let (per_count, fraction) = counts.step_turns();
         Self {
             reversed,
@@ -87,24 +87,23 @@ impl CountScale {
 
 /// Watches one encoder.
 #[derive(Clone, Debug)]
-pub(in crate::drift) struct EncoderWatch {
+pub(super) struct Encoder {
     scale: CountScale,
     last: Option<i32>,
     /// Measured minus commanded turns since the reset, and its filtered value.
-    pub(in crate::drift) phase_error: Turns,
-    pub(in crate::drift) filtered: Turns,
+    pub(super) phase_error: Turns,
+    pub(super) filtered: Turns,
     /// Sum of phase error times share of a turn: the mean error, once the shares add up to a turn.
-    pub(in crate::drift) mean: Turns,
+    pub(super) mean: Turns,
     /// The filtered phase error as the crank passed its flag last.
-    pub(in crate::drift) at_flag: Turns,
+    pub(super) at_flag: Turns,
     deviation: Deviation,
     /// Measured turns in the tick that was read last; none if they are not known.
-    pub(in crate::drift) made: Option<Turns>,
+    pub(super) made: Option<Turns>,
     /// Travel back from the furthest point ahead since the motor was last about where commanded, or moved about as commanded. A rotor that is
     /// turned back may swing ahead first.
     back: Turns,
-    /// Sum of the jumps that the index has to confirm; about zero if the reading came back.
-    pub(in crate::drift) unconfirmed_jump: Option<Turns>,
+    pub(super) unconfirmed: Option<Unconfirmed>,
     /// Ticks of the window for tracking, which has some ticks and some travel.
     ticks: u8,
     /// Phase error at the beginning of the window.
@@ -112,7 +111,16 @@ pub(in crate::drift) struct EncoderWatch {
     /// Turns that were commanded in the window.
     commanded: Turns,
     /// Result of the last window.
-    pub(in crate::drift) tracking: Tracking,
+    pub(super) tracking: Tracking,
+}
+
+/// Jumps that the index has to confirm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unconfirmed {
+    /// Their sum; about zero if the reading came back.
+    by: Turns,
+    /// Phase of the axis before the last of them.
+    pub(super) at: Phase,
 }
 
 /// Deviation of a motor from its command in the tick before.
@@ -138,14 +146,14 @@ const WINDOW_TICKS: u8 = 4;
 /// noise: 18 %.
 const FILTER_SHIFT: u32 = 4;
 
-impl EncoderWatch {
+impl Encoder {
     /// Constants, which no tick changes.
-    pub(in crate::drift) fn constants(&self) -> impl Hash + use<> {
+    pub(super) fn constants(&self) -> impl Hash + use<> {
         self.scale.constants()
     }
 
     /// Watch that has no reading yet. The phase error is zero.
-    pub(in crate::drift) const fn new(scale: CountScale) -> Self {
+    pub(super) const fn new(scale: CountScale) -> Self {
         Self {
             scale,
             last: None,
@@ -156,7 +164,7 @@ impl EncoderWatch {
             deviation: Deviation::Small(Turns::ZERO),
             made: None,
             back: Turns::ZERO,
-            unconfirmed_jump: None,
+            unconfirmed: None,
             ticks: 0,
             error_before: Turns::ZERO,
             commanded: Turns::ZERO,
@@ -165,12 +173,12 @@ impl EncoderWatch {
     }
 
     /// Discards all readings. The phase error is zero from now on.
-    pub(in crate::drift) const fn reset(&mut self) {
+    pub(super) const fn reset(&mut self) {
         *self = Self::new(self.scale);
     }
 
     /// Adds the present phase error over a share of a turn, up to ½, to the mean. Its error is below a millionth of the errors.
-    pub(in crate::drift) const fn average(&mut self, share: Turns) {
+    pub(super) const fn average(&mut self, share: Turns) {
         let (error, share) = (self.phase_error.to_bits() >> 16, share.to_bits() >> 16);
         let part = Turns::from_bits(error.wrapping_mul(share) >> 16);
         self.mean = self.mean.wrapping_add(part);
@@ -178,17 +186,17 @@ impl EncoderWatch {
 
     /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by more than a motor that was blocked for a
     /// time. When that is released, it may spring back, and swing once to either side.
-    pub(in crate::drift) fn has_gone_back(&self, traits: &Traits) -> bool {
+    pub(super) fn has_gone_back(&self, config: &AxisConfig) -> bool {
         let behind = self.phase_error.wrapping_neg();
-        let most = traits.swing().saturating_add(traits.swing());
+        let most = config.swing().saturating_add(config.swing());
         // The travel must be large against the noise.
-        let is_sure = behind > 0 && self.back > about(traits.jump());
+        let is_sure = behind > 0 && self.back > about(config.jump());
         is_sure && (self.back > Turns::from_bits(behind.to_bits() >> 2) || self.back > most)
     }
 
     /// Processes a reading at the end of a tick. A deviation from the command by more than `jump` in a tick is held back. Returns the
     /// result, and the measured turns of the tick.
-    pub(in crate::drift) fn observe(
+    pub(super) fn observe(
         &mut self,
         count: i32,
         commanded: &TickPhase,
@@ -203,6 +211,15 @@ impl EncoderWatch {
         let made = self.scale.advance(count.wrapping_sub(last));
         let off = made.wrapping_sub(commanded.turns);
         let read = self.classify(off, jump);
+        if let Read::Jump { by } = read {
+            // A jump is reported a tick later.
+            let at = commanded
+                .start
+                .advanced(before.wrapping_sub(self.made.unwrap_or_default()));
+            let so_far = self.unconfirmed.map_or(Turns::ZERO, |jumps| jumps.by);
+            let by = so_far.wrapping_add(by);
+            self.unconfirmed = Some(Unconfirmed { by, at });
+        }
         self.back = if self.phase_error.wrapping_abs() <= about(jump) {
             Turns::ZERO
         } else {
@@ -231,8 +248,6 @@ impl EncoderWatch {
             }
             if !is_jump(off) {
                 self.phase_error = self.phase_error.wrapping_add(off);
-                let before = self.unconfirmed_jump.unwrap_or_default();
-                self.unconfirmed_jump = Some(before.wrapping_add(held));
                 return Read::Jump { by: held };
             }
             self.deviation = Deviation::Large;
@@ -275,7 +290,7 @@ impl EncoderWatch {
     }
 
     /// Processes a reading after ticks whose phase is not known. It assumes that the motor followed its command.
-    pub(in crate::drift) fn skip(&mut self, count: i32) {
+    pub(super) fn skip(&mut self, count: i32) {
         self.last = Some(count);
         self.made = None;
         if let Deviation::Held(_) = self.deviation {
@@ -283,9 +298,14 @@ impl EncoderWatch {
         }
     }
 
+    /// Takes the sum of the jumps that the index has not confirmed, if there are any.
+    pub(super) fn take_unconfirmed(&mut self) -> Option<Turns> {
+        self.unconfirmed.take().map(|jumps| jumps.by)
+    }
+
     /// Adds the unconfirmed jump to the phase error.
-    pub(in crate::drift) fn believe(&mut self) {
-        let jump = self.unconfirmed_jump.take().unwrap_or_default();
+    pub(super) fn believe(&mut self) {
+        let jump = self.take_unconfirmed().unwrap_or_default();
         self.phase_error = self.phase_error.wrapping_add(jump);
     }
 }

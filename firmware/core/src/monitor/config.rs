@@ -1,16 +1,91 @@
-//! Traits of an axis: the place of its index sensor, and the widths by which readings are classified. They follow from the settings. Only
-//! the place of the sensor moves, as homing moves the common zero.
+//! Configuration of the monitor: what follows from the settings, and no tick changes.
 
 use core::hash::{Hash, Hasher};
 
-use crate::drift::detection::angles::angle as to_angle;
-use crate::drift::sensing::index_filter::BRIDGE_WIDTHS;
+use super::angles::{Angle, exceeds};
+use super::filter::BRIDGE_WIDTHS;
+use super::limits::DriftLimits;
+use super::modes::{AxisSet, Mount};
+use super::tick_phase::TickClock;
 use crate::settings::{AxisSettings, Settings, turns};
-use crate::units::{Phase, Turns};
+use crate::units::{MAX_AXES, Turns};
 
-/// Traits of an axis.
+/// Configuration of the monitor.
+#[derive(Clone, Debug)]
+pub(crate) struct Config {
+    pub limits: DriftLimits,
+    pub mount: Mount,
+    /// Axes that have an index sensor and no encoder, and axes that have an encoder.
+    pub by_index: AxisSet,
+    pub by_encoder: AxisSet,
+    pub(super) clock: TickClock,
+    pub(super) axes: heapless::Vec<AxisConfig, MAX_AXES>,
+}
+
+impl Config {
+    /// Configuration of a monitor without axes.
+    pub(super) const NONE: Self = Self {
+        limits: DriftLimits::NONE,
+        mount: Mount::NONE,
+        by_index: 0,
+        by_encoder: 0,
+        clock: TickClock::new(62_500),
+        axes: heapless::Vec::new(),
+    };
+
+    /// Configures in place from checked settings.
+    #[cold]
+    pub(super) fn set(&mut self, settings: &Settings) {
+        let set = |has: &dyn Fn(&AxisSettings) -> bool| {
+            let axes = settings.axes.iter().enumerate();
+            axes.fold(0, |set, (i, axis)| set | u8::from(has(axis)) << i)
+        };
+        let by_index = set(&|axis| axis.index_turns.is_some());
+        self.by_encoder = set(&|axis| axis.encoder);
+        self.by_index = by_index & !self.by_encoder;
+        self.limits = DriftLimits::new(&settings.drift, &settings.machine, settings.tick_hz);
+        self.mount = Mount::with(settings.axes.len(), by_index | self.by_encoder);
+        self.clock = TickClock::new(settings.tick_cycles());
+        self.axes.clear();
+        for (i, axis) in settings.axes.iter().enumerate() {
+            let alone = self.limits.alone(&self.mount, i, settings.axes.len());
+            let config = AxisConfig::new(axis, settings, self.limits.reading, alone);
+            let pushed = self.axes.push(config);
+            debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
+        }
+    }
+
+    /// Hashes what is common to all axes.
+    #[inline(always)]
+    pub fn hash_common(&self, hasher: &mut impl Hasher) {
+        let Self {
+            limits: _,
+            mount,
+            by_index,
+            by_encoder,
+            clock,
+            axes,
+        } = self;
+        (by_index, by_encoder, mount.detected(), clock, axes.len()).hash(hasher);
+    }
+
+    /// Hashes one of three slices of an axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub fn hash_axis(&self, axis: usize, slice: usize, hasher: &mut impl Hasher) -> bool {
+        // Beyond their capacity there are none, even if their number is wrong.
+        match self.axes.get(axis) {
+            Some(config) if axis < MAX_AXES => {
+                config.hash_slice(slice, hasher);
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+/// The sensors of one axis, and the widths by which their readings are classified.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::drift) struct Traits {
+pub(super) struct AxisConfig {
     pub has_index: bool,
     pub has_encoder: bool,
     /// Phase at which the flag of its index sensor begins, going forward.
@@ -24,7 +99,7 @@ pub(in crate::drift) struct Traits {
     pub covered: i32,
     /// Commanded turns per tick up to which a swinging rotor may go back.
     pub slow: Turns,
-    /// Largest error of a reading, and difference of two readings of a crank that has not moved.
+    /// Largest error of a reading.
     pub tolerance: Turns,
     /// A pulse further than this from its place is out of place, and a crank has moved.
     pub gate: Turns,
@@ -34,7 +109,7 @@ pub(in crate::drift) struct Traits {
     pub alone: Turns,
 }
 
-impl Traits {
+impl AxisConfig {
     #[cold]
     pub fn new(axis: &AxisSettings, settings: &Settings, reading: Turns, alone: Turns) -> Self {
         let tolerance = tolerance(axis, reading);
@@ -58,10 +133,8 @@ impl Traits {
         }
     }
 
-    /// Hashes one of four slices of the traits. Homing moves the place of the sensor and the home offset by as much in opposite senses, so
-    /// their sum within a turn never changes.
     #[inline(always)]
-    pub fn hash_slice(&self, slice: usize, home_offset: Turns, hasher: &mut impl Hasher) {
+    fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) {
         let Self {
             has_index,
             has_encoder,
@@ -76,33 +149,24 @@ impl Traits {
             alone,
         } = self;
         match slice {
-            0 => (has_index, has_encoder, delay, covered).hash(hasher),
+            0 => (has_index, has_encoder, delay, covered, index).hash(hasher),
             1 => (slow, tolerance, gate).hash(hasher),
-            2 => {
-                let place = index.wrapping_add(home_offset);
-                if *has_index {
-                    Phase::from_turns(place).within_turn().hash(hasher);
-                }
-                alone.hash(hasher);
-            }
-            _ => (flag, cycle).hash(hasher),
+            _ => (flag, cycle, alone).hash(hasher),
         }
     }
 
-    /// Delay of a pulse beyond which the crank may exceed its limit.
-    pub fn overdue(&self, is_homing: bool) -> Turns {
-        // A pulse that is late by a gate may show a lost cycle. If that exceeds a limit, it may have done so for a turn.
-        let is_cycle_too_far =
-            self.cycle > 0 && self.alone < self.cycle.saturating_sub(self.tolerance);
-        if is_cycle_too_far && !is_homing {
-            self.gate
-        } else {
-            self.alone.max(self.gate)
-        }
+    /// True if the axis has an index sensor and no encoder.
+    pub const fn is_by_index(&self) -> bool {
+        self.has_index && !self.has_encoder
+    }
+
+    /// Delay of a pulse beyond which the crank of an axis with an encoder has passed its flag without one.
+    pub fn overdue(&self) -> Turns {
+        self.alone.max(self.gate)
     }
 
     /// Deviation of an encoder from its command in one tick that is larger than any crank can make.
-    pub fn jump(&self) -> Turns {
+    pub const fn jump(&self) -> Turns {
         Turns::from_bits(self.tolerance.to_bits() * 4)
     }
 
@@ -111,14 +175,14 @@ impl Traits {
         self.gate.max(Turns::from_bits(self.cycle.to_bits() / 2))
     }
 
-    /// Largest change of a mean phase error that is no step of a drift, an angle.
-    pub fn drift_step(&self) -> u32 {
-        to_angle(self.tolerance).unsigned_abs() / 2
+    /// Largest change of a mean phase error that is no step of a drift.
+    pub const fn drift_step(&self) -> Turns {
+        Turns::from_bits(self.tolerance.to_bits() / 2)
     }
 
     /// True if an angle is wider than the gate.
-    pub fn is_beyond_gate(&self, angle: i32) -> bool {
-        angle.unsigned_abs() > to_angle(self.gate).unsigned_abs()
+    pub fn is_beyond_gate(&self, angle: Angle) -> bool {
+        exceeds(angle, self.gate)
     }
 }
 

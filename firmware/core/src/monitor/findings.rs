@@ -1,6 +1,6 @@
 //! Findings that wait to be reported, one per tick, and the fault that caused a stop, which may get a better name.
 
-use super::events::is_better;
+use crate::supervisor::is_better;
 use crate::supervisor::{Fault, FaultKind, Reaction, reaction};
 use crate::units::Turns;
 use heapless::Deque;
@@ -43,14 +43,14 @@ fn disables(kind: FaultKind) -> bool {
 
 /// Findings, in the order in which they are reported.
 #[derive(Clone, Debug)]
-pub(in crate::drift) struct Findings {
+pub(super) struct Findings {
     waiting: Deque<Finding, WAITING>,
     /// Axis and kind of the fault for which a stop was requested, and the master's turns since then.
     open: Option<(Option<usize>, FaultKind, Turns)>,
 }
 
 impl Findings {
-    pub(in crate::drift) const fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self {
             waiting: Deque::new(),
             open: None,
@@ -58,14 +58,14 @@ impl Findings {
     }
 
     /// Adds turns of the master.
-    pub(in crate::drift) const fn pass(&mut self, turns: Turns) {
+    pub(super) const fn pass(&mut self, turns: Turns) {
         if let Some((_, _, since)) = &mut self.open {
             *since = since.saturating_add(turns);
         }
     }
 
     /// Takes the next finding to report.
-    pub(in crate::drift) fn next(&mut self) -> Option<Finding> {
+    pub(super) fn next(&mut self) -> Option<Finding> {
         // Usually there is none, and `is_empty` is faster than moving an empty finding.
         if self.waiting.is_empty() {
             None
@@ -74,11 +74,11 @@ impl Findings {
         }
     }
 
-    pub(in crate::drift) const fn has_requested_stop(&self) -> bool {
+    pub(super) const fn has_requested_stop(&self) -> bool {
         self.open.is_some()
     }
 
-    pub(in crate::drift) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.waiting.clear();
         self.open = None;
     }
@@ -87,7 +87,7 @@ impl Findings {
     /// the limits, the queue takes only better names for the first, and faults that a stop does not reach. Those within limits are queued.
     /// If the first has not been reported yet, it is reported by its better name alone.
     #[inline(never)]
-    pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
+    pub(super) fn push(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
         let before = self.open;
         let mut supersedes = false;
         let mut turns = Turns::ZERO;

@@ -1,0 +1,536 @@
+//! One axis of the monitor: what its sensors show together.
+//!
+//! An axis with both sensors has the phase error of its encoder plus the place of its index, which is the difference of crank and encoder.
+//! A jump of the encoder is *unconfirmed* until the index decides. A pulse in its place shows that counts were lost. No pulse there shows
+//! that the crank moved. If the index is out of place and the encoder has measured nothing, the crank slipped on its shaft.
+
+use super::angles::{Angle, angle, exceeds, of_angle};
+use super::config::AxisConfig;
+use super::encoder::{CountScale, Encoder, Read, Tracking};
+use super::index::{Index, MOST_LATE, Passage};
+use super::names::{Events, may_be_fast};
+use super::steady_drift::SteadyDrift;
+use super::tick_phase::{IndexPulse, TickClock, TickPhase};
+use crate::servo::{ServoPart, servo_part};
+use crate::settings::AxisSettings;
+use crate::supervisor::FaultKind;
+use crate::units::{Phase, Turns, nearest};
+
+/// Missing index pulses in a row that are tolerated on an axis with an encoder.
+const MOST_MISSED: u8 = 2;
+
+/// Time at which a phase error is measured, on an axis whose encoder shows it all the time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measured {
+    /// In this tick, with the noise of a reading.
+    Now,
+    /// Filtered over the last ticks: with less noise, and delayed by some ticks.
+    Lately,
+    /// At the last passage of the flag, where loads are alike in each turn, to be compared with that of a turn ago. Without an index
+    /// sensor, the same as `Lately`.
+    AtFlag,
+    /// Mean over a turn. A load acts on a crank differently at each angle, so a mean over less would depend on where it began.
+    OverTurn,
+}
+
+/// Motion of a crank on its shaft or away from its command.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Motion {
+    /// Since the last round.
+    pub jump: Angle,
+    /// Since the place from which slow motion is counted.
+    pub walk: Angle,
+}
+
+/// What the sensors of an axis report in a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Input {
+    pub pulse: Option<IndexPulse>,
+    /// Encoder count at the end of the tick.
+    pub count: i32,
+    /// Commanded phase over the tick, and the turns of the tick before, if known.
+    pub over: TickPhase,
+    pub before: Option<Turns>,
+    /// Phase at which the flag begins.
+    pub index: Turns,
+    pub clock: TickClock,
+}
+
+/// Fault that is to be reported: its kind, its size, and whether the crank is still detected.
+pub(super) type Report = (FaultKind, Turns, bool);
+
+/// What a tick showed of an axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shown {
+    /// The index shows where the crank is.
+    pub is_detected: bool,
+    /// Distance by which the crank moved, as the index shows.
+    pub has_moved: Option<Angle>,
+    /// A motion was recorded, or a steady drift, which have not been reported yet.
+    pub is_new: bool,
+    pub drifts: bool,
+    /// Fault that is to be reported.
+    pub reported: Option<Report>,
+    /// Turns by which a pulse is late that no longer comes in its place.
+    pub late: Turns,
+}
+
+impl Shown {
+    /// Adds what the same tick showed later.
+    fn add(&mut self, later: Self) {
+        self.is_detected |= later.is_detected;
+        self.has_moved = later.has_moved.or(self.has_moved);
+        self.is_new |= later.is_new;
+        self.drifts |= later.drifts;
+        self.reported = self.reported.or(later.reported);
+    }
+}
+
+/// State of one axis.
+#[derive(Clone, Debug)]
+pub(super) struct Axis {
+    /// Without a sensor, pulses are ignored, and the place stays zero.
+    pub(super) index: Index,
+    pub(super) encoder: Option<ServoPart<Encoder>>,
+    /// Place in the last round, and the place from which slow motion is counted.
+    last: Angle,
+    home: Angle,
+    pub(super) events: Events,
+    pub(super) steady_drift: SteadyDrift,
+}
+
+impl Axis {
+    #[cold]
+    pub(super) fn new(axis: &AxisSettings) -> Self {
+        let encoder = axis
+            .encoder
+            .then(|| CountScale::new(axis.steps_per_crank_turn(), axis.reversed))
+            .map(Encoder::new);
+        Self {
+            index: Index::new(Phase::ZERO),
+            encoder: servo_part(encoder),
+            last: Angle::ZERO,
+            home: Angle::ZERO,
+            events: Events::new(),
+            steady_drift: SteadyDrift::default(),
+        }
+    }
+
+    /// Processes a tick.
+    #[inline(never)]
+    pub(super) fn observe(&mut self, config: &AxisConfig, input: &Input) -> Shown {
+        let commanded = input.over.turns;
+        let Input {
+            mut over,
+            mut before,
+            ..
+        } = *input;
+        let mut read = Read::Nothing;
+        let mut jumped = None;
+        if let Some(encoder) = &mut self.encoder {
+            // The phase of the motor, not of its command.
+            over.start = over.start.advanced(encoder.phase_error);
+            before = encoder.made;
+            (read, over.turns) = encoder.observe(input.count, &input.over, config.jump());
+            jumped = encoder.unconfirmed.map(|jumps| jumps.at);
+        }
+        if !config.has_index {
+            return self.take_in(config, Passage::Nothing, read);
+        }
+        // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
+        let measure = |pulse| {
+            let tick = (&over, before);
+            let (index, clock) = (input.index, input.clock);
+            self.index
+                .measure(config, index, pulse, tick, commanded, clock)
+        };
+        let pulse = input.pulse.and_then(measure);
+        // Pulses have been reported up to here.
+        let covered = (commanded.to_bits() >> 16).wrapping_mul(i64::from(config.covered));
+        let covered = over.start.advanced(Turns::from_bits(covered));
+        let mut shown = Shown::default();
+        let mut pass = |state: &mut Self, now| {
+            let passage = if state.index.late(now) > 0 {
+                state.index.pass(config, now, jumped)
+            } else {
+                Passage::Nothing
+            };
+            let read = core::mem::replace(&mut read, Read::Nothing);
+            if passage != Passage::Nothing || read != Read::Nothing {
+                shown.add(state.take_in(config, passage, read));
+            }
+        };
+        match pulse {
+            // A place that passed before the pulse decides first.
+            Some(pulse) => {
+                if self.index.contradicts(config, &pulse) {
+                    pass(self, pulse.at);
+                }
+                let passage = self.index.decide(config, pulse);
+                shown.add(self.take_in(config, passage, read));
+            }
+            None => pass(self, covered),
+        }
+        shown.late = self.late(config, covered);
+        shown
+    }
+
+    /// Turns by which a pulse is late that no longer comes in its place: the crank is as far behind. A missing pulse is no evidence against
+    /// an encoder, except before the first pulse.
+    fn late(&self, config: &AxisConfig, now: Phase) -> Turns {
+        if config.has_encoder && self.index.is_known() {
+            return Turns::ZERO;
+        }
+        let late = self.index.late(now);
+        if late <= config.gate {
+            return Turns::ZERO;
+        }
+        late.min(MOST_LATE)
+    }
+
+    /// Turns that may pass from the end of a tick until a pulse that stays away has a consequence.
+    pub(super) fn margin(&self, config: &AxisConfig, over: &TickPhase) -> Turns {
+        let end = over.start.advanced(over.turns);
+        config.tolerance.saturating_sub(self.index.late(end))
+    }
+
+    /// Processes a tick whose phase is not known.
+    pub(super) fn disregard(
+        &mut self,
+        config: &AxisConfig,
+        has_pulse: bool,
+        count: i32,
+        start: Phase,
+    ) {
+        let mut start = start;
+        if let Some(encoder) = &mut self.encoder {
+            encoder.skip(count);
+            start = start.advanced(encoder.phase_error);
+        }
+        if has_pulse && config.has_index {
+            self.index.disregard(start);
+        }
+    }
+
+    /// Evaluates what index and encoder showed in a tick.
+    #[inline(never)]
+    fn take_in(&mut self, config: &AxisConfig, passage: Passage, read: Read) -> Shown {
+        let mut shown = Shown::default();
+        let has_encoder = config.has_encoder;
+        shown.reported = match passage {
+            Passage::Nothing => None,
+            Passage::First => self.first(config),
+            Passage::InPlace { extra, was_missing } => {
+                self.in_place(config, extra, was_missing && !has_encoder, &mut shown)
+            }
+            Passage::Elsewhere { by } => {
+                let runs = !has_encoder && self.events.runs_on(by, config);
+                runs.then(|| self.runs_away(by))
+            }
+            // Before the place is confirmed, pulses at several places may be noise. An encoder shows whether the crank runs.
+            Passage::Extra { by } if !self.index.is_confirmed() => {
+                let is_sure = !self.events.had_extra() || has_encoder;
+                Some(self.extra(by, is_sure))
+            }
+            // If the crank is ahead already, and its pulse is early again, it runs away.
+            Passage::Extra { by } => {
+                let is_ahead = self.events.has_jumped_ahead() && self.phase_error() > 0;
+                let runs = self.events.had_extra() || is_ahead;
+                Some(if runs {
+                    self.runs_away(by)
+                } else {
+                    self.extra(by, true)
+                })
+            }
+            // Noise would have to come twice, each time ahead of the last guess. So the crank gains, as one does that slips.
+            Passage::Dismissed { by } if self.events.had_extra() => {
+                shown.has_moved = Some(self.elsewhere(config, -by, &mut shown.is_new));
+                None
+            }
+            Passage::Dismissed { by } => {
+                self.events.pass_turn();
+                self.home = self.index.place;
+                Some(self.extra(by, true))
+            }
+            Passage::Moved { by, from_guess } => {
+                // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse. Before the place is
+                // confirmed, the first pulse may have been noise, and the next turns decide.
+                let may_run = !has_encoder && !from_guess && self.events.had_extra();
+                shown.has_moved = Some(self.elsewhere(config, by, &mut shown.is_new));
+                may_run.then_some((FaultKind::IndexExtra, of_angle(by), false))
+            }
+            Passage::NotWhereCountsWereLost => self.nowhere(config, &mut shown),
+            Passage::Missing => Some(self.missing(config)),
+        };
+        let is_place = matches!(
+            passage,
+            Passage::First | Passage::InPlace { .. } | Passage::Dismissed { .. }
+        );
+        shown.is_detected = is_place || shown.has_moved.is_some();
+        if shown.is_detected
+            && let Some(encoder) = &mut self.encoder
+        {
+            encoder.at_flag = encoder.filtered;
+        }
+        if shown.reported.is_none() {
+            shown.reported = self.read(config, read, &mut shown.is_new);
+        }
+        shown
+    }
+
+    /// Processes the first pulse of all, which shows where the crank is. Reports a jump that the encoder made before it.
+    fn first(&mut self, config: &AxisConfig) -> Option<Report> {
+        self.home = self.index.place;
+        let by = self.take_unconfirmed()?;
+        let kind = match config.name_of_one(by) {
+            FaultKind::LostSteps => FaultKind::LostSteps,
+            _ => FaultKind::EncoderGlitch,
+        };
+        Some((kind, by, true))
+    }
+
+    /// Takes the unconfirmed jump of the encoder, if there is one.
+    fn take_unconfirmed(&mut self) -> Option<Turns> {
+        self.encoder.as_mut()?.take_unconfirmed()
+    }
+
+    /// Processes a pulse in its place, and perhaps an extra one before it.
+    fn in_place(
+        &mut self,
+        config: &AxisConfig,
+        extra: Option<Angle>,
+        was_missing: bool,
+        shown: &mut Shown,
+    ) -> Option<Report> {
+        // An encoder shows whether the crank runs fast. At three times the commanded speed, two extra pulses come per turn.
+        let had_extra = self.events.had_extra();
+        let extra = extra.map(|by| {
+            let is_sure = !may_be_fast(by) && !had_extra || config.has_encoder;
+            self.extra(by, is_sure)
+        });
+        self.events.pass_turn();
+        if config.has_encoder {
+            // The crank may move away from its encoder, turn by turn.
+            (shown.is_new, shown.drifts) = self.walk(config, self.motion().walk);
+        }
+        if was_missing {
+            return Some((FaultKind::IndexMissing, Turns::ZERO, false));
+        }
+        if extra.is_some() {
+            return extra;
+        }
+        let unconfirmed = self.take_unconfirmed()?;
+        Some((FaultKind::EncoderGlitch, unconfirmed, true))
+    }
+
+    fn extra(&mut self, by: Angle, is_sure: bool) -> Report {
+        let within_limits = self.events.extra(by) && is_sure;
+        (FaultKind::IndexExtra, of_angle(by), within_limits)
+    }
+
+    fn runs_away(&mut self, by: Angle) -> Report {
+        self.events.run();
+        (FaultKind::Runaway, of_angle(by), false)
+    }
+
+    /// Processes a motion of the crank, `by` as the index shows. Returns the whole motion.
+    fn elsewhere(&mut self, config: &AxisConfig, by: Angle, is_new: &mut bool) -> Angle {
+        self.events.pass_turn();
+        if self.encoder.is_none() {
+            return by; // named at the end of the round
+        }
+        *is_new = true;
+        let jump = self.take_unconfirmed().unwrap_or_default();
+        // If the encoder jumped as well, the motor moved. Otherwise the crank slipped on its shaft. If the crank passes its flag during the
+        // jump, the index shows only a part of it.
+        let shown = of_angle(by);
+        let same_sense = jump != 0 && (shown < 0) == (jump < 0);
+        let most = of_angle(angle(jump))
+            .wrapping_abs()
+            .saturating_add(config.gate);
+        if same_sense && shown.wrapping_abs() <= most {
+            self.confirm(jump, shown, false);
+            return angle(jump);
+        }
+        self.events.slip(by);
+        self.home += by;
+        by
+    }
+
+    /// Processes a missing pulse at the place where lost counts of the encoder would have put it. If the encoder jumped, the crank moved
+    /// with it.
+    fn nowhere(&mut self, config: &AxisConfig, shown: &mut Shown) -> Option<Report> {
+        let jump = self.take_unconfirmed()?;
+        if !config.is_beyond_gate(angle(jump)) {
+            // The reading came back, so the crank did not move.
+            return Some((FaultKind::EncoderGlitch, jump, true));
+        }
+        self.confirm(jump, Turns::ZERO, true);
+        shown.has_moved = Some(angle(jump));
+        shown.is_new = true;
+        None
+    }
+
+    /// Records that the crank made the same `jump` as its encoder. The index has `shown` a part of it.
+    fn confirm(&mut self, jump: Turns, shown: Turns, has_passed: bool) {
+        self.index.move_place(jump.wrapping_sub(shown), has_passed);
+        self.home += angle(jump);
+        self.events.jump(angle(jump));
+    }
+
+    /// Processes a missing pulse of an axis whose encoder shows that it turns.
+    fn missing(&self, config: &AxisConfig) -> Report {
+        if self.events.is_slipping(config, self.phase_error() > 0) {
+            // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
+            return (FaultKind::Slip, config.alone.wrapping_neg(), false);
+        }
+        let within_limits = self.index.missed <= MOST_MISSED;
+        (FaultKind::IndexMissing, Turns::ZERO, within_limits)
+    }
+
+    /// Evaluates a reading of the encoder.
+    fn read(&mut self, config: &AxisConfig, read: Read, is_new: &mut bool) -> Option<Report> {
+        match read {
+            Read::Glitch { by } => return Some((FaultKind::EncoderGlitch, by, true)),
+            // There is no index that could decide, so the jump counts.
+            Read::Jump { by } if !config.has_index => {
+                self.encoder.as_mut()?.believe();
+                self.events.jump(angle(by));
+                *is_new = true;
+            }
+            _ => {}
+        }
+        None
+    }
+
+    /// Compares an axis without an encoder with the `common` motion, and begins a new round. Returns whether it moved, and whether it
+    /// drifts.
+    pub(super) fn compare(&mut self, config: &AxisConfig, common: Motion) -> (bool, bool) {
+        let own = self.motion();
+        let jump = own.jump - common.jump;
+        self.last = self.index.place;
+        if config.is_beyond_gate(jump) {
+            self.home += jump;
+            self.events.jump(jump);
+            (true, false)
+        } else {
+            self.walk(config, own.walk - common.walk)
+        }
+    }
+
+    /// Records how far the crank is from where slow motion is counted, once a turn.
+    fn walk(&mut self, config: &AxisConfig, walk: Angle) -> (bool, bool) {
+        let drifts = self.steady_drift.add(walk, config.drift_step());
+        let slips = config.is_beyond_gate(walk);
+        if slips {
+            self.home += walk;
+            self.steady_drift.shift(walk);
+            self.events.slip(walk);
+        }
+        (slips, drifts)
+    }
+
+    /// Motion of the crank.
+    pub(super) fn motion(&self) -> Motion {
+        Motion {
+            jump: self.index.place - self.last,
+            walk: self.index.place - self.home,
+        }
+    }
+
+    /// True if the crank moved by more than a gate from the `common` motion.
+    pub(super) fn moves_from(&self, config: &AxisConfig, common: Motion) -> bool {
+        let own = self.motion();
+        config.is_beyond_gate(own.jump - common.jump)
+            || config.is_beyond_gate(own.walk - common.walk)
+    }
+
+    /// Measured minus commanded, turns, −½ to ½.
+    #[inline(never)]
+    pub(super) fn error(&self, config: &AxisConfig, measured: Measured) -> Turns {
+        let place = of_angle(self.index.place);
+        let Some(encoder) = &self.encoder else {
+            return place;
+        };
+        let own = match measured {
+            Measured::Now => encoder.phase_error,
+            Measured::AtFlag if config.has_index => encoder.at_flag,
+            Measured::Lately | Measured::AtFlag => encoder.filtered,
+            Measured::OverTurn => encoder.mean,
+        };
+        nearest(place.wrapping_add(own))
+    }
+
+    /// The same, from the latest reading.
+    pub(super) fn phase_error(&self) -> Turns {
+        let place = of_angle(self.index.place);
+        match &self.encoder {
+            Some(encoder) => nearest(place.wrapping_add(encoder.phase_error)),
+            None => place,
+        }
+    }
+
+    /// Name of the fault that moved this axis in the last turns, or moves it now, if it is known.
+    pub(super) fn name(&self, config: &AxisConfig) -> Option<FaultKind> {
+        let is_ahead = self.phase_error() > 0;
+        self.tracking(config)
+            .or_else(|| self.events.name(config, is_ahead))
+    }
+
+    /// True if the axis has a name.
+    pub(super) fn has_moved(&self, config: &AxisConfig) -> bool {
+        self.events.has_moved() || self.tracking(config).is_some()
+    }
+
+    /// Name of the motor's motion by its encoder, if that is the cause of its phase error.
+    pub(super) fn tracking(&self, config: &AxisConfig) -> Option<FaultKind> {
+        let encoder = self.encoder.as_ref()?;
+        if !exceeds(angle(encoder.phase_error), config.gate) {
+            return None;
+        }
+        match encoder.tracking {
+            Tracking::Ok => None,
+            Tracking::Stalled if encoder.has_gone_back(config) => Some(FaultKind::Reversed),
+            Tracking::Stalled => Some(FaultKind::Stuck),
+            Tracking::Overspeed => Some(FaultKind::Runaway),
+        }
+    }
+
+    /// Phase error of the motor by its encoder.
+    pub(super) fn tracking_error(&self) -> Option<Turns> {
+        self.encoder.as_ref().map(|encoder| encoder.phase_error)
+    }
+
+    /// True if its encoder alone shows that the axis does not turn as commanded.
+    pub(super) fn is_off_track(&self, config: &AxisConfig) -> bool {
+        let error = self.tracking_error();
+        error.is_some_and(|error| error.wrapping_abs() > config.alone)
+    }
+
+    /// Discards all measurements. The search for the index begins at this phase.
+    #[inline(never)] // long, and runs only once per start
+    pub(super) fn reset(&mut self, phase: Phase) {
+        self.index = Index::new(phase);
+        if let Some(encoder) = &mut self.encoder {
+            encoder.reset();
+        }
+        self.events = Events::new();
+    }
+
+    /// Ends homing: motion counts from here.
+    pub(super) fn settle(&mut self) {
+        self.last = self.index.place;
+        self.home = self.last;
+        self.events = Events::new();
+        self.steady_drift = SteadyDrift::default();
+    }
+
+    /// Moves the zero of all phases, so that the phase error grows by `by`.
+    pub(super) fn shift(&mut self, config: &AxisConfig, by: Angle) {
+        if config.has_index {
+            self.index.shift(by);
+        }
+        self.last += by;
+        self.home += by;
+    }
+}

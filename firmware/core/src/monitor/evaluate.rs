@@ -1,0 +1,414 @@
+//! Evaluation of a tick: the estimates of all axes, their comparison with the limits and with each other, and the report.
+
+use super::angles::{angle, in_common, middle, of_angle};
+use super::axis::{Input, Motion, Report, Shown};
+use super::index::MOST_LATE;
+use super::{Angle, AxisSet, DriftMonitor, Measured, Modes, Sensed};
+use crate::supervisor::{Fault, FaultKind};
+use crate::units::{MAX_AXES, PerAxis, Turns};
+
+/// What a tick showed of all axes.
+#[derive(Clone, Copy, Debug, Default)]
+struct News {
+    /// Axes whose index showed where they are.
+    updated: AxisSet,
+    /// Axes with a motion, and with a steady drift, that have not been reported yet.
+    moved: AxisSet,
+    drifting: AxisSet,
+    /// Turns by which each pulse is late that no longer comes in its place.
+    late: PerAxis<Turns>,
+    /// The largest of them, and the smallest of all axes with a sensor.
+    latest: Turns,
+    least: Turns,
+}
+
+impl DriftMonitor {
+    /// Reads all sensors, and evaluates what they show.
+    #[inline(never)]
+    pub(super) fn sense(&mut self, sensed: &Sensed<'_>) {
+        let share = sensed.speed.min(Turns::ONE.wrapping_sub(self.averaged));
+        self.averaged = self.averaged.wrapping_add(share);
+        let mut news = News {
+            least: Turns::MAX,
+            ..News::default()
+        };
+        self.margin = Turns::MAX;
+        for axis in 0..self.axes.len().min(MAX_AXES) {
+            let (Some(config), Some(state)) = (self.config.axes.get(axis), self.axes.get_mut(axis))
+            else {
+                break;
+            };
+            let (over, before) = sensed.over(axis);
+            let input = Input {
+                pulse: sensed.index.of(axis),
+                count: sensed.encoder.get(axis).copied().unwrap_or_default(),
+                over,
+                before: self.before_is_known.then_some(before),
+                index: config.index.wrapping_add(self.zero),
+                clock: self.config.clock,
+            };
+            let shown = state.observe(config, &input);
+            if config.is_by_index() {
+                self.margin = self.margin.min(state.margin(config, &over));
+            }
+            if let Some(encoder) = &mut state.encoder {
+                encoder.average(share);
+            }
+            if self.watched() & 1 << axis != 0 {
+                news.least = news.least.min(shown.late);
+            }
+            if shown.late != 0
+                && let Some(late) = news.late.get_mut(axis)
+            {
+                *late = shown.late;
+                news.latest = news.latest.max(shown.late);
+            }
+            self.update(axis, &shown, &mut news, sensed);
+        }
+        self.evaluate(news, sensed);
+    }
+
+    /// Takes in what a tick showed of one axis.
+    fn update(&mut self, axis: usize, shown: &Shown, news: &mut News, sensed: &Sensed<'_>) {
+        let own: AxisSet = 1 << axis;
+        let slots = self.phase_error.get_mut(axis).zip(self.peak.get_mut(axis));
+        let (Some((error, peak)), Some(state)) = (slots, self.axes.get_mut(axis)) else {
+            return;
+        };
+        if shown.is_detected || state.encoder.is_some() {
+            *error = state.phase_error();
+            *peak = error.wrapping_abs().max(*peak);
+            self.changed = true;
+        }
+        if shown.is_detected {
+            news.updated |= own;
+            self.detected |= own;
+            self.unchecked &= !own;
+        }
+        news.moved |= AxisSet::from(shown.is_new) << axis;
+        news.drifting |= AxisSet::from(shown.drifts) << axis;
+        // During homing, the steps of homing evaluate the motion of the cranks.
+        if let Some(by) = shown.has_moved
+            && self.is_homing
+        {
+            if self.findings.has_requested_stop() && state.encoder.is_none() {
+                // The first pulse after a time without pulses shows how far the crank moved.
+                state.events.jump(by);
+                let config = self.config.axes.get(axis);
+                let name = config.and_then(|config| state.name(config));
+                if let Some(kind) = name {
+                    self.report(axis, (kind, of_angle(by), false), &news.late, sensed);
+                }
+            } else {
+                self.moved = Some((axis, of_angle(by)));
+            }
+        }
+        if let Some(reported) = shown.reported {
+            self.report(axis, reported, &news.late, sensed);
+        }
+    }
+
+    /// Evaluates a tick: compares the cranks with each other at the end of a round, and the modes of their estimates with the limits.
+    fn evaluate(&mut self, mut news: News, sensed: &Sensed<'_>) {
+        if self.is_homing {
+            self.check_encoders();
+        }
+        let stops = self.findings.has_requested_stop();
+        let is_late = news.latest != 0;
+        if news.updated == 0 && (!is_late || stops) && self.encoders() == 0 {
+            return;
+        }
+        let by_index = self.config.by_index;
+        let is_round_over = self.detected != 0 && self.detected & by_index == by_index;
+        if is_round_over {
+            self.detected = 0;
+            self.rounds = self.rounds.wrapping_add(1);
+        }
+        if !self.is_homing && is_round_over {
+            self.common_jump = self.compare(&mut news);
+        } else if !self.is_homing && stops && self.moves_apart() {
+            // A pulse that comes during the stop names the fault, though it may show no limit exceeded: a crank that runs away is a whole
+            // turn ahead for a moment.
+            self.compare(&mut news);
+        }
+        let mut errors = self.measured(sensed.correction);
+        if news.updated != 0 || self.encoders() != 0 {
+            self.modes = self.config.mount.modes(&errors);
+            self.changed = true;
+        }
+        let mut modes = self.modes;
+        if is_late {
+            self.fall(&mut errors, &news.late);
+            modes = self.config.mount.modes(&errors);
+        }
+        // Within a round, the others were measured up to a turn ago. Since then they have made the common motion.
+        let since = of_angle(self.common_jump).wrapping_abs();
+        let is_even = self.is_homing || is_round_over || since <= self.config.limits.reading;
+        let margin = if is_even { Turns::ZERO } else { since };
+        let exceeded = self.exceeded(&modes, margin, &news, sensed.speed);
+        let is_ones_own = exceeded.is_some_and(|kind| kind != FaultKind::CommonLag);
+        if is_ones_own && !self.is_homing && news.updated != 0 {
+            self.compare(&mut news);
+        }
+        self.report_moves(exceeded.is_none(), &news, sensed);
+        if let Some(kind) = exceeded {
+            self.attribute(kind, &errors, &news, sensed);
+        }
+    }
+
+    /// Measured phase errors with their corrections. In homing the common zero is not known, and phase errors may lie around half a turn.
+    /// Then they count from the first axis. Cranks may stand near a limit for many ticks then, so that the noise of an encoder has to be
+    /// filtered. Until all places are known, none count.
+    #[inline(never)]
+    fn measured(&self, correction: &PerAxis<Turns>) -> PerAxis<Angle> {
+        let mut errors = [Angle::ZERO; MAX_AXES];
+        if self.is_homing {
+            return if self.is_homed() {
+                self.left(correction)
+            } else {
+                errors
+            };
+        }
+        let measured = self.phase_error.iter().zip(correction);
+        for (sum, (&error, &correction)) in errors.iter_mut().zip(measured) {
+            *sum = angle(error) + angle(correction);
+        }
+        errors
+    }
+
+    /// Turns errors into estimates: a crank whose pulse is late is as far behind its last place. A stepper is behind by an electrical cycle
+    /// at least, except as it accelerates in homing.
+    fn fall(&self, errors: &mut PerAxis<Angle>, late: &PerAxis<Turns>) {
+        let axes = self.config.axes.iter().zip(late);
+        for (error, (config, &late)) in errors.iter_mut().zip(axes) {
+            if late != 0 {
+                let least = if self.is_homing {
+                    Turns::ZERO
+                } else {
+                    config.cycle
+                };
+                *error -= angle(late.max(least).min(MOST_LATE));
+            }
+        }
+    }
+
+    /// Phase errors as the cranks were left, with their corrections, counted from the first axis.
+    pub(super) fn left(&self, correction: &PerAxis<Turns>) -> PerAxis<Angle> {
+        let mut errors = self.errors(Measured::Lately).map(angle);
+        for (error, &correction) in errors.iter_mut().zip(correction) {
+            *error += angle(correction);
+        }
+        let first = self.watched().trailing_zeros() as usize;
+        let base = errors.get(first).copied().unwrap_or_default();
+        errors.map(|error| error - base)
+    }
+
+    /// The watched axis that is furthest from the phase error that all have in common.
+    #[inline(never)]
+    pub(super) fn furthest_of(&self, error: &PerAxis<Angle>) -> usize {
+        let watched = self.watched();
+        let common = in_common(error, watched);
+        let axes = error.iter().enumerate();
+        axes.filter(|(axis, _)| watched & 1 << axis != 0)
+            .max_by_key(|&(_, &error)| (error - common).0.to_bits().unsigned_abs())
+            .map_or(0, |(axis, _)| axis)
+    }
+
+    /// Compares the axes without an encoder, and records those that moved differently from the others. Returns the common jump.
+    fn compare(&mut self, news: &mut News) -> Angle {
+        let motion = self.common_motion();
+        for (axis, config, state) in self.each_mut() {
+            if config.is_by_index() {
+                let (moved, drifts) = state.compare(config, motion);
+                news.moved |= AxisSet::from(moved) << axis;
+                news.drifting |= AxisSet::from(drifts) << axis;
+            }
+        }
+        motion.jump
+    }
+
+    /// Motion that the axes without an encoder have in common.
+    #[inline(never)]
+    fn common_motion(&self) -> Motion {
+        let mut jumps = [Angle::ZERO; MAX_AXES];
+        let mut walks = jumps;
+        let mut count = 0;
+        for (_, config, state) in self.each() {
+            let slots = jumps.get_mut(count).zip(walks.get_mut(count));
+            if let Some((jump, walk)) = slots
+                && config.is_by_index()
+            {
+                let motion = state.motion();
+                (*jump, *walk) = (motion.jump, motion.walk);
+                count += 1;
+            }
+        }
+        Motion {
+            jump: middle(jumps.get_mut(..count).unwrap_or_default()),
+            walk: middle(walks.get_mut(..count).unwrap_or_default()),
+        }
+    }
+
+    /// True if a crank by index moved away from the others by more than a gate since the axes were compared.
+    fn moves_apart(&self) -> bool {
+        let motion = self.common_motion();
+        let mut axes = self.each();
+        axes.any(|(_, config, state)| config.is_by_index() && state.moves_from(config, motion))
+    }
+
+    /// The limit that the estimates with these modes exceed by `margin`, if they do: of the platform, or of the common lag.
+    fn exceeded(
+        &self,
+        modes: &Modes,
+        margin: Turns,
+        news: &News,
+        speed: Turns,
+    ) -> Option<FaultKind> {
+        let limits = &self.config.limits;
+        // In homing a crank stays where it was left, or was moved to prove its wiring, so the true limit applies. A crank that has moved
+        // may move on, and it may be beyond the true limit while its reading is not.
+        let may_be = limits.of_readings().exceeded(modes, margin);
+        let exceeded = may_be.and_then(|kind| {
+            let mut axes = self.each();
+            let has_moved = news.latest != 0
+                || !self.is_homing
+                    && (axes.any(|(_, config, state)| state.has_moved(config))
+                        || self.moves_apart());
+            if has_moved {
+                Some(kind)
+            } else {
+                limits.of_cranks.exceeded(modes, margin)
+            }
+        });
+        // Limits may be so wide that no delay exceeds them. If all cranks are late together, only the common part of their errors changes.
+        let is_overdue = news.latest >= MOST_LATE || news.least > limits.common;
+        match exceeded.or(is_overdue.then_some(FaultKind::Tilt)) {
+            None if !self.is_homing => limits.of_common(&self.modes, speed),
+            exceeded => exceeded,
+        }
+    }
+
+    /// Reports new motions of cranks by name. During homing and levelling, the steps of homing evaluate the motion of the cranks.
+    fn report_moves(&mut self, within_limits: bool, news: &News, sensed: &Sensed<'_>) {
+        if self.is_homing {
+            return;
+        }
+        for axis in 0..self.axes.len().min(MAX_AXES) {
+            let Some((config, state)) = self.of(axis) else {
+                return;
+            };
+            let moved = news.moved & 1 << axis != 0;
+            let name = state.events.name(config, state.phase_error() > 0);
+            let size = of_angle(state.events.size());
+            let way = state.steady_drift.way();
+            if let Some(kind) = name.filter(|_| moved) {
+                self.report(axis, (kind, size, within_limits), &news.late, sensed);
+            }
+            if news.drifting & 1 << axis != 0 {
+                self.report(axis, (FaultKind::Drift, way, true), &news.late, sensed);
+            }
+        }
+    }
+
+    /// Reports a fault of one axis.
+    #[inline(never)]
+    fn report(
+        &mut self,
+        axis: usize,
+        (kind, by, within_limits): Report,
+        late: &PerAxis<Turns>,
+        sensed: &Sensed<'_>,
+    ) {
+        // One axis alone cannot be compared with others.
+        let may_be_all = kind == FaultKind::IndexTimeout && self.watched().count_ones() > 1;
+        let all_lag = may_be_all && self.all_lag_by(self.lag(axis, late, sensed), late, sensed);
+        let fault = Fault::new(kind).on_axis(axis).with_size(by);
+        self.findings.push(fault, within_limits, all_lag);
+    }
+
+    /// Reports that a limit is exceeded, with the axis, and the name of the cause if it is known.
+    #[inline(never)]
+    fn attribute(
+        &mut self,
+        kind: FaultKind,
+        errors: &PerAxis<Angle>,
+        news: &News,
+        sensed: &Sensed<'_>,
+    ) {
+        if kind == FaultKind::CommonLag {
+            let size = self.config.limits.beyond_natural(&self.modes, sensed.speed);
+            let all_lag = self.all_lag_by(size.wrapping_neg(), &news.late, sensed);
+            let fault = Fault::new(kind).with_size(size);
+            return self.findings.push(fault, false, all_lag);
+        }
+        let kind = if self.is_homing {
+            FaultKind::HomingRangeExceeded
+        } else {
+            kind
+        };
+        // The cranks differ. A crank with a recorded event is the one that moved, even if another one is further from the rest.
+        let worst = self.furthest_of(errors);
+        let known = (worst..self.axes.len()).chain(0..worst).find_map(|axis| {
+            let (config, state) = self.of(axis)?;
+            if news.late.get(axis).is_some_and(|&late| late != 0) {
+                return Some((axis, FaultKind::IndexTimeout));
+            }
+            Some((axis, state.name(config)?))
+        });
+        let (axis, kind) = known.unwrap_or((worst, kind));
+        let size = match kind {
+            // No pulse showed how far the crank is.
+            FaultKind::IndexTimeout => self.alone(axis).wrapping_neg(),
+            _ => self.phase_error.get(axis).copied().unwrap_or_default(),
+        };
+        self.report(axis, (kind, size, false), &news.late, sensed);
+    }
+
+    /// Lag of an axis beyond the lag that belongs to the speed, turns: its phase error, and the delay of its next pulse.
+    fn lag(&self, axis: usize, late: &PerAxis<Turns>, sensed: &Sensed<'_>) -> Turns {
+        let value = |of: &PerAxis<Turns>| of.get(axis).copied().unwrap_or_default();
+        let error = angle(value(&self.phase_error)) + angle(value(sensed.correction));
+        let natural = self.config.limits.natural(sensed.speed);
+        let ahead = of_angle(error).wrapping_add(natural);
+        value(late).wrapping_sub(ahead)
+    }
+
+    /// Returns true if every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike,
+    /// although flags at different places show it at different times. A crank that failed lags alone.
+    #[inline(never)]
+    fn all_lag_by(&self, lag: Turns, late: &PerAxis<Turns>, sensed: &Sensed<'_>) -> bool {
+        let least = lag.wrapping_sub(lag / 4);
+        let watched = self.watched();
+        let mut axes = 0..self.axes.len();
+        lag > 0
+            && axes.all(|axis| watched & 1 << axis == 0 || self.lag(axis, late, sensed) >= least)
+    }
+
+    /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike. If the
+    /// motor follows, and the others lag alike, the fault is a common lag.
+    #[inline(never)]
+    fn check_encoders(&mut self) {
+        for axis in 0..self.axes.len().min(MAX_AXES) {
+            let Some((config, state)) = self.of(axis) else {
+                return;
+            };
+            if !state.is_off_track(config) {
+                continue;
+            }
+            let mut errors = [Angle::ZERO; MAX_AXES];
+            for (error, state) in errors.iter_mut().zip(&self.axes) {
+                *error = angle(state.tracking_error().unwrap_or_default());
+            }
+            let by = state.tracking_error().unwrap_or_default();
+            let others = self.encoders() & !(1 << axis);
+            let from_others = by.wrapping_sub(of_angle(in_common(&errors, others)));
+            let is_alike = others != 0 && from_others.wrapping_abs() <= config.alone;
+            let fault = match state.tracking(config) {
+                Some(kind) => Fault::new(kind).on_axis(axis),
+                None if is_alike => Fault::new(FaultKind::CommonLag),
+                None => Fault::new(FaultKind::Tilt).on_axis(axis),
+            };
+            self.findings.push(fault.with_size(by), false, false);
+        }
+    }
+}

@@ -1,0 +1,434 @@
+//! The phase-drift monitor. It measures the phase error of each crank, detects errors that are too large, and names the cause.
+//!
+//! A *phase error* is the measured minus the commanded phase of one axis. An *index pulse* comes once per turn of a crank, as it passes
+//! its sensor. An *encoder*, where an axis has one, is read in every tick. The cranks stand in a circle. So their N phase errors, with the
+//! trims that correct them, separate into *modes*: common (all lag alike, which is harmless), tilt about two axes, and warp, which no flat
+//! platform can follow.
+//!
+//! `docs/detection.md` is the specification, with the proof. In short:
+//!
+//! - The *estimate* of a crank is the phase error that its sensors showed last. While its index pulse is late, the crank must be behind that
+//!   place, so the estimate falls with the delay.
+//! - *Detection* compares the modes ([`Mount`]) of the estimates with their limits ([`DriftLimits`]). So one comparison finds a crank that
+//!   moved, one that stands, and one whose sensor has failed. If all cranks are late together, only their common part moves.
+//! - A *name* is a function of the last events of a crank, and of what its encoder shows. It is not needed to stop the machine.
+//!
+//! | module | |
+//! | --- | --- |
+//! | `config` | what follows from the settings |
+//! | `filter` | from lines to index pulses |
+//! | `index`, `encoder` | the sensors: what a pulse or a count shows of a crank |
+//! | `axis` | both together |
+//! | `modes`, `limits` | what the cranks do to the platform, and what they may do |
+//! | `names`, `steady_drift` | the motion of a crank, and its name |
+//! | `evaluate`, `findings` | detection, comparison of the cranks, and reports |
+//!
+//! The monitor neither chooses the reaction, which [`mod@crate::supervisor::reaction`] does, nor moves an axis.
+
+mod angles;
+mod axis;
+mod config;
+mod encoder;
+mod evaluate;
+mod filter;
+mod findings;
+mod history;
+mod index;
+mod limits;
+mod modes;
+mod names;
+mod steady_drift;
+mod tick_phase;
+
+pub use angles::Angle;
+pub use axis::Measured;
+pub(crate) use config::Config;
+pub use config::place_gate;
+pub use filter::IndexFilter;
+pub use findings::Finding;
+pub use history::{History, TickTurns};
+pub use limits::DriftLimits;
+pub use modes::{AxisSet, Knowledge, Modes, Mount};
+pub use tick_phase::{IndexPulse, IndexPulses, TickPhase};
+
+use crate::settings::Settings;
+use crate::supervisor::FaultKind;
+use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
+use angles::{angle, in_common, of_angle};
+use axis::Axis;
+use config::AxisConfig;
+use findings::Findings;
+
+/// Feedback of a tick, and the commands of that tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensed<'a> {
+    /// Index pulses.
+    pub index: &'a IndexPulses,
+    /// Encoder counts at the end of the tick, in the motors' own sense.
+    pub encoder: &'a PerAxis<i32>,
+    /// Phase of the master at the end of the tick that was planned last.
+    pub phase: Phase,
+    /// Commanded phases at that time, less the master's.
+    pub lead: &'a PerAxis<Turns>,
+    /// Turns that were commanded up to that time.
+    pub history: &'a History,
+    /// Corrections that these phases contain.
+    pub correction: &'a PerAxis<Turns>,
+    /// Turns of the master in the tick.
+    pub speed: Turns,
+}
+
+impl Sensed<'_> {
+    /// The phase of an axis over the tick that is over, and its turns in the tick before.
+    fn over(&self, axis: usize) -> (TickPhase, Turns) {
+        let lead = self.lead.get(axis).copied().unwrap_or_default();
+        self.history.recent().over(axis, self.phase.advanced(lead))
+    }
+}
+
+/// Monitor of the phase errors of all axes.
+#[derive(Clone, Debug)]
+pub struct DriftMonitor {
+    config: Config,
+    /// True if the last call of [`Self::observe`] covered the tick before the one that is over.
+    before_is_known: bool,
+    /// True if phase errors, peaks or modes may have changed since the last call of [`Self::take_changed`].
+    changed: bool,
+    /// True while homing searches for the phases of the cranks. Until then a phase error is no fault.
+    is_homing: bool,
+    /// Axes by index detected in this round.
+    detected: AxisSet,
+    /// Axes whose index has not been detected since [`Self::start_check`].
+    unchecked: AxisSet,
+    /// Motion that the axes without an encoder had in common in the last round.
+    common_jump: Angle,
+    /// Turns until a pulse of an axis without an encoder can be late; negative if that is not known.
+    margin: Turns,
+    rounds: u32,
+    /// Turns of the master over which the errors of encoders have been averaged, up to one.
+    averaged: Turns,
+    /// Turns by which homing has moved the zero of all phases.
+    zero: Turns,
+    findings: Findings,
+    phase_error: PerAxis<Turns>,
+    peak: PerAxis<Turns>,
+    modes: Modes,
+    /// Crank that moved during homing, as its index showed, and the distance.
+    moved: Option<(usize, Turns)>,
+    axes: heapless::Vec<Axis, MAX_AXES>,
+}
+
+/// The margin is not known.
+const NO_MARGIN: Turns = Turns::from_bits(-1);
+
+impl Default for DriftMonitor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl DriftMonitor {
+    /// A monitor without axes.
+    pub const fn new() -> Self {
+        Self {
+            config: Config::NONE,
+            before_is_known: false,
+            changed: false,
+            is_homing: true,
+            detected: 0,
+            unchecked: 0,
+            common_jump: Angle::ZERO,
+            margin: NO_MARGIN,
+            rounds: 0,
+            averaged: Turns::ZERO,
+            zero: Turns::ZERO,
+            findings: Findings::new(),
+            phase_error: [Turns::ZERO; MAX_AXES],
+            peak: [Turns::ZERO; MAX_AXES],
+            modes: Modes::ZERO,
+            moved: None,
+            axes: heapless::Vec::new(),
+        }
+    }
+
+    /// Replaces the configuration by that of checked settings, and resets the monitor.
+    #[cold]
+    #[inline(never)]
+    pub fn configure(&mut self, settings: &Settings) {
+        self.config.set(settings);
+        self.axes.clear();
+        for axis in &settings.axes {
+            let pushed = self.axes.push(Axis::new(axis));
+            debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
+        }
+        self.before_is_known = false;
+        self.zero = Turns::ZERO;
+        self.start_check();
+        self.rounds = 0;
+        self.reset_peak();
+        self.reset(&[Phase::ZERO; MAX_AXES]);
+    }
+
+    /// What follows from the settings.
+    pub(crate) const fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// Hashes what no tick changes of the encoder of an axis. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(crate) fn hash_encoder(&self, axis: usize, hasher: &mut impl core::hash::Hasher) -> bool {
+        use core::hash::Hash;
+        let encoder = self.axes.get(axis).map(|state| &state.encoder);
+        // An option of the constants would be none as well if a flipped bit makes an encoder of memory without one.
+        if let Some(encoder) = encoder {
+            encoder.is_some().hash(hasher);
+            if let Some(encoder) = encoder {
+                encoder.constants().hash(hasher);
+            }
+        }
+        encoder.is_some() && axis < MAX_AXES
+    }
+
+    /// The axes, each with its number, configuration and state.
+    fn each(&self) -> impl Iterator<Item = (usize, &AxisConfig, &Axis)> {
+        let axes = self.config.axes.iter().zip(&self.axes).enumerate();
+        axes.map(|(axis, (config, state))| (axis, config, state))
+    }
+
+    /// The same, to be changed.
+    fn each_mut(&mut self) -> impl Iterator<Item = (usize, &AxisConfig, &mut Axis)> {
+        let axes = self.config.axes.iter().zip(&mut self.axes).enumerate();
+        axes.map(|(axis, (config, state))| (axis, config, state))
+    }
+
+    fn of(&self, axis: usize) -> Option<(&AxisConfig, &Axis)> {
+        Some((self.config.axes.get(axis)?, self.axes.get(axis)?))
+    }
+
+    /// Skips a tick whose phase is not known. A sensor that made a pulse in it works.
+    pub fn disregard(&mut self, sensed: &Sensed<'_>) {
+        self.before_is_known = false;
+        self.margin = NO_MARGIN;
+        for (axis, config, state) in self.each_mut() {
+            let has_pulse = sensed.index.axes() & 1 << axis != 0;
+            let count = sensed.encoder.get(axis).copied().unwrap_or_default();
+            state.disregard(config, has_pulse, count, sensed.over(axis).0.start);
+        }
+    }
+
+    /// Name of a single jump of an axis, by its size alone.
+    pub fn name_of(&self, axis: usize, by: Turns) -> FaultKind {
+        let config = self.config.axes.get(axis);
+        config.map_or(FaultKind::Slip, |config| config.name_of_one(by))
+    }
+
+    /// True if every index has been detected since [`Self::reset`], and a turn has confirmed its place.
+    pub fn is_homed(&self) -> bool {
+        let mut axes = self.each();
+        axes.all(|(_, config, state)| !config.has_index || state.index.is_confirmed())
+    }
+
+    /// Rounds that are over since power-up; wraps. A round is over when each axis without an encoder has passed its index.
+    pub const fn rounds(&self) -> u32 {
+        self.rounds
+    }
+
+    /// Discards all measurements, because cranks may have been turned while the drives were off. Homing begins.
+    pub fn reset(&mut self, phase: &PerAxis<Phase>) {
+        self.detected = 0;
+        self.common_jump = Angle::ZERO;
+        self.is_homing = true;
+        self.moved = None;
+        self.findings.clear();
+        self.margin = NO_MARGIN;
+        self.averaged = Turns::ZERO;
+        for (state, &phase) in self.axes.iter_mut().zip(phase) {
+            state.reset(phase);
+        }
+        self.phase_error = [Turns::ZERO; MAX_AXES];
+        self.modes = Modes::default();
+        self.changed = true;
+    }
+
+    /// Takes the crank that was detected elsewhere than in the turn before during homing, and the distance.
+    pub const fn take_moved(&mut self) -> Option<(usize, Turns)> {
+        self.moved.take()
+    }
+
+    /// Phase error of each axis, turns, −½ to ½, as measured at this time.
+    #[inline(never)]
+    pub fn errors(&self, measured: Measured) -> PerAxis<Turns> {
+        let mut errors = self.phase_error;
+        for (error, (_, config, state)) in errors.iter_mut().zip(self.each()) {
+            *error = state.error(config, measured);
+        }
+        errors
+    }
+
+    /// True if errors that are measured [over a turn](Measured::OverTurn) cover a whole turn since [`Self::reset`] or [`Self::start_check`].
+    pub fn is_turn_over(&self) -> bool {
+        !self.has_encoders() || self.averaged >= Turns::ONE
+    }
+
+    /// Starts a check: every index must be detected again, and encoders are averaged over a new turn.
+    pub fn start_check(&mut self) {
+        self.averaged = Turns::ZERO;
+        let mut unchecked = 0;
+        for (axis, config, state) in self.each_mut() {
+            unchecked |= AxisSet::from(config.has_index) << axis;
+            if let Some(encoder) = &mut state.encoder {
+                encoder.mean = Turns::ZERO;
+            }
+        }
+        self.unchecked = unchecked;
+    }
+
+    /// True if every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
+    pub fn is_check_done(&self) -> bool {
+        self.unchecked == 0 && self.is_turn_over()
+    }
+
+    /// Ends homing: from now on, motion of a crank away from its command is a fault.
+    pub fn settle(&mut self) {
+        self.is_homing = false;
+        self.axes.iter_mut().for_each(Axis::settle);
+    }
+
+    /// Moves the zero of all phases, so that every phase error falls by `by`.
+    pub fn shift(&mut self, by: Turns) {
+        self.zero = self.zero.wrapping_sub(by);
+        for (_, config, state) in self.each_mut() {
+            state.shift(config, -angle(by));
+        }
+        self.phase_error = self.errors(Measured::Now);
+        self.reset_peak();
+    }
+
+    /// Largest error of a reading of an axis, turns.
+    pub fn tolerance(&self, axis: usize) -> Turns {
+        let config = self.config.axes.get(axis);
+        config.map_or(Turns::ZERO, |config| config.tolerance)
+    }
+
+    /// Largest difference of two readings of a crank whose rotor only swings, turns.
+    pub fn swing(&self, axis: usize) -> Turns {
+        let config = self.config.axes.get(axis);
+        config.map_or(Turns::MAX, AxisConfig::swing)
+    }
+
+    /// Turns by which one crank alone takes the platform beyond a limit.
+    pub fn alone(&self, axis: usize) -> Turns {
+        let config = self.config.axes.get(axis);
+        config.map_or(Turns::MAX, |config| config.alone)
+    }
+
+    /// Phase error of an axis's motor by its encoder, if it has one.
+    pub fn motor_error(&self, axis: usize) -> Option<Turns> {
+        self.axes.get(axis)?.tracking_error()
+    }
+
+    /// True if the sensor of an axis that is commanded to this phase may be at an end of its flag, so that a swinging rotor makes pulses.
+    pub fn is_at_flag(&self, axis: usize, phase: Phase) -> bool {
+        self.of(axis).is_some_and(|(config, state)| {
+            let index = config.index.wrapping_add(self.zero);
+            state.index.is_at_flag(config, index, phase)
+        })
+    }
+
+    /// True if these phase errors keep the platform within its limits of tilt and warp.
+    pub fn allows(&self, error: &PerAxis<Turns>) -> bool {
+        self.are_within(&error.map(angle))
+    }
+
+    fn are_within(&self, error: &PerAxis<Angle>) -> bool {
+        let modes = self.config.mount.modes(error);
+        let exceeded = self.config.limits.of_cranks.exceeded(&modes, Turns::ZERO);
+        exceeded.is_none()
+    }
+
+    /// The watched axis that is furthest from the phase error that all have in common.
+    pub fn furthest(&self, error: &PerAxis<Turns>) -> usize {
+        self.furthest_of(&error.map(angle))
+    }
+
+    /// Axis that is furthest from all others, and its distance, if the cranks exceed a limit of the platform as they stand.
+    pub fn left_beyond_limits(&self, correction: &PerAxis<Turns>) -> Option<(usize, Turns)> {
+        let errors = self.left(correction);
+        if self.are_within(&errors) {
+            return None;
+        }
+        let axis = self.furthest_of(&errors);
+        // This is the common error of the others. The mean of all would contain the error of this axis itself.
+        let others = self.watched() & !(1 << axis);
+        let common = in_common(&errors, others);
+        Some((axis, of_angle(*errors.get(axis)? - common)))
+    }
+
+    /// Axes that some sensor detects.
+    pub const fn watched(&self) -> AxisSet {
+        self.config.by_index | self.encoders()
+    }
+
+    /// Axes with an encoder.
+    const fn encoders(&self) -> AxisSet {
+        // Without servos the compiler drops all code for encoders.
+        if cfg!(feature = "servo") {
+            self.config.by_encoder
+        } else {
+            0
+        }
+    }
+
+    /// True if an axis has an encoder.
+    pub const fn has_encoders(&self) -> bool {
+        self.encoders() != 0
+    }
+
+    /// Phase error of each axis, as last measured: turns, −½ to ½.
+    pub const fn phase_error(&self) -> &PerAxis<Turns> {
+        &self.phase_error
+    }
+
+    /// Largest phase error of each axis so far, without sign.
+    pub const fn peak(&self) -> &PerAxis<Turns> {
+        &self.peak
+    }
+
+    /// Forgets the largest phase errors.
+    pub fn reset_peak(&mut self) {
+        self.peak = self.phase_error.map(Turns::wrapping_abs);
+        self.changed = true;
+    }
+
+    /// True if phase errors, their peaks or their modes may have changed since the last call.
+    pub const fn take_changed(&mut self) -> bool {
+        core::mem::replace(&mut self.changed, false)
+    }
+
+    /// Modes of the estimates with their corrections, as last computed.
+    pub const fn modes(&self) -> &Modes {
+        &self.modes
+    }
+
+    /// Axes without an encoder that have a pulse.
+    #[inline(always)]
+    pub const fn pulsed_by_index(&self, index: &IndexPulses) -> AxisSet {
+        index.axes() & self.config.by_index
+    }
+
+    /// Processes the feedback of a tick that is over. Returns the next finding to report, if there is one.
+    #[inline(never)]
+    pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
+        self.findings.pass(sensed.speed);
+        self.margin = self.margin.wrapping_sub(sensed.history.most());
+        let arrived = self.pulsed_by_index(sensed.index);
+        if arrived != 0 || self.margin < 0 || self.encoders() != 0 {
+            self.sense(sensed);
+        }
+        self.before_is_known = true;
+        self.findings.next()
+    }
+}
+
+#[cfg(test)]
+mod tests;
