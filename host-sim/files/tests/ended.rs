@@ -111,7 +111,7 @@ fn the_summary_reports_a_common_stop_only_if_axes_stopped() {
 #[test]
 fn faults_that_scattered_readings_cause_name_the_tolerance_of_a_reading() {
     const JITTER: &str = "scatter by more than drift.reading_error_deg, 0.25°";
-    for deg in [1.0, 3.0] {
+    for deg in [2.0, 3.0] {
         let line = fault_line(&format!("[noise]\nindex_deg = {deg}\n"));
         assert!(line.contains(JITTER), "{line}");
     }

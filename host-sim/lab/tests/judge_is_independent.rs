@@ -4,8 +4,9 @@ use std::fs;
 use std::path::Path;
 
 /// Names that the judge's sources must not contain: gates and thresholds of the monitor, and its table of reactions.
-const OF_THE_MONITOR: [&str; 4] = [
+const OF_THE_MONITOR: [&str; 5] = [
     "cophase_core::monitor",
+    "supervisor::alternatives",
     "supervisor::reaction",
     "place_gate",
     "Reaction",
@@ -60,17 +61,18 @@ fn no_source_of_the_judge_imports_the_monitor() {
 fn imports_are_found_however_they_are_written() {
     for text in [
         "use cophase_core::monitor::Modes;",
-        "use cophase_core::{\n    drift::Modes,\n    signals::Telemetry,\n};",
-        "use cophase_core::{signals, drift};",
+        "use cophase_core::{\n    monitor::Modes,\n    signals::Telemetry,\n};",
+        "use cophase_core::{signals, monitor};",
         "use cophase_core::supervisor::{FaultKind, reaction};",
         "use cophase_core::supervisor::reaction::reaction;",
         "let done = cophase_core :: supervisor :: reaction(kind, true);",
         "use cophase_core::supervisor::{Reaction, State};",
+        "use cophase_core::supervisor::alternatives;",
     ] {
         assert!(!imports(text).is_empty(), "{text}");
     }
     assert!(
-        imports("use cophase_core::supervisor::{FaultKind, State}; // a reaction, or drift")
+        imports("use cophase_core::supervisor::{FaultKind, State}; // a reaction, or monitor")
             .is_empty()
     );
 }

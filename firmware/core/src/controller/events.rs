@@ -15,7 +15,7 @@ const LAST_PULSES: u64 = 2 + MAX_AXES as u64;
 impl Controller {
     /// Drops a finding that is no fault of an axis. Renames one for which homing or the master's speed gives a better name.
     #[inline(never)] // seldom
-    pub(super) fn judge(&self, found: &mut Option<Finding>) {
+    pub(super) fn judge(&mut self, found: &mut Option<Finding>) {
         let Some(finding) = found else {
             return;
         };
@@ -27,7 +27,7 @@ impl Controller {
             return;
         }
         if finding.fault.kind == FaultKind::HomingRangeExceeded
-            && let Some(fault) = self.homing.explain(&self.monitor, &self.offsets)
+            && let Some(fault) = self.homing.explain(&mut self.monitor, &self.offsets)
         {
             finding.fault = fault;
         }

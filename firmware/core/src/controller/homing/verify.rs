@@ -25,13 +25,19 @@ pub(super) enum Verdict {
 }
 
 impl Homing {
-    /// Returns a fault of swapped wiring, if that explains why cranks that were moved seem to exceed the homing range.
+    /// Returns the fault that explains why cranks exceed the homing range, if it is known: one of them has just moved, or those that were
+    /// moved have swapped wiring.
     #[inline(never)]
     pub(in crate::controller) fn explain(
         &self,
-        monitor: &DriftMonitor,
+        monitor: &mut DriftMonitor,
         offsets: &PhaseOffsets,
     ) -> Option<Fault> {
+        if let Some((axis, by)) = monitor.take_moved()
+            && let Some(fault) = self.moved(axis, by, monitor, offsets)
+        {
+            return Some(fault);
+        }
         if !matches!(self.step, Step::Level | Step::Verify) {
             return None;
         }

@@ -139,7 +139,7 @@ fn stop_of(
         };
         let turns = 1.0 + alone.max(gate);
         let until = turn_beyond(alone + reading, turns, ticks, error, travel);
-        Some(f64::from(until?) + count as f64 + 5.0)
+        Some(f64::from(until?) + 1.0)
     });
     let due = due.reduce(f64::min);
     let found = if shown == Shown::Difference {
