@@ -11,7 +11,7 @@ mod measure;
 use std::hint::black_box;
 
 use cophase_core::controller::Controller;
-use cophase_core::monitor::IndexPulse;
+use cophase_core::drift::IndexPulse;
 use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Feedback;
 use cophase_core::supervisor::{Command, State};

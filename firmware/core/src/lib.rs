@@ -20,6 +20,7 @@
 extern crate std;
 
 pub mod axes;
+pub mod commanded;
 pub mod control_loop;
 pub mod controller;
 pub mod mechanism;

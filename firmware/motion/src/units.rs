@@ -19,6 +19,9 @@ pub const MAX_AXES: usize = 6;
 /// One entry for each possible axis; entries of absent axes are zero or none.
 pub type PerAxis<T> = [T; MAX_AXES];
 
+/// A set of axes: a bit for each.
+pub type AxisSet = u8;
+
 /// Difference of phases in turns; also a speed in turns a tick, an acceleration (tick²) or a jerk (tick³).
 ///
 /// Range ±32,768 turns, resolution 2⁻⁴⁸ turn (3.6e-15).

@@ -12,9 +12,9 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use cophase_core::monitor::AxisSet;
 use cophase_core::settings::{InputWiring, WiringSettings};
 use cophase_core::supervisor::{SafetyInputs, State};
+use cophase_core::units::AxisSet;
 use cophase_link::message::{Inputs, Output};
 use embassy_rp::pac;
 use embassy_rp::pac::io::regs::Int;

@@ -3,7 +3,8 @@
 
 use std::collections::VecDeque;
 
-use cophase_core::monitor::{IndexFilter, IndexPulse, IndexPulses};
+use cophase_core::monitor::IndexFilter;
+use cophase_core::signals::{IndexPulse, IndexPulses};
 use cophase_core::units::PerAxis;
 
 use super::Stream;

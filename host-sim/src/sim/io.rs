@@ -7,9 +7,10 @@ use std::cell::OnceCell;
 use std::collections::VecDeque;
 
 use cophase_core::control_loop::{Io, SubmissionResult};
-use cophase_core::monitor::{AxisSet, IndexPulses};
+use cophase_core::signals::IndexPulses;
 use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Command, Fault, State};
+use cophase_core::units::AxisSet;
 use cophase_scene::SceneError;
 use cophase_scene::file::FaultAt;
 use cophase_scene::units::turns;

@@ -10,7 +10,7 @@ use super::wiring_proof::wiring_patterns;
 use super::{Controller, LoopState};
 use crate::axes::{Bounds, Follower, NO_CAMS};
 use crate::mechanism::AnyMechanism;
-use crate::monitor::{AxisSet, DriftMonitor};
+use crate::monitor::DriftMonitor;
 use crate::phase_offset::PhaseOffsets;
 use crate::problem::{Problem, SettingsError};
 use crate::program::{AmplitudeOverride, Program};
@@ -20,7 +20,7 @@ use crate::settings::{AxisSettings, Settings, turns};
 use crate::shaft::{Shaft, ShaftLimits};
 use crate::signals::Output;
 use crate::supervisor::{JOG_S, Supervisor};
-use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
+use crate::units::{AxisSet, MAX_AXES, PerAxis, Phase, Turns};
 
 /// Reciprocal of the part of the common limit up to which a mean phase error in homing counts as lag: one fourth.
 const LAG_PART: f64 = 4.0;

@@ -7,11 +7,11 @@
 use super::Controller;
 use super::channel::Channel;
 use crate::axes::Follower;
-use crate::monitor::{AxisSet, TickTurns};
+use crate::commanded::TickTurns;
 use crate::phase_offset::OffsetMotion;
 use crate::signals::Output;
 use crate::supervisor::State;
-use crate::units::{MAX_AXES, Turns};
+use crate::units::{AxisSet, MAX_AXES, Turns};
 
 /// Command of one tick to all axes.
 struct TickCommand {

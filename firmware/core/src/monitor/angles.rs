@@ -3,8 +3,7 @@
 use fixed::Wrapping;
 use fixed::types::I0F32;
 
-use super::modes::AxisSet;
-use crate::units::{FRACTION_BITS, MAX_AXES, PerAxis, Turns};
+use crate::units::{AxisSet, FRACTION_BITS, MAX_AXES, PerAxis, Turns};
 
 /// Angle within a turn, from −½ to ½ turn in units of 2⁻³² turn. It wraps with the turn, so no sum or difference has to be reduced.
 pub type Angle = Wrapping<I0F32>;

@@ -7,14 +7,13 @@
 use super::angles::{Angle, angle, exceeds, of_angle};
 use super::config::AxisConfig;
 use super::encoder::{CountScale, Encoder, Read, Tracking};
-use super::index::{Index, MOST_LATE, Passage};
+use super::index::{Index, MOST_LATE, Passage, Tick};
 use super::names::{Events, may_be_fast};
 use super::steady_drift::SteadyDrift;
-use super::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::servo::{ServoPart, servo_part};
 use crate::settings::AxisSettings;
 use crate::supervisor::FaultKind;
-use crate::units::{Phase, Turns, nearest};
+use crate::units::{AxisSet, Phase, Turns, nearest};
 
 /// Missing index pulses in a row that are tolerated on an axis with an encoder.
 const MOST_MISSED: u8 = 2;
@@ -42,48 +41,23 @@ pub(super) struct Motion {
     pub walk: Angle,
 }
 
-/// What the sensors of an axis report in a tick.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Input {
-    pub pulse: Option<IndexPulse>,
-    /// Encoder count at the end of the tick.
-    pub count: i32,
-    /// Commanded phase over the tick, and the turns of the tick before, if known.
-    pub over: TickPhase,
-    pub before: Option<Turns>,
-    /// Phase at which the flag begins.
-    pub index: Turns,
-    pub clock: TickClock,
-}
-
 /// Fault that is to be reported: its kind, its size, and whether the crank is still detected.
 pub(super) type Report = (FaultKind, Turns, bool);
 
-/// What a tick showed of an axis.
-#[derive(Clone, Copy, Debug, Default)]
+/// What a tick showed of the axes. Sets have a bit for each axis.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Shown {
-    /// The index shows where the crank is.
-    pub is_detected: bool,
-    /// Distance by which the crank moved, as the index shows.
+    /// Axis that is observed.
+    pub axis: AxisSet,
+    /// Axes whose index showed where they are.
+    pub updated: AxisSet,
+    /// Axes with a motion, and with a steady drift, that have not been reported yet.
+    pub moved: AxisSet,
+    pub drifting: AxisSet,
+    /// Distance by which the axis moved, as its index shows.
     pub has_moved: Option<Angle>,
-    /// A motion was recorded, or a steady drift, which have not been reported yet.
-    pub is_new: bool,
-    pub drifts: bool,
-    /// Fault that is to be reported.
+    /// Fault of the axis that is to be reported.
     pub reported: Option<Report>,
-    /// Turns by which a pulse is late that no longer comes in its place.
-    pub late: Turns,
-}
-
-impl Shown {
-    /// Adds what the same tick showed later.
-    fn add(&mut self, later: Self) {
-        self.is_detected |= later.is_detected;
-        self.has_moved = later.has_moved.or(self.has_moved);
-        self.is_new |= later.is_new;
-        self.drifts |= later.drifts;
-        self.reported = self.reported.or(later.reported);
-    }
 }
 
 /// State of one axis.
@@ -116,81 +90,82 @@ impl Axis {
         }
     }
 
-    /// Processes a tick.
-    #[inline(never)]
-    pub(super) fn observe(&mut self, config: &AxisConfig, input: &Input) -> Shown {
-        let commanded = input.over.turns;
-        let Input {
-            mut over,
-            mut before,
-            ..
-        } = *input;
+    /// Processes a tick, in which an encoder has the count `count` at the end. Returns by how many turns a pulse is late that no longer comes
+    /// in its place: the crank is as far behind.
+    #[inline(always)] // of the loop over all axes
+    pub(super) fn observe(
+        &mut self,
+        config: &AxisConfig,
+        mut tick: Tick,
+        count: i32,
+        shown: &mut Shown,
+    ) -> Turns {
         let mut read = Read::Nothing;
         let mut jumped = None;
         if let Some(encoder) = &mut self.encoder {
+            let commanded = tick.over;
             // The phase of the motor, not of its command.
-            over.start = over.start.advanced(encoder.phase_error);
-            before = encoder.made;
-            (read, over.turns) = encoder.observe(input.count, &input.over, config.jump());
+            tick.over.start = commanded.start.advanced(encoder.phase_error);
+            tick.before = encoder.made;
+            (read, tick.over.turns) = encoder.observe(count, &commanded, config.jump());
             jumped = encoder.unconfirmed.map(|jumps| jumps.at);
         }
-        if !config.has_index {
-            return self.take_in(config, Passage::Nothing, read);
-        }
-        // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
-        let measure = |pulse| {
-            let tick = (&over, before);
-            let (index, clock) = (input.index, input.clock);
-            self.index
-                .measure(config, index, pulse, tick, commanded, clock)
-        };
-        let pulse = input.pulse.and_then(measure);
-        // Pulses have been reported up to here.
-        let covered = (commanded.to_bits() >> 16).wrapping_mul(i64::from(config.covered));
-        let covered = over.start.advanced(Turns::from_bits(covered));
-        let mut shown = Shown::default();
-        let mut pass = |state: &mut Self, now| {
-            let passage = if state.index.late(now) > 0 {
-                state.index.pass(config, now, jumped)
-            } else {
-                Passage::Nothing
+        let mut late = Turns::ZERO;
+        if config.has_index {
+            let pulse = match tick.pulse {
+                Some(_) => self.index.measure(config, &tick),
+                None => None,
             };
-            let read = core::mem::replace(&mut read, Read::Nothing);
-            if passage != Passage::Nothing || read != Read::Nothing {
-                shown.add(state.take_in(config, passage, read));
-            }
-        };
-        match pulse {
-            // A place that passed before the pulse decides first.
-            Some(pulse) => {
+            if let Some(pulse) = pulse {
+                // A place that passed before the pulse decides first.
                 if self.index.contradicts(config, &pulse) {
-                    pass(self, pulse.at);
+                    self.pass(config, pulse.at, jumped, shown);
                 }
                 let passage = self.index.decide(config, pulse);
-                shown.add(self.take_in(config, passage, read));
+                self.take_in(config, passage, shown);
             }
-            None => pass(self, covered),
+            // Pulses have been reported up to a part of the tick.
+            if self.index.late(tick.over.end()) > 0 {
+                let covered = (tick.commanded.to_bits() >> 16) * i64::from(config.covered);
+                let covered = tick.over.start.advanced(Turns::from_bits(covered));
+                if pulse.is_none() {
+                    self.pass(config, covered, jumped, shown);
+                }
+                late = self.late(config, covered);
+            }
         }
-        shown.late = self.late(config, covered);
-        shown
+        if let Some(encoder) = &mut self.encoder {
+            if shown.updated & shown.axis != 0 {
+                encoder.at_flag = encoder.filtered;
+            }
+            if shown.reported.is_none() {
+                shown.reported = self.read(config, read, shown);
+            }
+        }
+        late
     }
 
-    /// Turns by which a pulse is late that no longer comes in its place: the crank is as far behind. A missing pulse is no evidence against
-    /// an encoder, except before the first pulse.
-    fn late(&self, config: &AxisConfig, now: Phase) -> Turns {
-        if config.has_encoder && self.index.is_known() {
-            return Turns::ZERO;
+    /// Processes that no pulse came up to the phase `now`.
+    #[inline(never)]
+    fn pass(&mut self, config: &AxisConfig, now: Phase, jumped: Option<Phase>, shown: &mut Shown) {
+        let passage = self.index.pass(config, now, jumped);
+        if passage != Passage::Nothing {
+            self.take_in(config, passage, shown);
         }
+    }
+
+    /// Turns by which a pulse is late that no longer comes in its place. A missing pulse is no evidence against an encoder, except before the
+    /// first pulse.
+    fn late(&self, config: &AxisConfig, now: Phase) -> Turns {
         let late = self.index.late(now);
-        if late <= config.gate {
+        if late <= config.gate || config.has_encoder && self.index.is_known() {
             return Turns::ZERO;
         }
         late.min(MOST_LATE)
     }
 
     /// Turns that may pass from the end of a tick until a pulse that stays away has a consequence.
-    pub(super) fn margin(&self, config: &AxisConfig, over: &TickPhase) -> Turns {
-        let end = over.start.advanced(over.turns);
+    pub(super) fn margin(&self, config: &AxisConfig, end: Phase) -> Turns {
         config.tolerance.saturating_sub(self.index.late(end))
     }
 
@@ -212,16 +187,16 @@ impl Axis {
         }
     }
 
-    /// Evaluates what index and encoder showed in a tick.
+    /// Evaluates what a pulse, or its absence, showed.
     #[inline(never)]
-    fn take_in(&mut self, config: &AxisConfig, passage: Passage, read: Read) -> Shown {
-        let mut shown = Shown::default();
+    fn take_in(&mut self, config: &AxisConfig, passage: Passage, shown: &mut Shown) {
         let has_encoder = config.has_encoder;
-        shown.reported = match passage {
-            Passage::Nothing => None,
+        let before = shown.has_moved;
+        let reported = match passage {
+            Passage::Nothing => return,
             Passage::First => self.first(config),
             Passage::InPlace { extra, was_missing } => {
-                self.in_place(config, extra, was_missing && !has_encoder, &mut shown)
+                self.in_place(config, extra, was_missing && !has_encoder, shown)
             }
             Passage::Elsewhere { by } => {
                 let runs = !has_encoder && self.events.runs_on(by, config);
@@ -244,7 +219,7 @@ impl Axis {
             }
             // Noise would have to come twice, each time ahead of the last guess. So the crank gains, as one does that slips.
             Passage::Dismissed { by } if self.events.had_extra() => {
-                shown.has_moved = Some(self.elsewhere(config, -by, &mut shown.is_new));
+                shown.has_moved = Some(self.elsewhere(config, -by, shown));
                 None
             }
             Passage::Dismissed { by } => {
@@ -256,26 +231,22 @@ impl Axis {
                 // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse. Before the place is
                 // confirmed, the first pulse may have been noise, and the next turns decide.
                 let may_run = !has_encoder && !from_guess && self.events.had_extra();
-                shown.has_moved = Some(self.elsewhere(config, by, &mut shown.is_new));
+                shown.has_moved = Some(self.elsewhere(config, by, shown));
                 may_run.then_some((FaultKind::IndexExtra, of_angle(by), false))
             }
-            Passage::NotWhereCountsWereLost => self.nowhere(config, &mut shown),
+            Passage::NotWhereCountsWereLost => self.nowhere(config, shown),
             Passage::Missing => Some(self.missing(config)),
         };
         let is_place = matches!(
             passage,
             Passage::First | Passage::InPlace { .. } | Passage::Dismissed { .. }
         );
-        shown.is_detected = is_place || shown.has_moved.is_some();
-        if shown.is_detected
-            && let Some(encoder) = &mut self.encoder
-        {
-            encoder.at_flag = encoder.filtered;
+        if is_place || shown.has_moved != before {
+            shown.updated |= shown.axis;
         }
         if shown.reported.is_none() {
-            shown.reported = self.read(config, read, &mut shown.is_new);
+            shown.reported = reported;
         }
-        shown
     }
 
     /// Processes the first pulse of all, which shows where the crank is. Reports a jump that the encoder made before it.
@@ -311,7 +282,7 @@ impl Axis {
         self.events.pass_turn();
         if config.has_encoder {
             // The crank may move away from its encoder, turn by turn.
-            (shown.is_new, shown.drifts) = self.walk(config, self.motion().walk);
+            self.walk(config, self.motion().walk, shown);
         }
         if was_missing {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
@@ -334,22 +305,22 @@ impl Axis {
     }
 
     /// Processes a motion of the crank, `by` as the index shows. Returns the whole motion.
-    fn elsewhere(&mut self, config: &AxisConfig, by: Angle, is_new: &mut bool) -> Angle {
+    fn elsewhere(&mut self, config: &AxisConfig, by: Angle, shown: &mut Shown) -> Angle {
         self.events.pass_turn();
         if self.encoder.is_none() {
             return by; // named at the end of the round
         }
-        *is_new = true;
+        shown.moved |= shown.axis;
         let jump = self.take_unconfirmed().unwrap_or_default();
         // If the encoder jumped as well, the motor moved. Otherwise the crank slipped on its shaft. If the crank passes its flag during the
         // jump, the index shows only a part of it.
-        let shown = of_angle(by);
-        let same_sense = jump != 0 && (shown < 0) == (jump < 0);
+        let seen = of_angle(by);
+        let same_sense = jump != 0 && (seen < 0) == (jump < 0);
         let most = of_angle(angle(jump))
             .wrapping_abs()
             .saturating_add(config.gate);
-        if same_sense && shown.wrapping_abs() <= most {
-            self.confirm(jump, shown, false);
+        if same_sense && seen.wrapping_abs() <= most {
+            self.confirm(jump, seen, false);
             return angle(jump);
         }
         self.events.slip(by);
@@ -367,7 +338,7 @@ impl Axis {
         }
         self.confirm(jump, Turns::ZERO, true);
         shown.has_moved = Some(angle(jump));
-        shown.is_new = true;
+        shown.moved |= shown.axis;
         None
     }
 
@@ -389,45 +360,45 @@ impl Axis {
     }
 
     /// Evaluates a reading of the encoder.
-    fn read(&mut self, config: &AxisConfig, read: Read, is_new: &mut bool) -> Option<Report> {
+    fn read(&mut self, config: &AxisConfig, read: Read, shown: &mut Shown) -> Option<Report> {
         match read {
             Read::Glitch { by } => return Some((FaultKind::EncoderGlitch, by, true)),
             // There is no index that could decide, so the jump counts.
             Read::Jump { by } if !config.has_index => {
                 self.encoder.as_mut()?.believe();
                 self.events.jump(angle(by));
-                *is_new = true;
+                shown.moved |= shown.axis;
             }
             _ => {}
         }
         None
     }
 
-    /// Compares an axis without an encoder with the `common` motion, and begins a new round. Returns whether it moved, and whether it
-    /// drifts.
-    pub(super) fn compare(&mut self, config: &AxisConfig, common: Motion) -> (bool, bool) {
+    /// Compares an axis without an encoder with the `common` motion, and begins a new round.
+    pub(super) fn compare(&mut self, config: &AxisConfig, common: Motion, shown: &mut Shown) {
         let own = self.motion();
         let jump = own.jump - common.jump;
         self.last = self.index.place;
         if config.is_beyond_gate(jump) {
             self.home += jump;
             self.events.jump(jump);
-            (true, false)
+            shown.moved |= shown.axis;
         } else {
-            self.walk(config, own.walk - common.walk)
+            self.walk(config, own.walk - common.walk, shown);
         }
     }
 
     /// Records how far the crank is from where slow motion is counted, once a turn.
-    fn walk(&mut self, config: &AxisConfig, walk: Angle) -> (bool, bool) {
-        let drifts = self.steady_drift.add(walk, config.drift_step());
-        let slips = config.is_beyond_gate(walk);
-        if slips {
+    fn walk(&mut self, config: &AxisConfig, walk: Angle, shown: &mut Shown) {
+        if self.steady_drift.add(walk, config.drift_step()) {
+            shown.drifting |= shown.axis;
+        }
+        if config.is_beyond_gate(walk) {
             self.home += walk;
             self.steady_drift.shift(walk);
             self.events.slip(walk);
+            shown.moved |= shown.axis;
         }
-        (slips, drifts)
     }
 
     /// Motion of the crank.

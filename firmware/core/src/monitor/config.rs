@@ -5,10 +5,10 @@ use core::hash::{Hash, Hasher};
 use super::angles::{Angle, exceeds};
 use super::filter::BRIDGE_WIDTHS;
 use super::limits::DriftLimits;
-use super::modes::{AxisSet, Mount};
-use super::tick_phase::TickClock;
+use super::modes::Mount;
+use crate::commanded::TickClock;
 use crate::settings::{AxisSettings, Settings, turns};
-use crate::units::{MAX_AXES, Turns};
+use crate::units::{AxisSet, MAX_AXES, Turns};
 
 /// Configuration of the monitor.
 #[derive(Clone, Debug)]

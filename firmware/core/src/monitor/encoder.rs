@@ -8,7 +8,7 @@
 use core::hash::Hash;
 
 use super::config::AxisConfig;
-use super::tick_phase::TickPhase;
+use crate::commanded::TickPhase;
 use crate::functions::Ratio;
 use crate::pulse::StepsPerTurn;
 use crate::units::{Phase, Turns};

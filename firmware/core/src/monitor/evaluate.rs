@@ -1,24 +1,18 @@
 //! Evaluation of a tick: the estimates of all axes, their comparison with the limits and with each other, and the report.
 
 use super::angles::{angle, in_common, middle, of_angle};
-use super::axis::{Input, Motion, Report, Shown};
-use super::index::MOST_LATE;
-use super::{Angle, AxisSet, DriftMonitor, Measured, Modes, Sensed};
+use super::axis::{Motion, Report, Shown};
+use super::index::{MOST_LATE, Tick};
+use super::{Angle, DriftMonitor, Measured, Modes, Sensed};
 use crate::supervisor::{Fault, FaultKind};
-use crate::units::{MAX_AXES, PerAxis, Turns};
+use crate::units::{AxisSet, MAX_AXES, PerAxis, Turns};
 
-/// What a tick showed of all axes.
-#[derive(Clone, Copy, Debug, Default)]
-struct News {
-    /// Axes whose index showed where they are.
-    updated: AxisSet,
-    /// Axes with a motion, and with a steady drift, that have not been reported yet.
-    moved: AxisSet,
-    drifting: AxisSet,
-    /// Turns by which each pulse is late that no longer comes in its place.
-    late: PerAxis<Turns>,
+/// Turns by which pulses are late that no longer come in their places.
+#[derive(Clone, Copy, Debug)]
+struct Late {
+    of: PerAxis<Turns>,
     /// The largest of them, and the smallest of all axes with a sensor.
-    latest: Turns,
+    most: Turns,
     least: Turns,
 }
 
@@ -28,94 +22,105 @@ impl DriftMonitor {
     pub(super) fn sense(&mut self, sensed: &Sensed<'_>) {
         let share = sensed.speed.min(Turns::ONE.wrapping_sub(self.averaged));
         self.averaged = self.averaged.wrapping_add(share);
-        let mut news = News {
+        let mut shown = Shown::default();
+        let mut late = Late {
+            of: [Turns::ZERO; MAX_AXES],
+            most: Turns::ZERO,
             least: Turns::MAX,
-            ..News::default()
         };
         self.margin = Turns::MAX;
+        let recent = sensed.history.recent();
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let (Some(config), Some(state)) = (self.config.axes.get(axis), self.axes.get_mut(axis))
             else {
                 break;
             };
-            let (over, before) = sensed.over(axis);
-            let input = Input {
+            shown.axis = 1 << axis;
+            let lead = sensed.lead.get(axis).copied().unwrap_or_default();
+            let over = recent.over(axis, sensed.phase.advanced(lead));
+            let tick = Tick {
                 pulse: sensed.index.of(axis),
-                count: sensed.encoder.get(axis).copied().unwrap_or_default(),
-                over,
-                before: self.before_is_known.then_some(before),
                 index: config.index.wrapping_add(self.zero),
+                over,
+                before: self.before_is_known.then_some(recent.before(axis)),
+                commanded: over.turns,
                 clock: self.config.clock,
             };
-            let shown = state.observe(config, &input);
+            let count = sensed.encoder.get(axis).copied().unwrap_or_default();
+            let own = state.observe(config, tick, count, &mut shown);
             if config.is_by_index() {
-                self.margin = self.margin.min(state.margin(config, &over));
+                self.margin = self.margin.min(state.margin(config, over.end()));
             }
             if let Some(encoder) = &mut state.encoder {
                 encoder.average(share);
             }
-            if self.watched() & 1 << axis != 0 {
-                news.least = news.least.min(shown.late);
+            if self.watched() & shown.axis != 0 {
+                late.least = late.least.min(own);
             }
-            if shown.late != 0
-                && let Some(late) = news.late.get_mut(axis)
+            if own != 0
+                && let Some(late_by) = late.of.get_mut(axis)
             {
-                *late = shown.late;
-                news.latest = news.latest.max(shown.late);
+                *late_by = own;
+                late.most = late.most.max(own);
             }
-            self.update(axis, &shown, &mut news, sensed);
+            if shown.has_moved.is_some() || shown.reported.is_some() {
+                self.report_of_axis(axis, &mut shown, &late, sensed);
+            }
         }
-        self.evaluate(news, sensed);
+        let read = shown.updated | self.encoders();
+        if read != 0 {
+            self.detected |= shown.updated;
+            self.unchecked &= !shown.updated;
+            self.update(read);
+        }
+        self.evaluate(&mut shown, &late, sensed);
     }
 
-    /// Takes in what a tick showed of one axis.
-    fn update(&mut self, axis: usize, shown: &Shown, news: &mut News, sensed: &Sensed<'_>) {
-        let own: AxisSet = 1 << axis;
-        let slots = self.phase_error.get_mut(axis).zip(self.peak.get_mut(axis));
-        let (Some((error, peak)), Some(state)) = (slots, self.axes.get_mut(axis)) else {
-            return;
-        };
-        if shown.is_detected || state.encoder.is_some() {
-            *error = state.phase_error();
-            *peak = error.wrapping_abs().max(*peak);
-            self.changed = true;
+    /// Updates the phase errors of the axes that were read.
+    fn update(&mut self, read: AxisSet) {
+        let slots = self.phase_error.iter_mut().zip(&mut self.peak);
+        for (axis, (state, (error, peak))) in self.axes.iter().zip(slots).enumerate() {
+            if read & 1 << axis != 0 {
+                *error = state.phase_error();
+                *peak = error.wrapping_abs().max(*peak);
+            }
         }
-        if shown.is_detected {
-            news.updated |= own;
-            self.detected |= own;
-            self.unchecked &= !own;
-        }
-        news.moved |= AxisSet::from(shown.is_new) << axis;
-        news.drifting |= AxisSet::from(shown.drifts) << axis;
+        self.changed = true;
+    }
+
+    /// Takes in what an axis has to report.
+    #[inline(never)] // seldom
+    fn report_of_axis(&mut self, axis: usize, shown: &mut Shown, late: &Late, sensed: &Sensed<'_>) {
         // During homing, the steps of homing evaluate the motion of the cranks.
-        if let Some(by) = shown.has_moved
+        if let Some(by) = shown.has_moved.take()
             && self.is_homing
         {
-            if self.findings.has_requested_stop() && state.encoder.is_none() {
+            let slots = self.config.axes.get(axis).zip(self.axes.get_mut(axis));
+            if let Some((config, state)) = slots
+                && self.findings.has_requested_stop()
+                && state.encoder.is_none()
+            {
                 // The first pulse after a time without pulses shows how far the crank moved.
                 state.events.jump(by);
-                let config = self.config.axes.get(axis);
-                let name = config.and_then(|config| state.name(config));
-                if let Some(kind) = name {
-                    self.report(axis, (kind, of_angle(by), false), &news.late, sensed);
-                }
+                let kind = state.name(config).unwrap_or(FaultKind::Slip);
+                self.report(axis, (kind, of_angle(by), false), late, sensed);
             } else {
                 self.moved = Some((axis, of_angle(by)));
             }
         }
-        if let Some(reported) = shown.reported {
-            self.report(axis, reported, &news.late, sensed);
+        if let Some(reported) = shown.reported.take() {
+            self.report(axis, reported, late, sensed);
         }
     }
 
     /// Evaluates a tick: compares the cranks with each other at the end of a round, and the modes of their estimates with the limits.
-    fn evaluate(&mut self, mut news: News, sensed: &Sensed<'_>) {
+    fn evaluate(&mut self, shown: &mut Shown, late: &Late, sensed: &Sensed<'_>) {
         if self.is_homing {
             self.check_encoders();
         }
         let stops = self.findings.has_requested_stop();
-        let is_late = news.latest != 0;
-        if news.updated == 0 && (!is_late || stops) && self.encoders() == 0 {
+        let is_late = late.most != 0;
+        if shown.updated == 0 && (!is_late || stops) && self.encoders() == 0 {
             return;
         }
         let by_index = self.config.by_index;
@@ -125,34 +130,36 @@ impl DriftMonitor {
             self.rounds = self.rounds.wrapping_add(1);
         }
         if !self.is_homing && is_round_over {
-            self.common_jump = self.compare(&mut news);
+            self.common_jump = self.compare(shown);
         } else if !self.is_homing && stops && self.moves_apart() {
             // A pulse that comes during the stop names the fault, though it may show no limit exceeded: a crank that runs away is a whole
             // turn ahead for a moment.
-            self.compare(&mut news);
+            self.compare(shown);
         }
         let mut errors = self.measured(sensed.correction);
-        if news.updated != 0 || self.encoders() != 0 {
+        if shown.updated != 0 || self.encoders() != 0 {
             self.modes = self.config.mount.modes(&errors);
             self.changed = true;
         }
         let mut modes = self.modes;
         if is_late {
-            self.fall(&mut errors, &news.late);
+            self.fall(&mut errors, &late.of);
             modes = self.config.mount.modes(&errors);
         }
         // Within a round, the others were measured up to a turn ago. Since then they have made the common motion.
         let since = of_angle(self.common_jump).wrapping_abs();
         let is_even = self.is_homing || is_round_over || since <= self.config.limits.reading;
         let margin = if is_even { Turns::ZERO } else { since };
-        let exceeded = self.exceeded(&modes, margin, &news, sensed.speed);
+        let exceeded = self.exceeded(&modes, margin, late, sensed.speed);
         let is_ones_own = exceeded.is_some_and(|kind| kind != FaultKind::CommonLag);
-        if is_ones_own && !self.is_homing && news.updated != 0 {
-            self.compare(&mut news);
+        if is_ones_own && !self.is_homing && shown.updated != 0 {
+            self.compare(shown);
         }
-        self.report_moves(exceeded.is_none(), &news, sensed);
+        if shown.moved | shown.drifting != 0 {
+            self.report_moves(exceeded.is_none(), shown, late, sensed);
+        }
         if let Some(kind) = exceeded {
-            self.attribute(kind, &errors, &news, sensed);
+            self.attribute(kind, &errors, late, sensed);
         }
     }
 
@@ -215,13 +222,12 @@ impl DriftMonitor {
     }
 
     /// Compares the axes without an encoder, and records those that moved differently from the others. Returns the common jump.
-    fn compare(&mut self, news: &mut News) -> Angle {
+    fn compare(&mut self, shown: &mut Shown) -> Angle {
         let motion = self.common_motion();
         for (axis, config, state) in self.each_mut() {
             if config.is_by_index() {
-                let (moved, drifts) = state.compare(config, motion);
-                news.moved |= AxisSet::from(moved) << axis;
-                news.drifting |= AxisSet::from(drifts) << axis;
+                shown.axis = 1 << axis;
+                state.compare(config, motion, shown);
             }
         }
         motion.jump
@@ -261,7 +267,7 @@ impl DriftMonitor {
         &self,
         modes: &Modes,
         margin: Turns,
-        news: &News,
+        late: &Late,
         speed: Turns,
     ) -> Option<FaultKind> {
         let limits = &self.config.limits;
@@ -270,7 +276,7 @@ impl DriftMonitor {
         let may_be = limits.of_readings().exceeded(modes, margin);
         let exceeded = may_be.and_then(|kind| {
             let mut axes = self.each();
-            let has_moved = news.latest != 0
+            let has_moved = late.most != 0
                 || !self.is_homing
                     && (axes.any(|(_, config, state)| state.has_moved(config))
                         || self.moves_apart());
@@ -281,7 +287,7 @@ impl DriftMonitor {
             }
         });
         // Limits may be so wide that no delay exceeds them. If all cranks are late together, only the common part of their errors changes.
-        let is_overdue = news.latest >= MOST_LATE || news.least > limits.common;
+        let is_overdue = late.most >= MOST_LATE || late.least > limits.common;
         match exceeded.or(is_overdue.then_some(FaultKind::Tilt)) {
             None if !self.is_homing => limits.of_common(&self.modes, speed),
             exceeded => exceeded,
@@ -289,7 +295,13 @@ impl DriftMonitor {
     }
 
     /// Reports new motions of cranks by name. During homing and levelling, the steps of homing evaluate the motion of the cranks.
-    fn report_moves(&mut self, within_limits: bool, news: &News, sensed: &Sensed<'_>) {
+    fn report_moves(
+        &mut self,
+        within_limits: bool,
+        shown: &Shown,
+        late: &Late,
+        sensed: &Sensed<'_>,
+    ) {
         if self.is_homing {
             return;
         }
@@ -297,15 +309,15 @@ impl DriftMonitor {
             let Some((config, state)) = self.of(axis) else {
                 return;
             };
-            let moved = news.moved & 1 << axis != 0;
+            let moved = shown.moved & 1 << axis != 0;
             let name = state.events.name(config, state.phase_error() > 0);
             let size = of_angle(state.events.size());
             let way = state.steady_drift.way();
             if let Some(kind) = name.filter(|_| moved) {
-                self.report(axis, (kind, size, within_limits), &news.late, sensed);
+                self.report(axis, (kind, size, within_limits), late, sensed);
             }
-            if news.drifting & 1 << axis != 0 {
-                self.report(axis, (FaultKind::Drift, way, true), &news.late, sensed);
+            if shown.drifting & 1 << axis != 0 {
+                self.report(axis, (FaultKind::Drift, way, true), late, sensed);
             }
         }
     }
@@ -316,7 +328,7 @@ impl DriftMonitor {
         &mut self,
         axis: usize,
         (kind, by, within_limits): Report,
-        late: &PerAxis<Turns>,
+        late: &Late,
         sensed: &Sensed<'_>,
     ) {
         // One axis alone cannot be compared with others.
@@ -332,12 +344,12 @@ impl DriftMonitor {
         &mut self,
         kind: FaultKind,
         errors: &PerAxis<Angle>,
-        news: &News,
+        late: &Late,
         sensed: &Sensed<'_>,
     ) {
         if kind == FaultKind::CommonLag {
             let size = self.config.limits.beyond_natural(&self.modes, sensed.speed);
-            let all_lag = self.all_lag_by(size.wrapping_neg(), &news.late, sensed);
+            let all_lag = self.all_lag_by(size.wrapping_neg(), late, sensed);
             let fault = Fault::new(kind).with_size(size);
             return self.findings.push(fault, false, all_lag);
         }
@@ -350,7 +362,7 @@ impl DriftMonitor {
         let worst = self.furthest_of(errors);
         let known = (worst..self.axes.len()).chain(0..worst).find_map(|axis| {
             let (config, state) = self.of(axis)?;
-            if news.late.get(axis).is_some_and(|&late| late != 0) {
+            if late.of.get(axis).is_some_and(|&late| late != 0) {
                 return Some((axis, FaultKind::IndexTimeout));
             }
             Some((axis, state.name(config)?))
@@ -361,22 +373,22 @@ impl DriftMonitor {
             FaultKind::IndexTimeout => self.alone(axis).wrapping_neg(),
             _ => self.phase_error.get(axis).copied().unwrap_or_default(),
         };
-        self.report(axis, (kind, size, false), &news.late, sensed);
+        self.report(axis, (kind, size, false), late, sensed);
     }
 
     /// Lag of an axis beyond the lag that belongs to the speed, turns: its phase error, and the delay of its next pulse.
-    fn lag(&self, axis: usize, late: &PerAxis<Turns>, sensed: &Sensed<'_>) -> Turns {
+    fn lag(&self, axis: usize, late: &Late, sensed: &Sensed<'_>) -> Turns {
         let value = |of: &PerAxis<Turns>| of.get(axis).copied().unwrap_or_default();
         let error = angle(value(&self.phase_error)) + angle(value(sensed.correction));
         let natural = self.config.limits.natural(sensed.speed);
         let ahead = of_angle(error).wrapping_add(natural);
-        value(late).wrapping_sub(ahead)
+        value(&late.of).wrapping_sub(ahead)
     }
 
     /// Returns true if every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike,
     /// although flags at different places show it at different times. A crank that failed lags alone.
     #[inline(never)]
-    fn all_lag_by(&self, lag: Turns, late: &PerAxis<Turns>, sensed: &Sensed<'_>) -> bool {
+    fn all_lag_by(&self, lag: Turns, late: &Late, sensed: &Sensed<'_>) -> bool {
         let least = lag.wrapping_sub(lag / 4);
         let watched = self.watched();
         let mut axes = 0..self.axes.len();

@@ -32,13 +32,11 @@ mod encoder;
 mod evaluate;
 mod filter;
 mod findings;
-mod history;
 mod index;
 mod limits;
 mod modes;
 mod names;
 mod steady_drift;
-mod tick_phase;
 
 pub use angles::Angle;
 pub use axis::Measured;
@@ -46,14 +44,14 @@ pub(crate) use config::Config;
 pub use config::place_gate;
 pub use filter::IndexFilter;
 pub use findings::Finding;
-pub use history::{History, TickTurns};
 pub use limits::DriftLimits;
-pub use modes::{AxisSet, Knowledge, Modes, Mount};
-pub use tick_phase::{IndexPulse, IndexPulses, TickPhase};
+pub use modes::{Knowledge, Modes, Mount};
 
+use crate::commanded::History;
 use crate::settings::Settings;
+use crate::signals::IndexPulses;
 use crate::supervisor::FaultKind;
-use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
+use crate::units::{AxisSet, MAX_AXES, PerAxis, Phase, Turns};
 use angles::{angle, in_common, of_angle};
 use axis::Axis;
 use config::AxisConfig;
@@ -76,14 +74,6 @@ pub struct Sensed<'a> {
     pub correction: &'a PerAxis<Turns>,
     /// Turns of the master in the tick.
     pub speed: Turns,
-}
-
-impl Sensed<'_> {
-    /// The phase of an axis over the tick that is over, and its turns in the tick before.
-    fn over(&self, axis: usize) -> (TickPhase, Turns) {
-        let lead = self.lead.get(axis).copied().unwrap_or_default();
-        self.history.recent().over(axis, self.phase.advanced(lead))
-    }
 }
 
 /// Monitor of the phase errors of all axes.
@@ -209,10 +199,12 @@ impl DriftMonitor {
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
         self.margin = NO_MARGIN;
-        for (axis, config, state) in self.each_mut() {
+        let recent = sensed.history.recent();
+        let commands = sensed.encoder.iter().zip(sensed.lead);
+        for ((axis, config, state), (&count, &lead)) in self.each_mut().zip(commands) {
             let has_pulse = sensed.index.axes() & 1 << axis != 0;
-            let count = sensed.encoder.get(axis).copied().unwrap_or_default();
-            state.disregard(config, has_pulse, count, sensed.over(axis).0.start);
+            let over = recent.over(axis, sensed.phase.advanced(lead));
+            state.disregard(config, has_pulse, count, over.start);
         }
     }
 

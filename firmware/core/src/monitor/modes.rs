@@ -13,7 +13,7 @@ use core::hash::{Hash, Hasher};
 
 use super::angles::Angle;
 use crate::functions::multiply_q30;
-use crate::units::{MAX_AXES, PerAxis, Turns};
+use crate::units::{AxisSet, MAX_AXES, PerAxis, Turns};
 
 /// The modes of one set of phase errors, turns of crank angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,9 +48,6 @@ impl Modes {
         tilts.then(|| micromath::F32(y).atan2(micromath::F32(x)).0.to_degrees())
     }
 }
-
-/// A set of axes: a bit for each.
-pub type AxisSet = u8;
 
 /// Weights that separate the phase errors of evenly spaced axes into modes. Some or all axes have sensors.
 #[derive(Clone, Debug)]

@@ -10,7 +10,8 @@
 mod program;
 mod ring;
 
-use cophase_core::monitor::{IndexFilter, IndexPulses};
+use cophase_core::monitor::IndexFilter;
+use cophase_core::signals::IndexPulses;
 use embassy_rp::pac;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 

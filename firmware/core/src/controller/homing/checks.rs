@@ -2,8 +2,7 @@
 //! another.
 
 use crate::controller::wiring_proof::APART;
-use crate::monitor::AxisSet;
-use crate::units::{Turns, nearest};
+use crate::units::{AxisSet, Turns, nearest};
 
 /// Time of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

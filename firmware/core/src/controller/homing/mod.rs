@@ -20,9 +20,9 @@ mod verify;
 
 use core::hash::{Hash, Hasher};
 
-use crate::monitor::{AxisSet, DriftMonitor, Measured};
+use crate::monitor::{DriftMonitor, Measured};
 use crate::phase_offset::PhaseOffsets;
-use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
+use crate::units::{AxisSet, MAX_AXES, PerAxis, Turns, nearest};
 use checks::{Deviation, Moves, When};
 
 /// Step that homing has reached.

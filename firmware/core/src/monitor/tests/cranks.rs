@@ -1,6 +1,7 @@
 //! Cranks whose errors are known, and a monitor that watches them tick by tick.
 
 use super::*;
+use crate::commanded::{TickPhase, TickTurns};
 use crate::settings::Settings;
 use crate::settings::sample;
 

@@ -10,6 +10,8 @@ mod ticks;
 mod trajectories;
 
 use super::*;
+use crate::commanded::TickPhase;
+use crate::signals::IndexPulse;
 use cranks::*;
 use std::vec::Vec;
 

@@ -1,10 +1,76 @@
-//! Turns that were commanded in the last ticks: a log, which only the monitor reads.
+//! Commanded phases: of an axis over one tick, and of all axes in the last ticks.
 //!
 //! Most axes make the master's turns, so only the turns of other axes are stored. Past phases are computed from the present one.
 
-use super::modes::AxisSet;
-use super::tick_phase::TickPhase;
-use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
+use crate::functions::{multiply_high, multiply_long};
+use crate::units::{AxisSet, MAX_AXES, PerAxis, Phase, Turns};
+
+/// Phase of an axis over one tick, at constant speed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TickPhase {
+    /// Phase at the tick's beginning.
+    pub start: Phase,
+    /// Turns in the tick.
+    pub turns: Turns,
+}
+
+/// A tick has at most 18 bits of cycles.
+const CYCLE_SPARE_BITS: u32 = 14;
+
+/// Length of a tick.
+#[derive(Clone, Copy, Debug, Hash)]
+pub(crate) struct TickClock {
+    pub(crate) cycles: u32,
+    /// 2⁴² / cycles.
+    per_cycle: u32,
+}
+
+impl TickClock {
+    /// Clock of a tick of `cycles`, at least 2048.
+    pub(crate) const fn new(cycles: u32) -> Self {
+        Self {
+            cycles,
+            per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / cycles as u64) as u32, // at most 2³¹
+        }
+    }
+}
+
+impl TickPhase {
+    /// A tick in which nothing moves.
+    pub const fn still(phase: Phase) -> Self {
+        Self {
+            start: phase,
+            turns: Turns::ZERO,
+        }
+    }
+
+    /// A tick of `turns` that ends at this phase.
+    pub(crate) const fn ending_at(end: Phase, turns: Turns) -> Self {
+        Self {
+            start: end.advanced(turns.wrapping_neg()),
+            turns,
+        }
+    }
+
+    /// Phase at the tick's end.
+    pub(crate) const fn end(&self) -> Phase {
+        self.start.advanced(self.turns)
+    }
+
+    /// Phase `cycle` cycles into a tick.
+    pub(crate) fn at(&self, cycle: u32, clock: TickClock) -> Phase {
+        // cycle / tick_cycles with 24 fraction bits; and of the turns of a tick, below ½, the upper 40: 2⁻²⁴ of a tick
+        // is less than a cycle.
+        let part = multiply_high(cycle << CYCLE_SPARE_BITS, clock.per_cycle).min(1 << 24);
+        let travel = self.turns.to_bits().unsigned_abs() >> 8;
+        let travel = (multiply_long(travel, part) >> 16) as i64;
+        self.start.advanced(Turns::from_bits(if self.turns < 0 {
+            -travel
+        } else {
+            travel
+        }))
+    }
+}
 
 /// Turns that are commanded in one tick.
 #[derive(Clone, Copy, Debug)]
@@ -58,36 +124,26 @@ impl TickTurns {
     }
 }
 
-/// The ticks of a [`History`], the latest first.
+/// The ticks of a [`History`].
 #[derive(Clone, Copy, Debug)]
-pub struct Recent<'a> {
+pub(crate) struct Recent<'a> {
     planned: &'a TickTurns,
-    played: &'a TickTurns,
+    over: &'a TickTurns,
     before: &'a TickTurns,
 }
 
 impl Recent<'_> {
-    /// Axes that made other turns than the master in one of the ticks.
+    /// Phase of an axis over the tick that is over. `phase` is its commanded phase at the end of the tick that was planned last.
     #[inline(always)]
-    pub const fn own(&self) -> AxisSet {
-        self.planned.own | self.played.own | self.before.own
-    }
-
-    /// The same as [`Self::over`], for axes that made the master's turns.
-    #[inline(always)]
-    pub fn over_by_master(&self, phase: Phase) -> (TickPhase, Turns) {
-        let end = phase.advanced(self.planned.master.wrapping_neg());
-        let over = TickPhase::ending_at(end, self.played.master);
-        (over, self.before.master)
-    }
-
-    /// Phase of an axis over the tick that is over, and its turns in the tick before. `phase` is its commanded phase at the end of
-    /// the tick that was planned last.
-    #[inline(always)]
-    pub fn over(&self, axis: usize, phase: Phase) -> (TickPhase, Turns) {
+    pub fn over(&self, axis: usize, phase: Phase) -> TickPhase {
         let end = phase.advanced(self.planned.of(axis).wrapping_neg());
-        let over = TickPhase::ending_at(end, self.played.of(axis));
-        (over, self.before.of(axis))
+        TickPhase::ending_at(end, self.over.of(axis))
+    }
+
+    /// Turns of an axis in the tick before.
+    #[inline(always)]
+    pub fn before(&self, axis: usize) -> Turns {
+        self.before.of(axis)
     }
 }
 
@@ -122,16 +178,11 @@ impl History {
         }
     }
 
-    /// Phase of an axis over the tick that is over. `phase` is its commanded phase at the end of the tick that was planned last.
-    pub fn over(&self, axis: usize, phase: Phase) -> TickPhase {
-        self.recent().over(axis, phase).0
-    }
-
-    /// The three ticks, the latest first.
-    pub fn recent(&self) -> Recent<'_> {
+    /// The three ticks.
+    pub(crate) fn recent(&self) -> Recent<'_> {
         Recent {
             planned: self.made(0),
-            played: self.made(1),
+            over: self.made(1),
             before: self.made(2),
         }
     }
@@ -192,11 +243,11 @@ mod tests {
             }
             let own = |tick: i64| if tick % 3 == 0 { tick + 5 } else { tick };
             for (axis, made) in [tick - 1, own(tick - 1)].into_iter().enumerate() {
-                let over = history.over(axis, phase[axis]);
+                let over = history.recent().over(axis, phase[axis]);
                 assert_eq!(over.turns, turns(made));
                 assert_eq!(over.start, begins[tick as usize - 2][axis]);
             }
-            let before = |axis| history.recent().over(axis, Phase::ZERO).1;
+            let before = |axis| history.recent().before(axis);
             assert_eq!(before(0), turns(tick - 2));
             assert_eq!(before(1), turns(own(tick - 2)));
             assert_eq!(history.most(), turns(own(tick - 1)));
