@@ -136,8 +136,13 @@ impl Recent<'_> {
     /// Phase of an axis over the tick that is over. `phase` is its commanded phase at the end of the tick that was planned last.
     #[inline(always)]
     pub fn over(&self, axis: usize, phase: Phase) -> TickPhase {
-        let end = phase.advanced(self.planned.of(axis).wrapping_neg());
-        TickPhase::ending_at(end, self.over.of(axis))
+        TickPhase::ending_at(self.end(axis, phase), self.over.of(axis))
+    }
+
+    /// The same phase at the end of that tick.
+    #[inline(always)]
+    pub fn end(&self, axis: usize, phase: Phase) -> Phase {
+        phase.advanced(self.planned.of(axis).wrapping_neg())
     }
 
     /// Turns of an axis in the tick before.

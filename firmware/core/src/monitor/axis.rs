@@ -7,13 +7,16 @@
 use super::angles::{Angle, angle, exceeds, of_angle};
 use super::config::AxisConfig;
 use super::encoder::{CountScale, Encoder, Read, Tracking};
-use super::index::{Index, MOST_LATE, Passage, Tick};
+use super::evaluate::Tick;
+use super::index::{Index, MOST_LATE, Passage, Pulse};
 use super::names::{Events, may_be_fast};
 use super::steady_drift::SteadyDrift;
+use crate::commanded::TickPhase;
 use crate::servo::{ServoPart, servo_part};
 use crate::settings::AxisSettings;
+use crate::signals::IndexPulse;
 use crate::supervisor::FaultKind;
-use crate::units::{AxisSet, Phase, Turns, nearest};
+use crate::units::{AxisSet, PerAxis, Phase, Turns, nearest};
 
 /// Missing index pulses in a row that are tolerated on an axis with an encoder.
 const MOST_MISSED: u8 = 2;
@@ -48,16 +51,32 @@ pub(super) type Report = (FaultKind, Turns, bool);
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shown {
     /// Axis that is observed.
-    pub axis: AxisSet,
+    pub axis: usize,
     /// Axes whose index showed where they are.
     pub updated: AxisSet,
     /// Axes with a motion, and with a steady drift, that have not been reported yet.
     pub moved: AxisSet,
     pub drifting: AxisSet,
+    /// Axes whose pulses are late and no longer come in their places, and by how many turns.
+    pub late: AxisSet,
+    pub late_by: PerAxis<Turns>,
     /// Distance by which the axis moved, as its index shows.
     pub has_moved: Option<Angle>,
     /// Fault of the axis that is to be reported.
     pub reported: Option<Report>,
+}
+
+impl Shown {
+    const fn is_updated(&self) -> bool {
+        self.updated & 1 << self.axis != 0
+    }
+
+    fn is_late(&mut self, by: Turns) {
+        if let Some(late) = self.late_by.get_mut(self.axis) {
+            *late = by;
+            self.late |= 1 << self.axis;
+        }
+    }
 }
 
 /// State of one axis.
@@ -90,83 +109,111 @@ impl Axis {
         }
     }
 
-    /// Processes a tick, in which an encoder has the count `count` at the end. Returns by how many turns a pulse is late that no longer comes
-    /// in its place: the crank is as far behind.
+    /// Processes a tick of an axis without an encoder. Returns by how many turns its next pulse is late; negative if it is not due.
     #[inline(always)] // of the loop over all axes
     pub(super) fn observe(
         &mut self,
         config: &AxisConfig,
-        mut tick: Tick,
-        count: i32,
+        tick: &Tick<'_>,
         shown: &mut Shown,
     ) -> Turns {
-        let mut read = Read::Nothing;
-        let mut jumped = None;
-        if let Some(encoder) = &mut self.encoder {
-            let commanded = tick.over;
-            // The phase of the motor, not of its command.
-            tick.over.start = commanded.start.advanced(encoder.phase_error);
-            tick.before = encoder.made;
-            (read, tick.over.turns) = encoder.observe(count, &commanded, config.jump());
-            jumped = encoder.unconfirmed.map(|jumps| jumps.at);
+        let axis = shown.axis;
+        if let Some(pulse) = tick.sensed.index.of(axis) {
+            let over = tick.over(axis);
+            let before = tick.before(axis);
+            let index = &mut self.index;
+            let pulse = index.measure(config, tick, pulse.cycle, &over, before, over.turns);
+            self.pulse(config, pulse, None, shown);
         }
-        let mut late = Turns::ZERO;
-        if config.has_index {
-            let pulse = match tick.pulse {
-                Some(_) => self.index.measure(config, &tick),
-                None => None,
-            };
-            if let Some(pulse) = pulse {
-                // A place that passed before the pulse decides first.
-                if self.index.contradicts(config, &pulse) {
-                    self.pass(config, pulse.at, jumped, shown);
-                }
-                let passage = self.index.decide(config, pulse);
-                self.take_in(config, passage, shown);
-            }
-            // Pulses have been reported up to a part of the tick.
-            if self.index.late(tick.over.end()) > 0 {
-                let covered = (tick.commanded.to_bits() >> 16) * i64::from(config.covered);
-                let covered = tick.over.start.advanced(Turns::from_bits(covered));
-                if pulse.is_none() {
-                    self.pass(config, covered, jumped, shown);
-                }
-                late = self.late(config, covered);
-            }
-        }
-        if let Some(encoder) = &mut self.encoder {
-            if shown.updated & shown.axis != 0 {
-                encoder.at_flag = encoder.filtered;
-            }
-            if shown.reported.is_none() {
-                shown.reported = self.read(config, read, shown);
-            }
-        }
-        late
+        self.index.late(tick.end(axis))
     }
 
-    /// Processes that no pulse came up to the phase `now`.
+    /// Processes a tick of an axis with an encoder. Returns the same.
     #[inline(never)]
-    fn pass(&mut self, config: &AxisConfig, now: Phase, jumped: Option<Phase>, shown: &mut Shown) {
-        let passage = self.index.pass(config, now, jumped);
-        if passage != Passage::Nothing {
+    pub(super) fn observe_encoder(
+        &mut self,
+        config: &AxisConfig,
+        tick: &Tick<'_>,
+        shown: &mut Shown,
+    ) {
+        let axis = shown.axis;
+        let Some(encoder) = &mut self.encoder else {
+            return;
+        };
+        let commanded = tick.over(axis);
+        let count = tick.sensed.encoder.get(axis).copied().unwrap_or_default();
+        // The phase of the motor, not of its command.
+        let start = commanded.start.advanced(encoder.phase_error);
+        let before = encoder.made;
+        let (read, turns) = encoder.observe(count, &commanded, config.jump());
+        encoder.average(tick.share);
+        let jumped = encoder.unconfirmed.map(|jumps| jumps.at);
+        let over = TickPhase { start, turns };
+        if config.has_index {
+            // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
+            let measure = |pulse: IndexPulse| {
+                let turns = commanded.turns;
+                self.index
+                    .measure(config, tick, pulse.cycle, &over, before, turns)
+            };
+            let pulse = tick.sensed.index.of(axis).and_then(measure);
+            self.pulse(config, pulse, jumped, shown);
+            if self.index.late(over.end()) > 0 {
+                self.wait(config, over.start, commanded.turns, jumped, shown);
+            }
+        }
+        if shown.reported.is_none() {
+            shown.reported = self.read(config, read, shown);
+        }
+        if shown.is_updated()
+            && let Some(encoder) = &mut self.encoder
+        {
+            encoder.at_flag = encoder.filtered;
+        }
+    }
+
+    /// Processes a pulse.
+    fn pulse(
+        &mut self,
+        config: &AxisConfig,
+        pulse: Option<Pulse>,
+        jumped: Option<Phase>,
+        shown: &mut Shown,
+    ) {
+        let Some(pulse) = pulse else {
+            return;
+        };
+        // A place that passed before the pulse decides first.
+        if self.index.contradicts(config, &pulse) {
+            let passage = self.index.pass(config, pulse.at, jumped);
             self.take_in(config, passage, shown);
         }
+        let passage = self.index.decide(config, pulse);
+        self.take_in(config, passage, shown);
     }
 
-    /// Turns by which a pulse is late that no longer comes in its place. A missing pulse is no evidence against an encoder, except before the
-    /// first pulse.
-    fn late(&self, config: &AxisConfig, now: Phase) -> Turns {
-        let late = self.index.late(now);
-        if late <= config.gate || config.has_encoder && self.index.is_known() {
-            return Turns::ZERO;
+    /// Processes that the next pulse may be late at the end of a tick of `commanded` turns, which began at the phase `start`.
+    #[inline(never)] // seldom
+    pub(super) fn wait(
+        &mut self,
+        config: &AxisConfig,
+        start: Phase,
+        commanded: Turns,
+        jumped: Option<Phase>,
+        shown: &mut Shown,
+    ) {
+        // Pulses have been reported up to a part of the tick.
+        let covered = (commanded.to_bits() >> 16).wrapping_mul(i64::from(config.covered));
+        let now = start.advanced(Turns::from_bits(covered));
+        if !shown.is_updated() {
+            let passage = self.index.pass(config, now, jumped);
+            self.take_in(config, passage, shown);
         }
-        late.min(MOST_LATE)
-    }
-
-    /// Turns that may pass from the end of a tick until a pulse that stays away has a consequence.
-    pub(super) fn margin(&self, config: &AxisConfig, end: Phase) -> Turns {
-        config.tolerance.saturating_sub(self.index.late(end))
+        // A missing pulse is no evidence against an encoder, except before the first pulse.
+        let late = self.index.late(now);
+        if late > config.gate && !(config.has_encoder && self.index.is_known()) {
+            shown.is_late(late.min(MOST_LATE));
+        }
     }
 
     /// Processes a tick whose phase is not known.
@@ -242,7 +289,7 @@ impl Axis {
             Passage::First | Passage::InPlace { .. } | Passage::Dismissed { .. }
         );
         if is_place || shown.has_moved != before {
-            shown.updated |= shown.axis;
+            shown.updated |= 1 << shown.axis;
         }
         if shown.reported.is_none() {
             shown.reported = reported;
@@ -310,7 +357,7 @@ impl Axis {
         if self.encoder.is_none() {
             return by; // named at the end of the round
         }
-        shown.moved |= shown.axis;
+        shown.moved |= 1 << shown.axis;
         let jump = self.take_unconfirmed().unwrap_or_default();
         // If the encoder jumped as well, the motor moved. Otherwise the crank slipped on its shaft. If the crank passes its flag during the
         // jump, the index shows only a part of it.
@@ -338,7 +385,7 @@ impl Axis {
         }
         self.confirm(jump, Turns::ZERO, true);
         shown.has_moved = Some(angle(jump));
-        shown.moved |= shown.axis;
+        shown.moved |= 1 << shown.axis;
         None
     }
 
@@ -367,7 +414,7 @@ impl Axis {
             Read::Jump { by } if !config.has_index => {
                 self.encoder.as_mut()?.believe();
                 self.events.jump(angle(by));
-                shown.moved |= shown.axis;
+                shown.moved |= 1 << shown.axis;
             }
             _ => {}
         }
@@ -382,7 +429,7 @@ impl Axis {
         if config.is_beyond_gate(jump) {
             self.home += jump;
             self.events.jump(jump);
-            shown.moved |= shown.axis;
+            shown.moved |= 1 << shown.axis;
         } else {
             self.walk(config, own.walk - common.walk, shown);
         }
@@ -391,13 +438,13 @@ impl Axis {
     /// Records how far the crank is from where slow motion is counted, once a turn.
     fn walk(&mut self, config: &AxisConfig, walk: Angle, shown: &mut Shown) {
         if self.steady_drift.add(walk, config.drift_step()) {
-            shown.drifting |= shown.axis;
+            shown.drifting |= 1 << shown.axis;
         }
         if config.is_beyond_gate(walk) {
             self.home += walk;
             self.steady_drift.shift(walk);
             self.events.slip(walk);
-            shown.moved |= shown.axis;
+            shown.moved |= 1 << shown.axis;
         }
     }
 

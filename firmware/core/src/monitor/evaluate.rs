@@ -2,18 +2,47 @@
 
 use super::angles::{angle, in_common, middle, of_angle};
 use super::axis::{Motion, Report, Shown};
-use super::index::{MOST_LATE, Tick};
+use super::index::MOST_LATE;
 use super::{Angle, DriftMonitor, Measured, Modes, Sensed};
+use crate::commanded::{Recent, TickClock, TickPhase};
 use crate::supervisor::{Fault, FaultKind};
-use crate::units::{AxisSet, MAX_AXES, PerAxis, Turns};
+use crate::units::{AxisSet, MAX_AXES, PerAxis, Phase, Turns};
 
-/// Turns by which pulses are late that no longer come in their places.
-#[derive(Clone, Copy, Debug)]
-struct Late {
-    of: PerAxis<Turns>,
-    /// The largest of them, and the smallest of all axes with a sensor.
-    most: Turns,
-    least: Turns,
+/// A tick that is over, for all axes.
+#[derive(Clone, Debug)]
+pub(super) struct Tick<'a> {
+    pub sensed: &'a Sensed<'a>,
+    recent: Recent<'a>,
+    /// True if the tick before it is known.
+    before_is_known: bool,
+    /// Part of a turn over which errors of encoders are averaged in this tick.
+    pub share: Turns,
+    /// Turns by which homing has moved the flags.
+    pub zero: Turns,
+    pub clock: TickClock,
+}
+
+impl Tick<'_> {
+    fn planned(&self, axis: usize) -> Phase {
+        let lead = self.sensed.lead.get(axis).copied().unwrap_or_default();
+        self.sensed.phase.advanced(lead)
+    }
+
+    /// Commanded phase of an axis over the tick.
+    pub fn over(&self, axis: usize) -> TickPhase {
+        self.recent.over(axis, self.planned(axis))
+    }
+
+    /// The same, at its end.
+    #[inline(always)]
+    pub fn end(&self, axis: usize) -> Phase {
+        self.recent.end(axis, self.planned(axis))
+    }
+
+    /// Turns of an axis in the tick before, if they are known.
+    pub fn before(&self, axis: usize) -> Option<Turns> {
+        self.before_is_known.then_some(self.recent.before(axis))
+    }
 }
 
 impl DriftMonitor {
@@ -22,49 +51,34 @@ impl DriftMonitor {
     pub(super) fn sense(&mut self, sensed: &Sensed<'_>) {
         let share = sensed.speed.min(Turns::ONE.wrapping_sub(self.averaged));
         self.averaged = self.averaged.wrapping_add(share);
-        let mut shown = Shown::default();
-        let mut late = Late {
-            of: [Turns::ZERO; MAX_AXES],
-            most: Turns::ZERO,
-            least: Turns::MAX,
+        let tick = Tick {
+            sensed,
+            recent: sensed.history.recent(),
+            before_is_known: self.before_is_known,
+            share,
+            zero: self.zero,
+            clock: self.config.clock,
         };
+        let mut shown = Shown::default();
         self.margin = Turns::MAX;
-        let recent = sensed.history.recent();
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let (Some(config), Some(state)) = (self.config.axes.get(axis), self.axes.get_mut(axis))
             else {
                 break;
             };
-            shown.axis = 1 << axis;
-            let lead = sensed.lead.get(axis).copied().unwrap_or_default();
-            let over = recent.over(axis, sensed.phase.advanced(lead));
-            let tick = Tick {
-                pulse: sensed.index.of(axis),
-                index: config.index.wrapping_add(self.zero),
-                over,
-                before: self.before_is_known.then_some(recent.before(axis)),
-                commanded: over.turns,
-                clock: self.config.clock,
-            };
-            let count = sensed.encoder.get(axis).copied().unwrap_or_default();
-            let own = state.observe(config, tick, count, &mut shown);
-            if config.is_by_index() {
-                self.margin = self.margin.min(state.margin(config, over.end()));
-            }
-            if let Some(encoder) = &mut state.encoder {
-                encoder.average(share);
-            }
-            if self.watched() & shown.axis != 0 {
-                late.least = late.least.min(own);
-            }
-            if own != 0
-                && let Some(late_by) = late.of.get_mut(axis)
-            {
-                *late_by = own;
-                late.most = late.most.max(own);
+            shown.axis = axis;
+            if self.config.by_index & 1 << axis != 0 {
+                let late = state.observe(config, &tick, &mut shown);
+                self.margin = self.margin.min(config.tolerance.wrapping_sub(late));
+                if late > 0 {
+                    let over = tick.over(axis);
+                    state.wait(config, over.start, over.turns, None, &mut shown);
+                }
+            } else {
+                state.observe_encoder(config, &tick, &mut shown);
             }
             if shown.has_moved.is_some() || shown.reported.is_some() {
-                self.report_of_axis(axis, &mut shown, &late, sensed);
+                self.report_of_axis(&mut shown, sensed);
             }
         }
         let read = shown.updated | self.encoders();
@@ -73,7 +87,7 @@ impl DriftMonitor {
             self.unchecked &= !shown.updated;
             self.update(read);
         }
-        self.evaluate(&mut shown, &late, sensed);
+        self.evaluate(&mut shown, sensed);
     }
 
     /// Updates the phase errors of the axes that were read.
@@ -90,7 +104,8 @@ impl DriftMonitor {
 
     /// Takes in what an axis has to report.
     #[inline(never)] // seldom
-    fn report_of_axis(&mut self, axis: usize, shown: &mut Shown, late: &Late, sensed: &Sensed<'_>) {
+    fn report_of_axis(&mut self, shown: &mut Shown, sensed: &Sensed<'_>) {
+        let axis = shown.axis;
         // During homing, the steps of homing evaluate the motion of the cranks.
         if let Some(by) = shown.has_moved.take()
             && self.is_homing
@@ -103,23 +118,23 @@ impl DriftMonitor {
                 // The first pulse after a time without pulses shows how far the crank moved.
                 state.events.jump(by);
                 let kind = state.name(config).unwrap_or(FaultKind::Slip);
-                self.report(axis, (kind, of_angle(by), false), late, sensed);
+                self.report(axis, (kind, of_angle(by), false), shown, sensed);
             } else {
                 self.moved = Some((axis, of_angle(by)));
             }
         }
         if let Some(reported) = shown.reported.take() {
-            self.report(axis, reported, late, sensed);
+            self.report(axis, reported, shown, sensed);
         }
     }
 
     /// Evaluates a tick: compares the cranks with each other at the end of a round, and the modes of their estimates with the limits.
-    fn evaluate(&mut self, shown: &mut Shown, late: &Late, sensed: &Sensed<'_>) {
+    fn evaluate(&mut self, shown: &mut Shown, sensed: &Sensed<'_>) {
         if self.is_homing {
             self.check_encoders();
         }
         let stops = self.findings.has_requested_stop();
-        let is_late = late.most != 0;
+        let is_late = shown.late != 0;
         if shown.updated == 0 && (!is_late || stops) && self.encoders() == 0 {
             return;
         }
@@ -143,23 +158,23 @@ impl DriftMonitor {
         }
         let mut modes = self.modes;
         if is_late {
-            self.fall(&mut errors, &late.of);
+            self.fall(&mut errors, shown);
             modes = self.config.mount.modes(&errors);
         }
         // Within a round, the others were measured up to a turn ago. Since then they have made the common motion.
         let since = of_angle(self.common_jump).wrapping_abs();
         let is_even = self.is_homing || is_round_over || since <= self.config.limits.reading;
         let margin = if is_even { Turns::ZERO } else { since };
-        let exceeded = self.exceeded(&modes, margin, late, sensed.speed);
+        let exceeded = self.exceeded(&modes, margin, shown, sensed.speed);
         let is_ones_own = exceeded.is_some_and(|kind| kind != FaultKind::CommonLag);
         if is_ones_own && !self.is_homing && shown.updated != 0 {
             self.compare(shown);
         }
         if shown.moved | shown.drifting != 0 {
-            self.report_moves(exceeded.is_none(), shown, late, sensed);
+            self.report_moves(exceeded.is_none(), shown, sensed);
         }
         if let Some(kind) = exceeded {
-            self.attribute(kind, &errors, late, sensed);
+            self.attribute(kind, &errors, shown, sensed);
         }
     }
 
@@ -185,8 +200,8 @@ impl DriftMonitor {
 
     /// Turns errors into estimates: a crank whose pulse is late is as far behind its last place. A stepper is behind by an electrical cycle
     /// at least, except as it accelerates in homing.
-    fn fall(&self, errors: &mut PerAxis<Angle>, late: &PerAxis<Turns>) {
-        let axes = self.config.axes.iter().zip(late);
+    fn fall(&self, errors: &mut PerAxis<Angle>, shown: &Shown) {
+        let axes = self.config.axes.iter().zip(&shown.late_by);
         for (error, (config, &late)) in errors.iter_mut().zip(axes) {
             if late != 0 {
                 let least = if self.is_homing {
@@ -226,7 +241,7 @@ impl DriftMonitor {
         let motion = self.common_motion();
         for (axis, config, state) in self.each_mut() {
             if config.is_by_index() {
-                shown.axis = 1 << axis;
+                shown.axis = axis;
                 state.compare(config, motion, shown);
             }
         }
@@ -267,7 +282,7 @@ impl DriftMonitor {
         &self,
         modes: &Modes,
         margin: Turns,
-        late: &Late,
+        shown: &Shown,
         speed: Turns,
     ) -> Option<FaultKind> {
         let limits = &self.config.limits;
@@ -276,7 +291,7 @@ impl DriftMonitor {
         let may_be = limits.of_readings().exceeded(modes, margin);
         let exceeded = may_be.and_then(|kind| {
             let mut axes = self.each();
-            let has_moved = late.most != 0
+            let has_moved = shown.late != 0
                 || !self.is_homing
                     && (axes.any(|(_, config, state)| state.has_moved(config))
                         || self.moves_apart());
@@ -287,7 +302,12 @@ impl DriftMonitor {
             }
         });
         // Limits may be so wide that no delay exceeds them. If all cranks are late together, only the common part of their errors changes.
-        let is_overdue = late.most >= MOST_LATE || late.least > limits.common;
+        let watched = self.watched();
+        let is_overdue = shown.late_by.contains(&MOST_LATE)
+            || shown.late == watched
+                && (0..self.axes.len())
+                    .filter(|axis| watched & 1 << axis != 0)
+                    .all(|axis| shown.late_by.get(axis) > Some(&limits.common));
         match exceeded.or(is_overdue.then_some(FaultKind::Tilt)) {
             None if !self.is_homing => limits.of_common(&self.modes, speed),
             exceeded => exceeded,
@@ -295,13 +315,7 @@ impl DriftMonitor {
     }
 
     /// Reports new motions of cranks by name. During homing and levelling, the steps of homing evaluate the motion of the cranks.
-    fn report_moves(
-        &mut self,
-        within_limits: bool,
-        shown: &Shown,
-        late: &Late,
-        sensed: &Sensed<'_>,
-    ) {
+    fn report_moves(&mut self, within_limits: bool, shown: &Shown, sensed: &Sensed<'_>) {
         if self.is_homing {
             return;
         }
@@ -314,10 +328,10 @@ impl DriftMonitor {
             let size = of_angle(state.events.size());
             let way = state.steady_drift.way();
             if let Some(kind) = name.filter(|_| moved) {
-                self.report(axis, (kind, size, within_limits), late, sensed);
+                self.report(axis, (kind, size, within_limits), shown, sensed);
             }
             if shown.drifting & 1 << axis != 0 {
-                self.report(axis, (FaultKind::Drift, way, true), late, sensed);
+                self.report(axis, (FaultKind::Drift, way, true), shown, sensed);
             }
         }
     }
@@ -328,12 +342,12 @@ impl DriftMonitor {
         &mut self,
         axis: usize,
         (kind, by, within_limits): Report,
-        late: &Late,
+        shown: &Shown,
         sensed: &Sensed<'_>,
     ) {
         // One axis alone cannot be compared with others.
         let may_be_all = kind == FaultKind::IndexTimeout && self.watched().count_ones() > 1;
-        let all_lag = may_be_all && self.all_lag_by(self.lag(axis, late, sensed), late, sensed);
+        let all_lag = may_be_all && self.all_lag_by(self.lag(axis, shown, sensed), shown, sensed);
         let fault = Fault::new(kind).on_axis(axis).with_size(by);
         self.findings.push(fault, within_limits, all_lag);
     }
@@ -344,12 +358,12 @@ impl DriftMonitor {
         &mut self,
         kind: FaultKind,
         errors: &PerAxis<Angle>,
-        late: &Late,
+        shown: &Shown,
         sensed: &Sensed<'_>,
     ) {
         if kind == FaultKind::CommonLag {
             let size = self.config.limits.beyond_natural(&self.modes, sensed.speed);
-            let all_lag = self.all_lag_by(size.wrapping_neg(), late, sensed);
+            let all_lag = self.all_lag_by(size.wrapping_neg(), shown, sensed);
             let fault = Fault::new(kind).with_size(size);
             return self.findings.push(fault, false, all_lag);
         }
@@ -362,7 +376,7 @@ impl DriftMonitor {
         let worst = self.furthest_of(errors);
         let known = (worst..self.axes.len()).chain(0..worst).find_map(|axis| {
             let (config, state) = self.of(axis)?;
-            if late.of.get(axis).is_some_and(|&late| late != 0) {
+            if shown.late & 1 << axis != 0 {
                 return Some((axis, FaultKind::IndexTimeout));
             }
             Some((axis, state.name(config)?))
@@ -373,27 +387,27 @@ impl DriftMonitor {
             FaultKind::IndexTimeout => self.alone(axis).wrapping_neg(),
             _ => self.phase_error.get(axis).copied().unwrap_or_default(),
         };
-        self.report(axis, (kind, size, false), late, sensed);
+        self.report(axis, (kind, size, false), shown, sensed);
     }
 
     /// Lag of an axis beyond the lag that belongs to the speed, turns: its phase error, and the delay of its next pulse.
-    fn lag(&self, axis: usize, late: &Late, sensed: &Sensed<'_>) -> Turns {
+    fn lag(&self, axis: usize, shown: &Shown, sensed: &Sensed<'_>) -> Turns {
         let value = |of: &PerAxis<Turns>| of.get(axis).copied().unwrap_or_default();
         let error = angle(value(&self.phase_error)) + angle(value(sensed.correction));
         let natural = self.config.limits.natural(sensed.speed);
         let ahead = of_angle(error).wrapping_add(natural);
-        value(&late.of).wrapping_sub(ahead)
+        value(&shown.late_by).wrapping_sub(ahead)
     }
 
     /// Returns true if every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike,
     /// although flags at different places show it at different times. A crank that failed lags alone.
     #[inline(never)]
-    fn all_lag_by(&self, lag: Turns, late: &Late, sensed: &Sensed<'_>) -> bool {
+    fn all_lag_by(&self, lag: Turns, shown: &Shown, sensed: &Sensed<'_>) -> bool {
         let least = lag.wrapping_sub(lag / 4);
         let watched = self.watched();
         let mut axes = 0..self.axes.len();
         lag > 0
-            && axes.all(|axis| watched & 1 << axis == 0 || self.lag(axis, late, sensed) >= least)
+            && axes.all(|axis| watched & 1 << axis == 0 || self.lag(axis, shown, sensed) >= least)
     }
 
     /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike. If the

@@ -17,8 +17,8 @@
 
 use super::angles::{Angle, angle, exceeds};
 use super::config::AxisConfig;
-use crate::commanded::{TickClock, TickPhase};
-use crate::signals::IndexPulse;
+use super::evaluate::Tick;
+use crate::commanded::TickPhase;
 use crate::units::{ONE_TURN, Phase, Turns, nearest};
 
 const ONE: Turns = Turns::from_bits(ONE_TURN);
@@ -62,21 +62,6 @@ pub(super) enum Passage {
     NotWhereCountsWereLost,
     /// With an encoder: a pulse is missing. The next is expected a turn later.
     Missing,
-}
-
-/// What an index sensor reports in a tick.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Tick {
-    pub pulse: Option<IndexPulse>,
-    /// Phase at which the flag begins.
-    pub index: Turns,
-    /// Phase of the axis over the tick: measured, or commanded without an encoder.
-    pub over: TickPhase,
-    /// Turns of the axis in the tick before, if they are known. A pulse may be from there.
-    pub before: Option<Turns>,
-    /// Turns that were commanded in the tick.
-    pub commanded: Turns,
-    pub clock: TickClock,
 }
 
 /// A pulse: the place that it shows, and the phase at which it came.
@@ -136,26 +121,27 @@ impl Index {
         now.since(self.at).wrapping_sub(ONE)
     }
 
-    /// Measures the pulse of a tick, if there is one. The delay of the line is converted by the commanded turns, as measured turns would
-    /// multiply the noise of an encoder. Returns nothing if the pulse may be that of a swing, or its place is not known.
-    #[inline(never)] // It is rare, and a loop over all axes needs the registers.
-    pub(super) fn measure(&mut self, config: &AxisConfig, tick: &Tick) -> Option<Pulse> {
-        let Tick {
-            pulse,
-            index,
-            over,
-            before,
-            commanded,
-            clock,
-        } = tick;
-        let (index, commanded, clock) = (*index, *commanded, *clock);
-        let pulse = (*pulse)?;
-        let cycle = pulse.cycle.unsigned_abs();
-        let mut at = if pulse.cycle >= 0 {
-            over.at(cycle.min(clock.cycles), clock)
+    /// Measures a pulse from the tick over which the axis has the phase `over`, or from the tick before it, in which it made `before` turns,
+    /// if known. The delay of the line is converted by the `commanded` turns, as measured turns would multiply the noise of an encoder.
+    /// Returns nothing if the pulse may be that of a swing, or its place is not known.
+    #[inline(never)] // A loop over all axes needs the registers.
+    pub(super) fn measure(
+        &mut self,
+        config: &AxisConfig,
+        tick: &Tick<'_>,
+        cycle: i32,
+        over: &TickPhase,
+        before: Option<Turns>,
+        commanded: Turns,
+    ) -> Option<Pulse> {
+        let clock = tick.clock;
+        let index = config.index.wrapping_add(tick.zero);
+        let within = cycle.unsigned_abs();
+        let mut at = if cycle >= 0 {
+            over.at(within.min(clock.cycles), clock)
         } else if let Some(before) = before {
-            let tick = TickPhase::ending_at(over.start, *before);
-            tick.at(clock.cycles.saturating_sub(cycle), clock)
+            let before = TickPhase::ending_at(over.start, before);
+            before.at(clock.cycles.saturating_sub(within), clock)
         } else {
             self.at = over.start; // The pulse shows that the sensor works, but its place is not known.
             return None;
