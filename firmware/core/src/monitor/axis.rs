@@ -321,10 +321,9 @@ impl Axis {
         shown: &mut Shown,
     ) -> Option<Report> {
         // An encoder shows whether the crank runs fast. At three times the commanded speed, two extra pulses come per turn.
-        let had_extra = self.events.had_extra();
         let extra = extra.map(|by| {
-            let is_sure = !may_be_fast(by) && !had_extra || config.has_encoder;
-            self.extra(by, is_sure)
+            let is_slow = !may_be_fast(by) && !self.events.had_extra();
+            self.extra(by, is_slow || config.has_encoder)
         });
         self.events.pass_turn();
         if config.has_encoder {

@@ -228,12 +228,12 @@ impl DriftMonitor {
     /// The watched axis that is furthest from the phase error that all have in common.
     #[inline(never)]
     pub(super) fn furthest_of(&self, error: &PerAxis<Angle>) -> usize {
-        let watched = self.watched();
-        let common = in_common(error, watched);
-        let axes = error.iter().enumerate();
-        axes.filter(|(axis, _)| watched & 1 << axis != 0)
-            .max_by_key(|&(_, &error)| (error - common).0.to_bits().unsigned_abs())
-            .map_or(0, |(axis, _)| axis)
+        let common = in_common(error, self.watched());
+        let off = |axis: &usize| {
+            let error = error.get(*axis).copied().unwrap_or_default();
+            (error - common).0.to_bits().unsigned_abs()
+        };
+        axes_of(self.watched()).max_by_key(off).unwrap_or(0)
     }
 
     /// Compares the axes without an encoder, and records those that moved differently from the others. Returns the common jump.
@@ -302,12 +302,10 @@ impl DriftMonitor {
             }
         });
         // Limits may be so wide that no delay exceeds them. If all cranks are late together, only the common part of their errors changes.
-        let watched = self.watched();
-        let is_overdue = shown.late_by.contains(&MOST_LATE)
-            || shown.late == watched
-                && (0..self.axes.len())
-                    .filter(|axis| watched & 1 << axis != 0)
-                    .all(|axis| shown.late_by.get(axis) > Some(&limits.common));
+        let mut watched = axes_of(self.watched());
+        let is_overdue = shown.late != 0
+            && (shown.late_by.contains(&MOST_LATE)
+                || watched.all(|axis| shown.late_by.get(axis) > Some(&limits.common)));
         match exceeded.or(is_overdue.then_some(FaultKind::Tilt)) {
             None if !self.is_homing => limits.of_common(&self.modes, speed),
             exceeded => exceeded,
@@ -404,10 +402,8 @@ impl DriftMonitor {
     #[inline(never)]
     fn all_lag_by(&self, lag: Turns, shown: &Shown, sensed: &Sensed<'_>) -> bool {
         let least = lag.wrapping_sub(lag / 4);
-        let watched = self.watched();
-        let mut axes = 0..self.axes.len();
-        lag > 0
-            && axes.all(|axis| watched & 1 << axis == 0 || self.lag(axis, shown, sensed) >= least)
+        let mut axes = axes_of(self.watched());
+        lag > 0 && axes.all(|axis| self.lag(axis, shown, sensed) >= least)
     }
 
     /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike. If the
@@ -437,4 +433,9 @@ impl DriftMonitor {
             self.findings.push(fault.with_size(by), false, false);
         }
     }
+}
+
+/// The axes of a set.
+fn axes_of(set: AxisSet) -> impl Iterator<Item = usize> {
+    (0..MAX_AXES).filter(move |axis| set & 1 << axis != 0)
 }
