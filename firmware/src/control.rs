@@ -7,9 +7,9 @@ use core::future::Future;
 
 use cophase_core::control_loop::{Io, SubmissionResult};
 use cophase_core::monitor::IndexFilter;
+use cophase_core::monitor::IndexPulses;
 use cophase_core::panel::{self, Panel, Source};
 use cophase_core::program::Program;
-use cophase_core::signals::IndexPulses;
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::State;
 use cophase_core::units::MAX_AXES;

@@ -14,8 +14,8 @@ mod measure;
 use std::hint::black_box;
 
 use cophase_core::controller::Controller;
+use cophase_core::monitor::IndexPulse;
 use cophase_core::signals::Feedback;
-use cophase_core::signals::IndexPulse;
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{MAX_AXES, PerAxis, Phase};
 use cophase_scene::{Scene, load};

@@ -10,6 +10,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use cophase_core::axes::{CamSettings, CamTableSettings, FollowerSettings, GearSettings};
 use cophase_core::controller::Controller;
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings, SliderCrankSettings};
+use cophase_core::monitor::IndexPulse;
 use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, Drift, DriveKind, HostLossSettings,
@@ -17,7 +18,6 @@ use cophase_core::settings::{
     Settings, ShaftSettings, Transmission, WiringSettings, short_name,
 };
 use cophase_core::signals::Feedback;
-use cophase_core::signals::IndexPulse;
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{Phase, Turns};
 

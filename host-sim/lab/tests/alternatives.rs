@@ -1,7 +1,7 @@
 //! The controller states which faults look alike to the sensors of an axis. The judge of a campaign has its own table of accepted names.
 //! Neither table is derived from the other, so they can contradict each other.
 
-use cophase_core::supervisor::alternatives;
+use cophase_core::monitor::alternatives;
 use cophase_core::supervisor::{Fault, FaultKind};
 use cophase_core::units::Turns;
 use cophase_lab::campaign::names::{Circumstances, accepted};

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use cophase_core::monitor::IndexFilter;
-use cophase_core::signals::{IndexPulse, IndexPulses};
+use cophase_core::monitor::{IndexPulse, IndexPulses};
 use cophase_core::units::PerAxis;
 
 use super::Stream;

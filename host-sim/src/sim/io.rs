@@ -7,7 +7,7 @@ use std::cell::OnceCell;
 use std::collections::VecDeque;
 
 use cophase_core::control_loop::{Io, SubmissionResult};
-use cophase_core::signals::IndexPulses;
+use cophase_core::monitor::IndexPulses;
 use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::AxisSet;

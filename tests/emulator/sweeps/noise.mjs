@@ -2,7 +2,7 @@
 //
 // A glitch is a stretch shorter than `index.width_us`: high before a pulse, low within it, high after it. In each case the
 // last two pulses of six lines before a stop are disturbed, each line in another place. The reported phase error may then
-// be off by the error of the filter (firmware/core/src/drift/sensing/index_filter/mod.rs): a glitch up to two widths before a
+// be off by the error of the filter (firmware/core/src/monitor/filter/mod.rs): a glitch up to two widths before a
 // pulse counts as bouncing of the pulse. No other glitch changes the phase error.
 
 import { log } from '../bench/log.mjs';

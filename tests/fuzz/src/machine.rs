@@ -1,8 +1,8 @@
 //! A machine that follows its commands, except for the disturbances of the script.
 
 use cophase_core::controller::Controller;
+use cophase_core::monitor::IndexPulse;
 use cophase_core::settings::Settings;
-use cophase_core::signals::IndexPulse;
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::Command;
 use cophase_core::units::AxisSet;

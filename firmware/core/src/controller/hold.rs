@@ -17,9 +17,9 @@
 //! - of every axis after a common lag, as all cranks then turn until they have made up for it.
 
 use super::Controller;
-use crate::monitor::DriftMonitor;
+use crate::monitor::{DriftMonitor, may_run_away};
 use crate::signals::Feedback;
-use crate::supervisor::{Fault, FaultKind, State, may_run_away};
+use crate::supervisor::{Fault, FaultKind, State};
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
 /// Reciprocal of the part of a second after which rotors no longer swing about their places: 1/10 s.

@@ -10,11 +10,11 @@ use super::encoder::{CountScale, Encoder, Read, Tracking};
 use super::evaluate::Tick;
 use super::index::{Index, MOST_LATE, Passage, Pulse};
 use super::names::{Events, may_be_fast};
+use super::pulses::IndexPulse;
 use super::steady_drift::SteadyDrift;
 use crate::commanded::TickPhase;
 use crate::servo::{ServoPart, servo_part};
 use crate::settings::AxisSettings;
-use crate::signals::IndexPulse;
 use crate::supervisor::FaultKind;
 use crate::units::{AxisSet, PerAxis, Phase, Turns, nearest};
 
@@ -360,13 +360,13 @@ impl Axis {
         let jump = self.take_unconfirmed().unwrap_or_default();
         // If the encoder jumped as well, the motor moved. Otherwise the crank slipped on its shaft. If the crank passes its flag during the
         // jump, the index shows only a part of it.
-        let seen = of_angle(by);
-        let same_sense = jump != 0 && (seen < 0) == (jump < 0);
+        let observed = of_angle(by);
+        let same_sense = jump != 0 && (observed < 0) == (jump < 0);
         let most = of_angle(angle(jump))
             .wrapping_abs()
             .saturating_add(config.gate);
-        if same_sense && seen.wrapping_abs() <= most {
-            self.confirm(jump, seen, false);
+        if same_sense && observed.wrapping_abs() <= most {
+            self.confirm(jump, observed, false);
             return angle(jump);
         }
         self.events.slip(by);

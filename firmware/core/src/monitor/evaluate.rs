@@ -324,12 +324,12 @@ impl DriftMonitor {
             let moved = shown.moved & 1 << axis != 0;
             let name = state.events.name(config, state.phase_error() > 0);
             let size = of_angle(state.events.size());
-            let way = state.steady_drift.way();
+            let distance = state.steady_drift.distance();
             if let Some(kind) = name.filter(|_| moved) {
                 self.report(axis, (kind, size, within_limits), shown, sensed);
             }
             if shown.drifting & 1 << axis != 0 {
-                self.report(axis, (FaultKind::Drift, way, true), shown, sensed);
+                self.report(axis, (FaultKind::Drift, distance, true), shown, sensed);
             }
         }
     }

@@ -25,6 +25,7 @@
 //!
 //! The monitor neither chooses the reaction, which [`mod@crate::supervisor::reaction`] does, nor moves an axis.
 
+mod alternatives;
 mod angles;
 mod axis;
 mod config;
@@ -36,8 +37,11 @@ mod index;
 mod limits;
 mod modes;
 mod names;
+mod pulses;
 mod steady_drift;
 
+pub use alternatives::alternatives;
+pub(crate) use alternatives::may_run_away;
 pub use angles::Angle;
 pub use axis::Measured;
 pub(crate) use config::Config;
@@ -46,10 +50,10 @@ pub use filter::IndexFilter;
 pub use findings::Finding;
 pub use limits::DriftLimits;
 pub use modes::{Knowledge, Modes, Mount};
+pub use pulses::{IndexPulse, IndexPulses};
 
 use crate::commanded::History;
 use crate::settings::Settings;
-use crate::signals::IndexPulses;
 use crate::supervisor::FaultKind;
 use crate::units::{AxisSet, MAX_AXES, PerAxis, Phase, Turns};
 use angles::{angle, in_common, of_angle};

@@ -67,8 +67,8 @@ impl SteadyDrift {
         self.origin -= by;
     }
 
-    /// Way that the error has walked in one direction.
-    pub(super) fn way(&self) -> Turns {
+    /// Distance that the error has walked in one direction.
+    pub(super) fn distance(&self) -> Turns {
         self.last
             .map_or(Turns::ZERO, |last| of_angle(last - self.origin))
     }

@@ -236,6 +236,32 @@ impl Fault {
     }
 }
 
+/// True if `new` is a better name than `old` for a fault of the same axis in the same stop.
+pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
+    const fn rank(kind: FaultKind) -> u8 {
+        match kind {
+            FaultKind::Tilt
+            | FaultKind::Warp
+            | FaultKind::CommonLag
+            | FaultKind::IndexTimeout
+            | FaultKind::IndexExtra
+            | FaultKind::Capture => 0,
+            FaultKind::LostSteps | FaultKind::Slip => 1,
+            FaultKind::IndexMissing | FaultKind::Stuck | FaultKind::Runaway => 2,
+            // A crank that turns back seems to stand at first. It must not be driven on.
+            FaultKind::Reversed => 3,
+            _ => 4,
+        }
+    }
+    if let FaultKind::IndexMissing = new {
+        return matches!(old, FaultKind::IndexTimeout);
+    }
+    let (new_rank, old_rank) = (rank(new), rank(old));
+    // Of lost steps and slip, the later name is the better one.
+    let is_other_kind = new_rank == 1 && old_rank == 1 && new as u8 != old as u8;
+    new_rank < 4 && (new_rank > old_rank || is_other_kind)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -266,5 +292,16 @@ mod tests {
         let mut unknown = Fault::new(FaultKind::Tilt).to_bytes();
         unknown[0] = FaultKind::ALL.len() as u8;
         assert_eq!(Fault::from_bytes(&unknown), None);
+    }
+
+    /// If this fails for a crank that turns back, it is still called stuck, and its drive stays on. If it fails for one that swings ahead
+    /// as it is released, it is called a runaway, and a stop ends as a coast.
+    #[test]
+    fn what_turns_back_is_no_longer_stuck_and_what_swings_ahead_is() {
+        assert!(is_better(FaultKind::Reversed, FaultKind::Stuck));
+        assert!(is_better(FaultKind::Reversed, FaultKind::Tilt));
+        assert!(!is_better(FaultKind::Stuck, FaultKind::Reversed));
+        assert!(!is_better(FaultKind::Runaway, FaultKind::Stuck));
+        assert!(!is_better(FaultKind::Reversed, FaultKind::SwappedWiring));
     }
 }

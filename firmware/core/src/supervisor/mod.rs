@@ -23,13 +23,11 @@
 //!
 //! A command is obeyed, or refused with a reason that is reported: [`Command::check`] has the table.
 
-mod alternatives;
 mod fault;
 pub mod reaction;
 mod request;
 
-pub use alternatives::alternatives;
-pub(crate) use alternatives::{is_better, may_run_away};
+pub(crate) use fault::is_better;
 pub use fault::{FAULT_BYTES, Fault, FaultKind};
 pub use reaction::{Reaction, reaction};
 pub use request::{REFUSED_COMMAND_BYTES, RefusalReason, RefusedCommand, Situation};

@@ -11,7 +11,7 @@ mod program;
 mod ring;
 
 use cophase_core::monitor::IndexFilter;
-use cophase_core::signals::IndexPulses;
+use cophase_core::monitor::IndexPulses;
 use embassy_rp::pac;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 

@@ -5,8 +5,8 @@
 
 use std::cmp::Ordering;
 
+use cophase_core::monitor::alternatives;
 use cophase_core::settings::AxisSettings;
-use cophase_core::supervisor::alternatives;
 use cophase_core::supervisor::{Fault, FaultKind};
 use serde::Serialize;
 

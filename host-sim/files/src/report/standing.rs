@@ -1,7 +1,7 @@
 //! Warnings of injected faults that come when the machine stands for good. Nothing turns that could show them, so a run with such a
 //! fault tests nothing.
 
-use cophase_core::supervisor::alternatives;
+use cophase_core::monitor::alternatives;
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_scene::entry;
 use cophase_scene::file::{FaultAt, FaultName};

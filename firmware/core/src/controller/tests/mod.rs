@@ -4,12 +4,12 @@ mod commands;
 
 use super::*;
 use crate::axes::FollowerSettings;
+use crate::monitor::IndexPulse;
 use crate::program::{EntrySettings, SegmentSettings, Shape};
 use crate::settings::{
     BandSettings, DriveKind, LimitSettings, MachineSettings, Settings, ShaftSettings, sample,
 };
 use crate::signals::Feedback;
-use crate::signals::IndexPulse;
 use crate::supervisor::{Command, State};
 
 const HZ: u32 = 2000;

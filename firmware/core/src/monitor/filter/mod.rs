@@ -15,8 +15,9 @@
 //!
 //! The filter does not decide whether the crank can have made a pulse at that time.
 
+use super::pulses::{IndexPulse, IndexPulses};
 use crate::settings::MOST_OF_TICK;
-use crate::signals::{IndexPulse, IndexPulses};
+
 use crate::units::MAX_AXES;
 
 /// Largest time from a pulse's first edge to the confirmed stretch, in widths.

@@ -11,7 +11,6 @@ mod trajectories;
 
 use super::*;
 use crate::commanded::TickPhase;
-use crate::signals::IndexPulse;
 use cranks::*;
 use std::vec::Vec;
 

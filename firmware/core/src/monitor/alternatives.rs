@@ -1,7 +1,7 @@
-//! Names of one fault: the kinds that its sensors cannot distinguish, and which of two names is the better one.
+//! Faults that the sensors of an axis cannot distinguish from the one that is named.
 
-use super::{Fault, FaultKind};
 use crate::settings::{AxisSettings, DriveKind};
+use crate::supervisor::{Fault, FaultKind};
 
 /// Other kinds of faults that look like `fault` to the sensors of its axis.
 ///
@@ -78,47 +78,5 @@ fn alike(
             Kind::Reversed,
         ],
         _ => &[],
-    }
-}
-
-/// True if `new` is a better name than `old` for a fault of the same axis in the same stop.
-pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
-    const fn rank(kind: FaultKind) -> u8 {
-        match kind {
-            FaultKind::Tilt
-            | FaultKind::Warp
-            | FaultKind::CommonLag
-            | FaultKind::IndexTimeout
-            | FaultKind::IndexExtra
-            | FaultKind::Capture => 0,
-            FaultKind::LostSteps | FaultKind::Slip => 1,
-            FaultKind::IndexMissing | FaultKind::Stuck | FaultKind::Runaway => 2,
-            // A crank that turns back seems to stand at first. It must not be driven on.
-            FaultKind::Reversed => 3,
-            _ => 4,
-        }
-    }
-    if let FaultKind::IndexMissing = new {
-        return matches!(old, FaultKind::IndexTimeout);
-    }
-    let (new_rank, old_rank) = (rank(new), rank(old));
-    // Of lost steps and slip, the later name is the better one.
-    let is_other_kind = new_rank == 1 && old_rank == 1 && new as u8 != old as u8;
-    new_rank < 4 && (new_rank > old_rank || is_other_kind)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// If this fails for a crank that turns back, it is still called stuck, and its drive stays on. If it fails for one that swings ahead
-    /// as it is released, it is called a runaway, and a stop ends as a coast.
-    #[test]
-    fn what_turns_back_is_no_longer_stuck_and_what_swings_ahead_is() {
-        assert!(is_better(FaultKind::Reversed, FaultKind::Stuck));
-        assert!(is_better(FaultKind::Reversed, FaultKind::Tilt));
-        assert!(!is_better(FaultKind::Stuck, FaultKind::Reversed));
-        assert!(!is_better(FaultKind::Runaway, FaultKind::Stuck));
-        assert!(!is_better(FaultKind::Reversed, FaultKind::SwappedWiring));
     }
 }
