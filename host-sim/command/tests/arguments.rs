@@ -89,7 +89,7 @@ fn each_wrong_argument_gets_one_sentence_with_problem_and_fix() {
         (
             &["chart", ""],
             "'': there is no chart of that name; there are methods, stability, energy, functions, tick-rate, fidelity, decisions, \
-             breakdown",
+             breakdown, change-detection",
         ),
         (
             &["run", "--quiet=3"],

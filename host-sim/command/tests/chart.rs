@@ -357,6 +357,70 @@ fn the_documented_decisions_match_the_measurement() {
     assert!(steps.values().all(|&count| count >= 6), "{steps:?}");
 }
 
+/// Returns what a chart compares for each rule with independent normal errors: the monitor's threshold, or that with the most false
+/// alarms up to one a year. Each rule has the turns of all changes, then its loads.
+fn rules_of_change_detection(csv: &str) -> BTreeMap<String, Vec<String>> {
+    let mut best = BTreeMap::<_, ((bool, f64), Vec<String>)>::new();
+    for row in rows(csv).iter().filter(|row| row["noise"] == "normal") {
+        let rank = (row["present"] == "true", number(row, "false_alarms_a_year"));
+        if !rank.0 && rank.1 > 1.0 {
+            continue;
+        }
+        let cell = row[if row["change"] == "load" {
+            "size"
+        } else {
+            "turns"
+        }]
+        .clone();
+        let of_rule = best
+            .entry(row["rule"].clone())
+            .or_insert((rank, Vec::new()));
+        if rank > of_rule.0 {
+            *of_rule = (rank, Vec::new());
+        }
+        if rank == of_rule.0 {
+            of_rule.1.push(cell);
+        }
+    }
+    best.into_iter()
+        .map(|(rule, (_, cells))| (rule, cells))
+        .collect()
+}
+
+/// If this fails, the page on change detection states other figures than its data.
+#[test]
+fn the_documented_delays_are_those_of_the_data() {
+    let docs = include_str!("../../../docs/change-detection.md");
+    let rules = rules_of_change_detection(include_str!("../../../docs/change-detection.csv"));
+    assert_eq!(rules.len(), 8);
+    for (rule, cells) in rules {
+        let row = format!("| {rule} | {} |", cells.join(" | "));
+        assert!(docs.contains(&row), "{row}");
+    }
+}
+
+/// If this fails, there is a rule that should replace the windows of the monitor: it reports a drift sooner, and tolerates as much load.
+#[test]
+fn a_rule_that_reports_a_drift_sooner_tolerates_less_load() {
+    let rules = rules_of_change_detection(&drawn("change-detection").csv);
+    // A drift of 0.001 r a turn, and a slow load.
+    let figures = |rule: &str| {
+        let cells = &rules[rule];
+        let turns: f64 = cells[5].parse().unwrap();
+        let load: f64 = cells[8].parse().unwrap();
+        (turns, load)
+    };
+    let windows = figures("windows");
+    assert!(windows.1 > 1.5, "{windows:?}");
+    for rule in rules.keys().filter(|rule| *rule != "windows") {
+        let other = figures(rule);
+        assert!(
+            other.0 > windows.0 || other.1 < windows.1,
+            "{rule}: {other:?}, windows: {windows:?}"
+        );
+    }
+}
+
 #[test]
 fn charts_are_listed_and_others_refused() {
     let list = String::from_utf8(chart(&["list"]).stdout).unwrap();

@@ -10,6 +10,7 @@
 
 pub mod axis;
 pub mod breakdown;
+mod change_detection;
 mod decisions;
 mod drawn;
 mod energy;
@@ -76,6 +77,11 @@ pub const CHARTS: &[Chart] = &[
         name: "breakdown",
         shows: "failures of machines and methods, and the guards against them",
         draw: breakdown::draw,
+    },
+    Chart {
+        name: "change-detection",
+        shows: "how soon the monitor's rules, CUSUM and GLR detect small slips and drifts, against false alarms",
+        draw: change_detection::draw,
     },
 ];
 
