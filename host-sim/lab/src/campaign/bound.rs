@@ -1,7 +1,7 @@
 //! Largest tilt of a platform after a fault: the limit, plus what the kind of fault can add until all cranks stand. Where torque moves the
 //! cranks, the bound ends when the drives are off, because nothing holds the cranks together then.
 //!
-//! Up to the limit L nothing need be reported. A crank beyond the limit is detected within a turn, or two in homing, and N + 5 ticks. Then
+//! Up to the limit L nothing need be reported. A crank beyond the limit is detected within a turn, or two in homing, and three ticks. Then
 //! the machine stops, within its stop limits. Meanwhile the crank moves on by an angle e, which depends on the kind of fault. One crank that is off by e,
 //! against all others in phase, tilts the platform by at most g(e), computed with true geometry at the worst crank angle
 //! ([`Geometry::worst_tilt_mrad`]). Half a turn is the largest possible error of a crank. The bound is L + g(e):
@@ -9,7 +9,7 @@
 //! | kind | e |
 //! | --- | --- |
 //! | lost steps | the cycles, at once |
-//! | slip | rate × (turns to show it + N + 5 ticks + stop), or rate × duration of the slip |
+//! | slip | rate × (turns to show it + three ticks + stop), or rate × duration of the slip |
 //! | stuck, runaway, reversed | ½ |
 //! | underrun | the travel of two ticks |
 //! | swapped wiring | the travel by which homing moves a crank to prove the wiring: at most the error that one crank may have |
@@ -76,7 +76,7 @@ fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, beyond_limi
         FaultName::Slip => {
             let rate = fault.rate_deg_per_s.unwrap_or_default().abs() / 360.0;
             let until_s = beyond_limit.turns_to_show() * turn_s(&scene.limits, beyond_limit)
-                + super::detection_ticks(scene.axes.count) as f64 * tick_s
+                + super::DETECTION_TICKS as f64 * tick_s
                 + stop_s(&scene.limits, beyond_limit);
             rate * until_s.min(fault.for_s.unwrap_or(f64::INFINITY))
         }

@@ -106,7 +106,7 @@ fn at_rest_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, rest_s: f6
     turns.min(until_off_turns).min(0.5)
 }
 
-/// Travel at rest after which the drive of an axis that moves by itself must be off, turns. It ends N + 5 ticks after the sensor shows the
+/// Travel at rest after which the drive of an axis that moves by itself must be off, turns. It ends three ticks after the sensor shows the
 /// motion. An encoder shows it once this crank alone takes the platform beyond a limit. The crank may come from the other side, so twice
 /// that travel is allowed. An index shows it as the crank passes its flag, within one turn. A rotor that swings at its flag makes pulses as
 /// well, so from there another turn is allowed.
@@ -116,7 +116,7 @@ pub fn runaway_turns(scene: &Scene, geometry: Option<&Geometry>, rests_at_flag: 
     } else {
         1.0 + f64::from(u8::from(rests_at_flag))
     };
-    let ticks = super::detection_ticks(scene.axes.count) as f64;
+    let ticks = super::DETECTION_TICKS as f64;
     let speeds = scene.fault.iter().filter_map(|fault| fault.speed_hz);
     let speed_hz = speeds.fold(0.0, |most: f64, speed| most.max(speed.abs()));
     shown_turns + ticks * speed_hz / f64::from(scene.control.tick_hz)

@@ -43,11 +43,9 @@ use response::Twin;
 use row::Row;
 use watch::Watch;
 
-/// Number of ticks that a machine with `axes` axes needs to detect what an index pulse shows. One passes until the loop reads the pulse,
-/// one until its response is played, and one for each axis, because a tick processes one pulse. Three more evaluate the axes.
-pub const fn detection_ticks(axes: usize) -> usize {
-    axes + 5
-}
+/// Number of ticks that a machine needs to respond to what an index pulse shows. One passes until the loop reads the pulse, one if the
+/// line's filter confirms it in the tick after, and one until the response is played.
+pub const DETECTION_TICKS: usize = 3;
 
 /// Runs the faulty or the clean run of a case. The faulty run is compared with its twin, so the clean run is simulated first in either
 /// case.

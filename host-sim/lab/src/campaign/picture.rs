@@ -18,7 +18,7 @@ pub fn svg(header: &Header, tally: &Tally) -> String {
     picture::render(Picture {
         title: format!("{cases} faults, and {cases} runs with noise alone"),
         says: format!(
-            "Of {} faults that moved a crank beyond its limit {} were detected within one turn and N + 5 ticks. {} of {} were named \
+            "Of {} faults that moved a crank beyond its limit {} were detected within one turn and three ticks. {} of {} were named \
              rightly. The largest tilt was {:.2} of its bound. Noise alone tripped {} of {} runs.",
             all.in_time.of,
             all.in_time.hits,
@@ -54,7 +54,7 @@ fn delays(tally: &Tally, encoder: bool) -> Panel {
     Panel {
         title: format!("Detected after the limit: {}", measured_by(encoder)),
         x: Axis::linear(
-            "turns from the limit to N + 5 ticks before it is detected",
+            "turns from the limit to three ticks before it is detected",
             -0.2,
             1.2,
         ),

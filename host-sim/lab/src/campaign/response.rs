@@ -30,7 +30,7 @@ pub struct Responded {
     pub response: Response,
     /// Beginning of the tick in which the first output of the response was played.
     pub place: Place,
-    /// Turns of the master N + 5 ticks before that. Detection may take as many ticks.
+    /// Turns of the master three ticks before that. Detection may take as many ticks.
     pub turns: f64,
     /// True if cranks were beyond a limit at that place.
     pub is_beyond_limit: bool,
@@ -110,7 +110,7 @@ struct Start {
 pub struct Now<'a> {
     /// Beginning of the tick.
     pub place: Place,
-    /// Turns of the master N + 5 ticks before that.
+    /// Turns of the master three ticks before that.
     pub turns: f64,
     /// True if cranks were beyond a limit at that place.
     pub is_beyond_limit: bool,

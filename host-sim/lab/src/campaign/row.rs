@@ -50,9 +50,9 @@ pub struct Row {
     pub reported_s: Option<f64>,
     /// Time of the detection, s: the machine stopped, its drives went off, or a correction that sufficed began.
     pub detected_s: Option<f64>,
-    /// Turns of the master from the fault to N + 5 ticks before the first report.
+    /// Turns of the master from the fault to three ticks before the first report.
     pub turns_from_fault: Option<f64>,
-    /// Turns of the master from the crank passing its limit to N + 5 ticks before the detection; below 0 if the detection was earlier.
+    /// Turns of the master from the crank passing its limit to three ticks before the detection; below 0 if the detection was earlier.
     pub turns_from_limit: Option<f64>,
     /// True if the fault was detected in time. Empty if no crank passed its limit, or if the machine stood before a turn was over.
     pub in_time: Option<bool>,

@@ -21,7 +21,7 @@ pub struct Group {
     pub in_time: Rate,
     /// Rate of right names, among faults that were reported or had to be.
     pub named: Rate,
-    /// Turns from the limit to N + 5 ticks before the detection, smallest first.
+    /// Turns from the limit to three ticks before the detection, smallest first.
     pub turns: Vec<f64>,
     /// Largest ratio of the tilt to the limit, for the tilt that the bound applies to.
     pub tilt_over_limit: f64,

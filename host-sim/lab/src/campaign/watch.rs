@@ -18,7 +18,7 @@ use host_sim::checked::Checked;
 use host_sim::sim::event_watch::{EventWatch, NewEvents};
 use host_sim::sim::{Moment, Observer};
 
-use super::detection_ticks;
+use super::DETECTION_TICKS;
 use super::flag::{Extra, Flag};
 use super::geometry::Geometry;
 use super::hold::{self, Hold};
@@ -76,7 +76,7 @@ pub struct FaultEvent {
     pub reported: ReportedFault,
     /// Beginning of the moment in which the outputs computed with the report were played.
     pub place: Place,
-    /// Turns of the master N + 5 ticks before that. Detection may take as many ticks.
+    /// Turns of the master three ticks before that. Detection may take as many ticks.
     pub turns: f64,
 }
 
@@ -91,7 +91,7 @@ pub struct Observation {
     pub out: Option<Place>,
     /// True if they were beyond a limit in the last moment with the drives on.
     pub is_beyond_limit: bool,
-    /// Longest stay beyond a limit without a break, with the drives on, turns of the master; less the N + 5 ticks that detection may take.
+    /// Longest stay beyond a limit without a break, with the drives on, turns of the master; less the three ticks that detection may take.
     pub stay_turns: f64,
     /// Longest stay that is allowed, turns: the angle that one crank may be off and, once cranks went beyond a limit,
     /// [`Place::turns_to_show`]. If a crank falls back by that angle just after its flag, it passes the flag again later than a turn, by the
@@ -154,7 +154,7 @@ pub struct Watch<'a> {
     beyond_since: Option<f64>,
     moments: u64,
     event_watch: EventWatch,
-    /// Turns of the master at the ends of the last N + 6 moments, latest first. Detection may take N + 5 ticks.
+    /// Turns of the master at the ends of the last four moments, latest first. Detection may take three ticks.
     turns: VecDeque<f64>,
     before: Option<(Axes<f64>, Axes<f64>)>,
     /// Number of moments in which an axis stood while another was moved.
@@ -200,7 +200,7 @@ impl<'a> Watch<'a> {
             beyond_since: None,
             moments: 0,
             event_watch: EventWatch::default(),
-            turns: vec![0.0; detection_ticks(checked.settings.axes.len()) + 1].into(),
+            turns: vec![0.0; DETECTION_TICKS + 1].into(),
             before: None,
             apart: 0,
             run_on: per_axis(checked.settings.axes.len(), |_| 0.0),
@@ -245,7 +245,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Returns the turns of the master N + 5 ticks before this one.
+    /// Returns the turns of the master three ticks before this one.
     fn turns_before(&self) -> f64 {
         self.turns.back().copied().unwrap_or_default()
     }

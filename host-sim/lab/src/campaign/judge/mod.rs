@@ -50,7 +50,7 @@ pub struct Judgement {
     /// True if the fault was detected before cranks had stayed beyond a limit for longer than is allowed. None if no crank passed a limit,
     /// or if nothing was detected and no crank stayed for so long.
     pub in_time: Option<bool>,
-    /// Turns of the master from the crank passing its limit to N + 5 ticks before the detection; below 0 if the detection was earlier.
+    /// Turns of the master from the crank passing its limit to three ticks before the detection; below 0 if the detection was earlier.
     pub turns: Option<f64>,
     /// Time of the detection, s since power-up.
     pub detected_s: Option<f64>,
