@@ -174,7 +174,7 @@ mod tests {
     }
 
     /// If this fails, a runaway with an encoder is allowed half a turn, and a loop that ignores encoders during a hold passes. Or a runaway
-    /// with an index alone is not allowed a turn, and no loop can pass. 10 ticks of 0.5 ms at 6 rev/s are 0.03 turn.
+    /// with an index alone is not allowed a turn, and no loop can pass. Three ticks of 0.5 ms at 6 rev/s are 0.009 turn.
     #[test]
     fn the_runaway_allowance_at_rest_depends_on_the_sensor() {
         let mut scene = library::find("default").unwrap().scene();
@@ -188,11 +188,11 @@ mod tests {
         let geometry = Geometry::new(&scene).unwrap();
         let turns = |scene: &Scene, at_flag| runaway_turns(scene, Some(&geometry), at_flag);
         scene.axes.encoder = false;
-        assert!((turns(&scene, false) - 1.03).abs() < 1e-12);
-        assert!((turns(&scene, true) - 2.03).abs() < 1e-12);
+        assert!((turns(&scene, false) - 1.009).abs() < 1e-12);
+        assert!((turns(&scene, true) - 2.009).abs() < 1e-12);
         assert_eq!(at_rest_turns(&scene, &geometry, &runaway, 2.0), 0.5);
         scene.axes.encoder = true;
-        let expected = 2.0 * geometry.single_limit_turns() + 0.03;
+        let expected = 2.0 * geometry.single_limit_turns() + 0.009;
         assert!((turns(&scene, true) - expected).abs() < 1e-12);
         assert_eq!(at_rest_turns(&scene, &geometry, &runaway, 2.0), expected);
     }
