@@ -2,6 +2,7 @@
 
 use super::earliest::{Coasting, Earliest};
 use super::*;
+use crate::shaft::easing::Easing;
 use crate::shaft::gain::Step;
 
 /// Result of a stop.
@@ -17,7 +18,7 @@ pub(super) struct Found {
     pub turns_later: i64,
     /// Distance from the end of the fastest brake in whole ticks to that passage.
     spare: f64,
-    /// Distance by which planning in whole units may lengthen a brake.
+    /// Distance by which easing before the first brake, and planning in whole units, may lengthen a brake.
     longer: f64,
 }
 
@@ -60,9 +61,14 @@ fn stop(watch: &mut Watch, phase: Turns) -> (i64, u64) {
     (distance, moved)
 }
 
+/// Ticks for which the shaft eases before it can begin a brake: the plan is one tick ahead, and measures a tick earlier.
+const AHEAD_TICKS: i64 = 3;
+
 /// Stops, and compares the result with the earliest stop.
 pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> Found {
     let (least, top) = (least_distance(watch), greatest_speed(watch));
+    let easing = Easing::new(watch.shaft.state(), watch.shaft.limits());
+    let eased = AHEAD_TICKS * easing.longest_distance(watch.shaft.state());
     let passage = phase.wrapping_sub(watch.shaft.phase().within_turn());
     // The first passage that is not nearer than the fastest brake's end.
     let spare = passage.to_bits().wrapping_sub(least) & (ONE_TURN - 1);
@@ -109,15 +115,23 @@ pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> F
         either: either + rounding,
         turns_later,
         spare,
-        longer,
+        longer: longer + eased as f64,
     }
 }
 
 /// Accepts at most two ticks over the earliest. The lower bound allows the two ticks in which the shaft is already at
-/// rest. A turn later is accepted only where planning in whole units makes the fastest brake too long.
+/// rest.
 pub(super) fn is_the_earliest(found: &Found) -> bool {
     let in_time = (-2.0 - found.either..=2.0 + found.margin).contains(&found.over);
-    in_time && (found.turns_later == 0 || found.turns_later == 1 && found.spare <= found.longer)
+    in_time && found.is_at_first_passage()
+}
+
+impl Found {
+    /// True unless the shaft passed the phase where the first brake that can be planned would have ended in time.
+    pub fn is_at_first_passage(&self) -> bool {
+        let earlier = (self.turns_later - 1) as f64 * ONE_TURN as f64;
+        self.turns_later == 0 || self.spare + earlier <= self.longer
+    }
 }
 
 /// Runs a program up to a random tick; returns nothing if the shaft is at rest there.
