@@ -263,21 +263,28 @@ pub fn read_latched() -> Levels {
 /// and clearing is that of a line which is reported now.
 #[inline(never)] // seldom
 fn add_edges(Levels(levels): Levels, edges: [u32; 2]) -> Levels {
-    let mut changed = 0;
-    for ((register, _), edges) in LATCHES.into_iter().zip(edges) {
-        pac::IO_BANK0.intr(register.into()).write_value(Int(edges));
-        let mut rest = edges;
-        let mut bit = 1 << (register * PINS_OF_REGISTER);
-        while rest != 0 {
-            if rest & EDGES != 0 {
-                changed |= bit;
-            }
-            rest >>= 4;
-            bit <<= 1;
-        }
-    }
+    let [(first, _), (second, _)] = LATCHES;
+    let [of_first, of_second] = edges;
+    let changed = clear_edges(first, of_first) | clear_edges(second, of_second);
     const ENABLE: u32 = 1 << pins::ENABLE;
     Levels((levels | changed) & !(changed & ENABLE))
+}
+
+/// Clears edges that a register has noted; returns their pins.
+#[inline(always)] // The number of the register is then a constant, and needs no check.
+fn clear_edges(register: u8, edges: u32) -> u32 {
+    pac::IO_BANK0.intr(register.into()).write_value(Int(edges));
+    let mut changed = 0;
+    let mut rest = edges;
+    let mut bit = 1 << (register * PINS_OF_REGISTER);
+    while rest != 0 {
+        if rest & EDGES != 0 {
+            changed |= bit;
+        }
+        rest >>= 4;
+        bit <<= 1;
+    }
+    changed
 }
 
 /// True if ENABLE had an edge since the last reading of the latched lines. The edge of a line that changed in that very reading may be

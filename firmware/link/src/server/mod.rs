@@ -64,12 +64,15 @@ pub struct Hub<D, const SESSIONS: usize> {
 impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     /// Server of a device, with all lines open and no host.
     #[inline(always)] // A server has kilobytes. Inlining lets the compiler write them in place.
-    pub fn new(mut device: D) -> Self {
+    pub fn new(mut device: D) -> Self
+    where
+        [Session; SESSIONS]: Default,
+    {
         device.set_sampling(status_ticks(device.tick_hz()));
         Self {
             device,
             // Constants would be copied, over the stack.
-            sessions: core::array::from_fn(|_| Session::new()),
+            sessions: <[Session; SESSIONS]>::default(),
             access: Access::new(),
             upload: Upload::new(),
             host: HostWatch::new(),

@@ -22,7 +22,7 @@ const PACKET_BYTES: usize = MAX_PAYLOAD_BYTES - SAMPLES_HEADER_BYTES;
 const PACKETS_HZ: u32 = 50;
 
 #[derive(Debug)]
-pub(super) struct Session {
+pub struct Session {
     pub(super) receiver: Receiver,
     /// The host has identified itself, and gets events.
     pub(super) is_known: bool,
@@ -49,9 +49,9 @@ struct Stream {
     next_tick: Option<u32>,
 }
 
-impl Session {
+impl Default for Session {
     #[inline(always)] // as `Hub::new`
-    pub(super) fn new() -> Self {
+    fn default() -> Self {
         Self {
             receiver: Receiver::new(),
             is_known: false,
@@ -65,7 +65,9 @@ impl Session {
             next_status_ms: 0,
         }
     }
+}
 
+impl Session {
     /// Discards the state of the host, as its bytes and streams have no meaning for the next one.
     pub(super) fn restart(&mut self) {
         self.receiver = Receiver::new();

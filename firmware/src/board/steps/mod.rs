@@ -259,6 +259,7 @@ fn first_underrun(axes: usize) -> Option<usize> {
 }
 
 /// Returns true if the machine of an axis has waited for words since it was started.
+#[inline(always)] // The caller knows that there is such an axis.
 fn has_underrun(axis: usize) -> bool {
     block(axis).fdebug().read().txstall() & 1 << machine_of(axis) != 0
 }

@@ -180,9 +180,9 @@ impl Homing {
         offsets: &mut PhaseOffsets,
     ) -> Option<Fault> {
         if let Some(axis) = offsets.beyond_limit(&trims) {
-            let size = monitor.phase_error()[axis];
+            let size = monitor.phase_error().get(axis).copied();
             let fault = Fault::new(FaultKind::HomingRangeExceeded);
-            return Some(fault.on_axis(axis).with_size(size));
+            return Some(fault.on_axis(axis).with_size(size.unwrap_or_default()));
         }
         // Both tilts are compared with the cranks before the first one. From one tilt to the other, two cranks may move alike.
         if self.proven <= 1 {
