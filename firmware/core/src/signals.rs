@@ -75,9 +75,15 @@ impl Output {
         let [first, second] = &self.plans;
         let plans = if self.second_is_newer { second } else { first };
         let sharing = self.sharing();
-        (0..MAX_AXES).map(move |axis| match plans.get(sharing.first(axis)) {
-            Some(runs) => &runs[..],
-            None => &[],
+        // Most axes play the plan of the axis before.
+        let (mut plan, mut runs): (_, &[Run]) = (MAX_AXES, &[]);
+        (0..MAX_AXES).map(move |axis| {
+            let first = sharing.first(axis);
+            if first != plan {
+                plan = first;
+                runs = plans.get(plan).map_or(&[], |runs| &runs[..]);
+            }
+            runs
         })
     }
 
