@@ -88,8 +88,13 @@ impl Board {
 
 impl Io for Board {
     #[inline(never)] // as `Controller::tick`
+    #[expect(
+        unsafe_code,
+        reason = "only the loop knows when it may change its output"
+    )]
     fn read(&mut self, feedback: &mut Feedback) {
-        sampler::end();
+        // SAFETY: only the loop's interrupt polls the loop.
+        unsafe { sampler::end() };
         // The output that was submitted last is played from now on.
         lines::sync(self.sync);
         feedback.index.clear();
@@ -162,7 +167,7 @@ impl Io for Board {
                 flags: self.inputs | drives,
                 index_count: self.index_count,
             };
-            // SAFETY: the telemetry is part of the controller, which is in a static. The loop changes it after the next reading only.
+            // SAFETY: as in `read`. The telemetry is part of the controller, which is in a static. The loop changes it after the next reading only.
             unsafe { sampler::request(&output.telemetry, label) };
         }
         self.ticks = self.ticks.wrapping_add(1);

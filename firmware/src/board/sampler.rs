@@ -11,6 +11,7 @@ use core::cell::UnsafeCell;
 use cophase_core::signals::Telemetry;
 use cophase_exchange::Loan;
 use cophase_link::sample::Sample;
+use critical_section::CriticalSection;
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use heapless::spsc::Producer;
@@ -58,18 +59,22 @@ pub fn set_up(queue: Producer<'static, Sample>) {
 }
 
 /// Ends the loan of the last tick's telemetry. Every tick calls it before it changes the telemetry.
+///
+/// # Safety
+/// Only the loop's interrupt may call it.
 #[inline(always)]
-pub fn end() {
-    critical_section::with(|cs| TELEMETRY.end(cs));
+pub unsafe fn end() {
+    // SAFETY: the sampler's interrupt has a lower priority, and takes the loan in a critical section.
+    TELEMETRY.end(unsafe { CriticalSection::new() });
 }
 
 /// Requests a sample of the present tick.
 ///
 /// # Safety
-/// The telemetry must stay at its place, and must not change, until [`end`].
+/// Only the loop's interrupt may call it. The telemetry must stay at its place, and must not change, until [`end`].
 pub unsafe fn request(telemetry: &Telemetry, label: Label) {
-    // SAFETY: as the caller promises.
-    critical_section::with(|cs| unsafe { TELEMETRY.lend(cs, telemetry, label) });
+    // SAFETY: as in `end`, and as the caller promises.
+    unsafe { TELEMETRY.lend(CriticalSection::new(), telemetry, label) };
     interrupt::SWI_IRQ_0.pend();
 }
 
