@@ -26,8 +26,6 @@ pub struct Modes {
     pub tilt_y: Turns,
     /// Largest deviation, without sign, of an axis from the plane through all.
     pub warp: Turns,
-    /// Axis with that deviation.
-    pub warp_axis: usize,
 }
 
 impl Modes {
@@ -37,7 +35,6 @@ impl Modes {
         tilt_x: Turns::ZERO,
         tilt_y: Turns::ZERO,
         warp: Turns::ZERO,
-        warp_axis: 0,
     };
 
     /// Side on which the errors are positive, degrees around the platform from axis 0 towards axis 1, from −180 to 180; none if
@@ -232,16 +229,13 @@ impl Mount {
         // Three neighbours of six that are all far off would be extrapolated to several turns.
         let sum = |of: i32| of.clamp(-ONE_TURN_OF_SUM, ONE_TURN_OF_SUM) << (30 - WEIGHT_BITS);
         let (common, tilt_x, tilt_y) = (sum(common), sum(tilt_x), sum(tilt_y));
-        let (mut warp, mut warp_axis) = (0, 0);
+        let mut warp = 0;
         if self.knowledge() == Knowledge::All {
             let mut detected = self.detected;
-            for (number, (e, axis)) in axes().enumerate() {
+            for (e, axis) in axes() {
                 if detected & 1 != 0 {
                     let tilt = multiply_q30(tilt_x, axis.cosine) + multiply_q30(tilt_y, axis.sine);
-                    let off = (e - (common + tilt)).abs();
-                    if off > warp {
-                        (warp, warp_axis) = (off, number);
-                    }
+                    warp = warp.max((e - (common + tilt)).abs());
                 }
                 detected >>= 1;
             }
@@ -252,7 +246,6 @@ impl Mount {
             tilt_x: turns(tilt_x),
             tilt_y: turns(tilt_y),
             warp: turns(warp),
-            warp_axis,
         }
     }
 }
@@ -392,6 +385,5 @@ mod tests {
         phase_error[2] = Turns::from_num(0.02);
         let modes = Mount::new(6).modes(&phase_error.map(angle));
         assert!((modes.warp.to_num::<f64>() - 0.01).abs() < 1e-6);
-        assert_eq!(modes.warp_axis, 2);
     }
 }

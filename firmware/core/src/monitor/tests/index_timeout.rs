@@ -271,6 +271,24 @@ fn a_pulse_out_of_place_is_decided_as_the_place_of_the_next_has_passed() {
     }
 }
 
+/// If this fails, a sensor that bounces at its flag ends homing with a place that no turn has confirmed.
+#[test]
+fn a_second_pulse_of_a_passage_confirms_nothing() {
+    let mut cranks = Cranks::new(monitor(3, 3.0, 5.0, 15.0), 0.001);
+    cranks.flags = [0.5; MAX_AXES];
+    for axis in 0..3 {
+        move_flag(&mut cranks.monitor, axis, 0.5);
+    }
+    let bounces = |_: usize, t: f64, pulse: Option<IndexPulse>| {
+        let again = (0.5025..0.5035).contains(&t);
+        pulse.or(again.then_some(IndexPulse { cycle: 100 }))
+    };
+    assert_eq!(cranks.turn_with(600, |_, _| 0.0, bounces), []);
+    assert!(are_detected(&cranks.monitor) && !cranks.monitor.is_homed());
+    assert_eq!(cranks.turn_with(1000, |_, _| 0.0, bounces), []);
+    assert!(cranks.monitor.is_homed());
+}
+
 /// If this fails, homing takes noise for a flag; or it rejects the flag, or needs more turns than the noise takes.
 #[test]
 fn a_place_is_confirmed_by_a_turn_with_no_pulse_between() {
