@@ -144,12 +144,14 @@ impl DriftMonitor {
             self.detected = 0;
             self.rounds = self.rounds.wrapping_add(1);
         }
-        if !self.is_homing && is_round_over {
-            self.common_jump = self.compare(shown);
-        } else if !self.is_homing && stops && self.moves_apart() {
-            // A pulse that comes during the stop names the fault, though it may show no limit exceeded: a crank that runs away is a whole
-            // turn ahead for a moment.
-            self.compare(shown);
+        // A pulse that comes during the stop names the fault, though it may show no limit exceeded: a crank that runs away is a whole turn
+        // ahead for a moment.
+        let is_compared = self.is_homing || is_round_over || stops && self.moves_apart();
+        if is_compared && !self.is_homing {
+            let jump = self.compare(shown);
+            if is_round_over {
+                self.common_jump = jump;
+            }
         }
         let mut errors = self.measured(sensed.correction);
         if shown.updated != 0 || self.encoders() != 0 {
@@ -165,9 +167,9 @@ impl DriftMonitor {
         let since = of_angle(self.common_jump).wrapping_abs();
         let is_even = self.is_homing || is_round_over || since <= self.config.limits.reading;
         let margin = if is_even { Turns::ZERO } else { since };
-        let exceeded = self.exceeded(&modes, margin, shown, sensed.speed);
+        let exceeded = self.exceeded(&modes, margin, is_compared, shown, sensed.speed);
         let is_ones_own = exceeded.is_some_and(|kind| kind != FaultKind::CommonLag);
-        if is_ones_own && !self.is_homing && shown.updated != 0 {
+        if is_ones_own && !is_compared && shown.updated != 0 {
             self.compare(shown);
         }
         if shown.moved | shown.drifting != 0 {
@@ -282,6 +284,7 @@ impl DriftMonitor {
         &self,
         modes: &Modes,
         margin: Turns,
+        is_compared: bool,
         shown: &Shown,
         speed: Turns,
     ) -> Option<FaultKind> {
@@ -292,9 +295,8 @@ impl DriftMonitor {
         let exceeded = may_be.and_then(|kind| {
             let mut axes = self.each();
             let has_moved = shown.late != 0
-                || !self.is_homing
-                    && (axes.any(|(_, config, state)| state.has_moved(config))
-                        || self.moves_apart());
+                || !is_compared && self.moves_apart()
+                || !self.is_homing && axes.any(|(_, config, state)| state.has_moved(config));
             if has_moved {
                 Some(kind)
             } else {
