@@ -9,9 +9,9 @@ use cophase_core::settings::{AxisSettings, Settings};
 use super::{Board, Unfit};
 
 /// Cycles of a tick without its axes: interrupt and loop, inputs, states and events, the plan of a stop, report, hand-over.
-const TICK_CYCLES: u32 = 16_300;
-/// Cycles that each axis adds to these: the edges of its index line, its pulse confirmed and processed, its timeout, hand-over.
-const AXIS_CYCLES: u32 = 1_400;
+const TICK_CYCLES: u32 = 14_300;
+/// Cycles that each axis adds to these: the edges of its index line, its pulse confirmed, evaluated and reported, hand-over.
+const AXIS_CYCLES: u32 = 2_050;
 /// Cycles of a step plan without its chunks.
 const PLAN_CYCLES: u32 = 700;
 /// Cycles that each chunk of a plan's edges adds. The planner processes a chunk at once.
@@ -42,9 +42,9 @@ const HOMING: Offsets = Offsets {
     fraction: 0,
 };
 const CORRECTION: Offsets = Offsets {
-    all: 1_150,
-    axis: 210,
-    fraction: 1_050,
+    all: 1_350,
+    axis: 250,
+    fraction: 1_250,
 };
 /// Homing that proves the wiring.
 const PROOF: Offsets = Offsets {

@@ -232,6 +232,23 @@ fn encoder_and_index_check_each_other() {
     );
 }
 
+/// If this fails, a crank that no longer turns with its motor, so that its flag never comes, is not stopped for.
+#[test]
+fn the_third_missing_pulse_in_a_row_beside_an_encoder_stops_the_machine() {
+    let mut cranks = encoders(3.0);
+    let dead = |i: usize, _: f64, pulse: Option<IndexPulse>| pulse.filter(|_| i != 1);
+    let found = cranks.turn_with(400, |_, _| 0.0, dead);
+    let reported: Vec<_> = found
+        .iter()
+        .map(|(_, found)| (found.fault.kind, found.within_limits))
+        .collect();
+    let missing = |within_limits| (FaultKind::IndexMissing, within_limits);
+    assert_eq!(
+        reported[..3],
+        [missing(true), missing(true), missing(false)]
+    );
+}
+
 /// An index pulse that is missing, or extra, on an axis with an encoder is reported, and the machine keeps running.
 #[test]
 fn an_encoder_vouches_for_its_crank() {
