@@ -319,15 +319,16 @@ impl DriftMonitor {
         if self.is_homing {
             return;
         }
-        for axis in 0..self.axes.len().min(MAX_AXES) {
+        for axis in axes_of(shown.moved | shown.drifting) {
             let Some((config, state)) = self.of(axis) else {
                 return;
             };
-            let moved = shown.moved & 1 << axis != 0;
             let name = state.events.name(config, state.phase_error() > 0);
             let size = of_angle(state.events.size());
             let distance = state.steady_drift.distance();
-            if let Some(kind) = name.filter(|_| moved) {
+            if shown.moved & 1 << axis != 0
+                && let Some(kind) = name
+            {
                 self.report(axis, (kind, size, within_limits), shown, sensed);
             }
             if shown.drifting & 1 << axis != 0 {

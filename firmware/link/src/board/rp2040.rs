@@ -9,9 +9,9 @@ use cophase_core::settings::{AxisSettings, Settings};
 use super::{Board, Unfit};
 
 /// Cycles of a tick without its axes: interrupt and loop, inputs, states and events, the plan of a stop, report, hand-over.
-const TICK_CYCLES: u32 = 14_300;
+const TICK_CYCLES: u32 = 14_600;
 /// Cycles that each axis adds to these: the edges of its index line, its pulse confirmed, evaluated and reported, hand-over.
-const AXIS_CYCLES: u32 = 2_030;
+const AXIS_CYCLES: u32 = 1_980;
 /// Cycles of a step plan without its chunks.
 const PLAN_CYCLES: u32 = 700;
 /// Cycles that each chunk of a plan's edges adds. The planner processes a chunk at once.
