@@ -12,6 +12,7 @@ use core::hash::{Hash, Hasher};
 use super::Controller;
 use crate::axes::MAX_CAMS;
 use crate::mechanism::Mechanism;
+use crate::units::Phase;
 
 /// Sum of words: each is added by an exclusive or to the sum, which is then multiplied by an odd number.
 ///
@@ -270,7 +271,12 @@ impl Controller {
                 (amplitude.step(), step_rate.tick_cycles()).hash(sum);
             }
             4 => offsets.hash_common(sum),
-            5 => monitor.config().hash_common(sum),
+            5 => {
+                monitor.config().hash_common(sum);
+                // Homing moves both by as much in opposite senses.
+                let place = monitor.zero().wrapping_add(homing.home_offset());
+                Phase::from_turns(place).within_turn().hash(sum);
+            }
             6 | 7 => monitor.config().limits.hash_half(slice == 7, sum),
             8 => homing.config().hash_common(sum),
             _ => {

@@ -50,6 +50,8 @@ pub(super) type Report = (FaultKind, Turns, bool);
 /// What a tick showed of the axes. Sets have a bit for each axis.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shown {
+    /// True while homing searches for the phases of the cranks.
+    pub is_homing: bool,
     /// Axis that is observed.
     pub axis: usize,
     /// Axes whose index showed where they are.
@@ -128,7 +130,7 @@ impl Axis {
         self.index.late(tick.end(axis))
     }
 
-    /// Processes a tick of an axis with an encoder. Returns the same.
+    /// Processes a tick of an axis with an encoder.
     #[inline(never)]
     pub(super) fn observe_encoder(
         &mut self,
@@ -282,7 +284,7 @@ impl Axis {
                 may_run.then_some((FaultKind::IndexExtra, of_angle(by), false))
             }
             Passage::NotWhereCountsWereLost => self.nowhere(config, shown),
-            Passage::Missing => Some(self.missing(config)),
+            Passage::Missing => Some(self.missing(config, shown.is_homing)),
         };
         let is_place = matches!(
             passage,
@@ -392,12 +394,17 @@ impl Axis {
     fn confirm(&mut self, jump: Turns, shown: Turns, has_passed: bool) {
         self.index.move_place(jump.wrapping_sub(shown), has_passed);
         self.home += angle(jump);
-        self.events.jump(angle(jump));
+        self.jump(angle(jump));
+    }
+
+    /// Records that the crank jumped.
+    pub(super) fn jump(&mut self, by: Angle) {
+        self.events.jump(by, self.phase_error() > 0);
     }
 
     /// Processes a missing pulse of an axis whose encoder shows that it turns.
-    fn missing(&self, config: &AxisConfig) -> Report {
-        if self.events.is_slipping(config, self.phase_error() > 0) {
+    fn missing(&self, config: &AxisConfig, is_homing: bool) -> Report {
+        if self.events.is_slipping(config) && !is_homing {
             // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
             return (FaultKind::Slip, config.alone.wrapping_neg(), false);
         }
@@ -412,7 +419,7 @@ impl Axis {
             // There is no index that could decide, so the jump counts.
             Read::Jump { by } if !config.has_index => {
                 self.encoder.as_mut()?.believe();
-                self.events.jump(angle(by));
+                self.jump(angle(by));
                 shown.moved |= 1 << shown.axis;
             }
             _ => {}
@@ -427,7 +434,7 @@ impl Axis {
         self.last = self.index.place;
         if config.is_beyond_gate(jump) {
             self.home += jump;
-            self.events.jump(jump);
+            self.jump(jump);
             shown.moved |= 1 << shown.axis;
         } else {
             self.walk(config, own.walk - common.walk, shown);
@@ -489,12 +496,10 @@ impl Axis {
 
     /// Name of the fault that moved this axis in the last turns, or moves it now, if it is known.
     pub(super) fn name(&self, config: &AxisConfig) -> Option<FaultKind> {
-        let is_ahead = self.phase_error() > 0;
-        self.tracking(config)
-            .or_else(|| self.events.name(config, is_ahead))
+        self.tracking(config).or_else(|| self.events.name(config))
     }
 
-    /// True if the axis has a name.
+    /// True if the crank moved in the last turns, or its motor does now.
     pub(super) fn has_moved(&self, config: &AxisConfig) -> bool {
         self.events.has_moved() || self.tracking(config).is_some()
     }

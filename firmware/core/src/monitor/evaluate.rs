@@ -59,7 +59,10 @@ impl DriftMonitor {
             zero: self.zero,
             clock: self.config.clock,
         };
-        let mut shown = Shown::default();
+        let mut shown = Shown {
+            is_homing: self.is_homing,
+            ..Shown::default()
+        };
         self.margin = Turns::MAX;
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let (Some(config), Some(state)) = (self.config.axes.get(axis), self.axes.get_mut(axis))
@@ -116,10 +119,13 @@ impl DriftMonitor {
                 && state.encoder.is_none()
             {
                 // The first pulse after a time without pulses shows how far the crank moved.
-                state.events.jump(by);
+                state.jump(by);
                 let kind = state.name(config).unwrap_or(FaultKind::Slip);
                 self.report(axis, (kind, of_angle(by), false), shown, sensed);
-            } else {
+            } else if self
+                .moved
+                .is_none_or(|(_, most)| of_angle(by).abs() > most.abs())
+            {
                 self.moved = Some((axis, of_angle(by)));
             }
         }
@@ -323,7 +329,7 @@ impl DriftMonitor {
             let Some((config, state)) = self.of(axis) else {
                 return;
             };
-            let name = state.events.name(config, state.phase_error() > 0);
+            let name = state.events.name(config);
             let size = of_angle(state.events.size());
             let distance = state.steady_drift.distance();
             if shown.moved & 1 << axis != 0

@@ -299,5 +299,8 @@ impl Index {
     /// Moves the zero of all phases, so that the flag is `by` further on.
     pub(super) fn shift(&mut self, by: Angle) {
         self.place += by;
+        if let Some(rival) = &mut self.rival {
+            rival.place += by;
+        }
     }
 }

@@ -163,6 +163,11 @@ impl DriftMonitor {
         self.reset(&[Phase::ZERO; MAX_AXES]);
     }
 
+    /// Turns by which homing has moved the zero of all phases.
+    pub(crate) const fn zero(&self) -> Turns {
+        self.zero
+    }
+
     /// What follows from the settings.
     pub(crate) const fn config(&self) -> &Config {
         &self.config
@@ -224,7 +229,8 @@ impl DriftMonitor {
         axes.all(|(_, config, state)| !config.has_index || state.index.is_confirmed())
     }
 
-    /// Rounds that are over since power-up; wraps. A round is over when each axis without an encoder has passed its index.
+    /// Rounds that are over since power-up; wraps. A round is over when each axis without an encoder has passed its index; if there is none,
+    /// with each pulse.
     pub const fn rounds(&self) -> u32 {
         self.rounds
     }

@@ -50,6 +50,8 @@ struct Event {
     by: Angle,
     /// Turn of the crank in which it happened.
     turn: u32,
+    /// True if the crank was ahead of its command by then.
+    is_ahead: bool,
 }
 
 /// Last events of one axis.
@@ -67,6 +69,7 @@ impl Events {
             what: What::Nothing,
             by: Angle::ZERO,
             turn: 0,
+            is_ahead: false,
         };
         Self {
             events: [NONE; EVENTS],
@@ -80,32 +83,37 @@ impl Events {
     }
 
     #[inline(never)]
-    fn record(&mut self, what: What, by: Angle) {
+    fn record(&mut self, what: What, by: Angle, is_ahead: bool) {
         let turn = self.turn;
-        let mut event = Event { what, by, turn };
+        let mut event = Event {
+            what,
+            by,
+            turn,
+            is_ahead,
+        };
         for slot in &mut self.events {
             event = core::mem::replace(slot, event);
         }
     }
 
-    /// Records that the crank jumped, forward if `by` is positive.
-    pub(super) fn jump(&mut self, by: Angle) {
-        self.record(What::Jump, by);
+    /// Records that the crank jumped, forward if `by` is positive, and whether it is ahead of its command now.
+    pub(super) fn jump(&mut self, by: Angle, is_ahead: bool) {
+        self.record(What::Jump, by, is_ahead);
     }
 
     /// Records that the crank moved on its shaft, or slowly over many turns.
     pub(super) fn slip(&mut self, by: Angle) {
-        self.record(What::SlowSlip, by);
+        self.record(What::SlowSlip, by, false);
     }
 
     /// Records pulses at the spacing of a crank that runs.
     pub(super) fn run(&mut self) {
-        self.record(What::Run, Angle::ZERO);
+        self.record(What::Run, Angle::ZERO, true);
     }
 
     /// Records a pulse where no flag is. Returns false if the sensor has failed.
     pub(super) fn extra(&mut self, by: Angle) -> bool {
-        self.record(What::Extra, by);
+        self.record(What::Extra, by, false);
         let mut events = self.events.iter();
         events.any(|event| event.what != What::Extra || self.age(event) >= EVENTS as u32)
     }
@@ -162,14 +170,14 @@ impl Events {
     }
 
     /// True if the crank slipped when its index showed it last.
-    pub(super) fn is_slipping(&self, config: &AxisConfig, is_ahead: bool) -> bool {
+    pub(super) fn is_slipping(&self, config: &AxisConfig) -> bool {
         let is_new = self.latest().is_some_and(|event| self.age(event) == 0);
-        is_new && self.name(config, is_ahead) == Some(FaultKind::Slip)
+        is_new && self.name(config) == Some(FaultKind::Slip)
     }
 
     /// Name of the motion of the crank, if that was in the last turns.
     #[inline(never)]
-    pub(super) fn name(&self, config: &AxisConfig, is_ahead: bool) -> Option<FaultKind> {
+    pub(super) fn name(&self, config: &AxisConfig) -> Option<FaultKind> {
         let latest = self.latest()?;
         let by = of_angle(latest.by);
         match latest.what {
@@ -192,7 +200,7 @@ impl Events {
         };
         // A runaway gains more in its second turn than in the rest of its first. So does a crank that makes up for a lag, but it stays
         // behind.
-        let gains = is_ahead && by > 0 && (by > before || earlier.is_some());
+        let gains = latest.is_ahead && by > 0 && (by > before || earlier.is_some());
         // If a crank passes its index while it jumps, the index shows a part of the jump then, and the rest a turn later.
         let whole = config.is_whole(by) && config.is_whole(before)
             || earlier.is_none() && config.is_whole_in_two(before.wrapping_add(by));
@@ -273,8 +281,8 @@ mod tests {
 
     /// Name of a jump of a stepper that is ahead of its command by then, or not.
     fn name_after(axis: &mut Events, by_deg: f64, is_ahead: bool) -> FaultKind {
-        axis.jump(angle(deg(by_deg)));
-        let name = axis.name(&config(deg(CYCLE_DEG)), is_ahead);
+        axis.jump(angle(deg(by_deg)), is_ahead);
+        let name = axis.name(&config(deg(CYCLE_DEG)));
         name.expect("a jump has a name")
     }
 
@@ -350,7 +358,7 @@ mod tests {
     fn an_event_is_forgotten_after_some_turns() {
         let mut axis = Events::new();
         axis.slip(angle(deg(2.0)));
-        let name = |axis: &Events| axis.name(&config(Turns::ZERO), true);
+        let name = |axis: &Events| axis.name(&config(Turns::ZERO));
         for _ in 0..FORGOTTEN_AFTER {
             assert_eq!(name(&axis), Some(FaultKind::Slip));
             axis.pass_turn();

@@ -201,7 +201,7 @@ impl Cranks {
     }
 
     /// Turns until a turn has confirmed every index, and settles at these positions. The clock begins a turn before zero, so that it shows
-    /// at most 1.2 turns then, and some ticks for the queue.
+    /// at most 1.2 turns then, and some ticks.
     pub(super) fn homed(mut self) -> Self {
         let turn = (1.0 / self.speed) as i32;
         self.tick -= turn;

@@ -21,7 +21,7 @@ fn drift_is_measured_to_a_cycle_at_any_speed() {
         let mut cranks = Cranks::new(monitor(4, 100.0, 90.0, 180.0), speed);
         let errors = [0.01, -0.02, 0.003, 0.0, 0.0, 0.0];
         cranks.before = errors;
-        let ticks = (3.0 / speed) as u32 + 8; // pulses wait to be evaluated
+        let ticks = (3.0 / speed) as u32 + 1;
         assert_eq!(cranks.turn(ticks, |i, _| errors[i]), []);
         assert!(cranks.monitor.is_homed());
         for (actual, expected) in cranks.monitor.phase_error().iter().zip(errors) {

@@ -31,10 +31,9 @@ fn an_index_detects_a_runaway_at_any_speed_within_a_turn() {
             let beyond = from + true_alone(4, 2) / (ratio - 1.0);
             let late = f64::from(*tick + 1) * speed - beyond;
             worst = worst.max(late);
-            // One tick for the tick that is over, one for the pulse at its end, four for the other axes' pulses before it in the queue, and
-            // three to evaluate them.
+            // One tick for the tick that is over, and one for the pulse at its end.
             assert!(
-                late < 1.0 + 9.0 * speed,
+                late < 1.0 + 2.0 * speed,
                 "{late} turns: ratio {ratio}, from {place}, {found:?}"
             );
         }
