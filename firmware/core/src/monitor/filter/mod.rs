@@ -115,7 +115,7 @@ impl<const LINES: usize> IndexFilter<LINES> {
 
     /// True if a line is not quiet: a stretch or pulse has been pending within the last [`MOST_OF_TICK`] widths, or within the last tick if
     /// that is less. Then [`Self::end_tick`] must be called. Otherwise it need not be called until the next change. A change looks back
-    /// over less time: [`BRIDGE_WIDTHS`] widths and one.
+    /// over less time: `BRIDGE_WIDTHS` widths and one.
     #[inline(always)]
     pub const fn is_pending(&self) -> bool {
         self.pending != 0
