@@ -47,7 +47,7 @@ pub(super) struct Motion {
 /// Fault that is to be reported: its kind, its size, and whether the crank is still detected.
 pub(super) type Report = (FaultKind, Turns, bool);
 
-/// What a tick showed of the axes. Sets have a bit for each axis.
+/// Observations of a tick, of all axes. Sets have a bit for each axis.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shown {
     /// True while homing searches for the phases of the cranks.

@@ -32,7 +32,7 @@ pub(super) const MOST_LATE: Turns = Turns::from_bits(ONE_TURN / 4);
 /// Binary logarithm of the number of index pulses over which the difference of crank and encoder is averaged.
 const FILTER_SHIFT: u32 = 4;
 
-/// What a pulse, or its absence, showed.
+/// Result of a pulse, or of its absence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Passage {
     /// Nothing new.

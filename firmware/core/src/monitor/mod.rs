@@ -168,7 +168,7 @@ impl DriftMonitor {
         self.zero
     }
 
-    /// What follows from the settings.
+    /// Configuration, which follows from the settings.
     pub(crate) const fn config(&self) -> &Config {
         &self.config
     }

@@ -40,6 +40,39 @@ fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
     }
 }
 
+/// If this fails, two cranks that stand are each waited for as if the other one turned. Neighbours of four tilt the platform √2 times as far as
+/// one of them.
+#[test]
+fn neighbours_that_are_late_count_together() {
+    let speed = 0.0005;
+    let found_after = |dead: &[usize]| {
+        let mut settings = settings(4, 3.0, 5.0, 15.0);
+        for axis in &mut settings.axes {
+            axis.cycle_steps = 0;
+        }
+        let mut monitor = configured(&settings);
+        monitor.reset(&[Phase::ZERO; MAX_AXES]);
+        let alone = monitor.alone(0).to_num::<f64>();
+        let gate = 4.0 * monitor.tolerance(0).to_num::<f64>();
+        let mut cranks = Cranks::new(monitor, speed).homed();
+        let filter =
+            |i: usize, _: f64, pulse: Option<IndexPulse>| pulse.filter(|_| !dead.contains(&i));
+        let found = cranks.turn_with((2.2 / speed) as u32, |_, _| 0.0, filter);
+        let (tick, finding) = found[0];
+        assert_eq!(finding.fault.kind, FaultKind::IndexTimeout);
+        (f64::from(tick) * speed - 2.0, alone, gate)
+    };
+    let (one, alone, _) = found_after(&[1]);
+    assert!((one - alone).abs() < 2.0 * speed, "{one}, and not {alone}");
+    let (two, alone, gate) = found_after(&[1, 2]);
+    let expected = (alone / 2.0_f64.sqrt()).max(gate);
+    assert!(expected < 0.8 * alone, "the gate does not decide");
+    assert!(
+        (two - expected).abs() < 2.0 * speed,
+        "{two}, and not {expected}"
+    );
+}
+
 /// If this fails, a line with a delay of more than a tick gives an index timeout in every turn as soon as the machine is fast.
 #[test]
 fn a_line_that_is_late_is_waited_for() {
