@@ -17,8 +17,9 @@ import { starve } from '../bench/starve.mjs';
 import { eventsOfHost, eventsOfLog } from '../bench/events.mjs';
 import { offsetOf } from './index.mjs';
 
-/** The greatest difference of events' sizes and phases, host against firmware. */
-const MOST_DEG = 0.01;
+/** The greatest difference of events' sizes and phases, host against firmware. Builds differ by where in a tick the lines are sampled, and
+ * have shown 0.0001 to 0.00026. */
+const MOST_DEG = 0.0005;
 
 /** Error of a correction that follows a measurement: the firmware samples a line every 7 cycles, 3 cycles late, on each of two axes. */
 const READING_CYCLES = 2 * (7 + 3);
@@ -105,7 +106,7 @@ export function run(outcome) {
   outcome.say(`the longest of their ticks is one of ${longest.name}: ${longest.own} cycles`);
   outcome.figure('faults whose reactions are alike on host and firmware', alike, 'higher');
   outcome.figure('tick of 4 axes with a fault in it, worst, cycles', longest.own);
-  outcome.figure('sizes and phases of events, host against firmware, deg', worst);
+  outcome.figure('sizes and phases of events, host against firmware, deg', worst, 'neither');
 }
 
 /** Applies the host's inputs and faults to the firmware, and runs it to the end of the host's prediction. */

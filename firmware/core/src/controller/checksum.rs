@@ -78,7 +78,7 @@ macro_rules! parts {
         })*
 
         /// Parts in the order in which they are checked: those of the program, and those of the settings.
-        static PARTS: [Part; 38] = [$($name),*];
+        static PARTS: [Part; 39] = [$($name),*];
     };
 }
 
@@ -97,7 +97,8 @@ parts! {
     limits: |c, i, sum| single(i, sum, |sum| c.hash_machine(6, sum)),
     readings: |c, i, sum| single(i, sum, |sum| c.hash_machine(7, sum)),
     homing: |c, i, sum| single(i, sum, |sum| c.hash_machine(8, sum)),
-    coupling: |c, i, sum| single(i, sum, |sum| c.hash_machine(9, sum)),
+    home: |c, i, sum| single(i, sum, |sum| c.hash_machine(9, sum)),
+    coupling: |c, i, sum| single(i, sum, |sum| c.hash_machine(10, sum)),
     speeds: |c, i, sum| single(i, sum, |sum| c.shaft.limits().hash_speeds(sum)),
     ramps: |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 0, sum)),
     ramp_ends: |c, i, sum| slice(sum, |sum| c.shaft.limits().hash_ramp(i, 1, sum)),
@@ -271,14 +272,14 @@ impl Controller {
                 (amplitude.step(), step_rate.tick_cycles()).hash(sum);
             }
             4 => offsets.hash_common(sum),
-            5 => {
-                monitor.config().hash_common(sum);
+            5 => monitor.config().hash_common(sum),
+            6 | 7 => monitor.config().limits.hash_half(slice == 7, sum),
+            8 => homing.config().hash_common(sum),
+            9 => {
                 // Homing moves both by as much in opposite senses.
                 let place = monitor.zero().wrapping_add(homing.home_offset());
                 Phase::from_turns(place).within_turn().hash(sum);
             }
-            6 | 7 => monitor.config().limits.hash_half(slice == 7, sum),
-            8 => homing.config().hash_common(sum),
             _ => {
                 if let Some(coupling) = coupling {
                     coupling.constants().hash(sum);
