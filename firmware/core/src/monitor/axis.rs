@@ -6,7 +6,8 @@
 
 use super::angles::{Angle, angle, exceeds, of_angle};
 use super::config::AxisConfig;
-use super::encoder::{CountScale, Encoder, Read, Tracking};
+use super::counts::Counts;
+use super::encoder::{Encoder, Read, Tracking};
 use super::evaluate::Tick;
 use super::index::{Index, MOST_LATE, Passage, Pulse};
 use super::names::{Events, may_be_fast};
@@ -97,10 +98,7 @@ pub(super) struct Axis {
 impl Axis {
     #[cold]
     pub(super) fn new(axis: &AxisSettings) -> Self {
-        let encoder = axis
-            .encoder
-            .then(|| CountScale::new(axis.steps_per_crank_turn(), axis.reversed))
-            .map(Encoder::new);
+        let encoder = axis.encoder.then(|| Encoder::new(Counts::new(axis)));
         Self {
             index: Index::new(Phase::ZERO),
             encoder: servo_part(encoder),

@@ -8,9 +8,8 @@
 use core::hash::Hash;
 
 use super::config::AxisConfig;
+use super::counts::Counts;
 use crate::commanded::TickPhase;
-use crate::functions::Ratio;
-use crate::pulse::StepsPerTurn;
 use crate::units::{Phase, Turns};
 
 /// Motion of a motor compared with its command.
@@ -42,54 +41,10 @@ pub(super) enum Read {
     },
 }
 
-/// Conversion of counts to turns of the crank, exact over any number of readings.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CountScale {
-    /// True if the counts are against the axis's own sense.
-    reversed: bool,
-    /// Turns per count: whole units, and the exact fraction of one that is left, with the remainder so far.
-    per_count: i64,
-    fraction: Ratio,
-}
-
-impl CountScale {
-    /// Scale of an encoder with these counts per turn of the crank, reversed or not.
-    pub(super) const fn new(counts: StepsPerTurn, reversed: bool) -> Self {
-        let (per_count, fraction) = counts.step_turns();
-        Self {
-            reversed,
-            per_count,
-            fraction,
-        }
-    }
-
-    /// Turns of the crank for the next difference of two readings.
-    const fn advance(&mut self, counts: i32) -> Turns {
-        let counts = if self.reversed {
-            -(counts as i64)
-        } else {
-            counts as i64
-        };
-        let whole = counts.wrapping_mul(self.per_count);
-        Turns::from_bits(whole.wrapping_add(self.fraction.advance(counts)))
-    }
-
-    /// Constants, which no tick changes.
-    fn constants(self) -> impl Hash {
-        let Self {
-            reversed,
-            per_count,
-            fraction,
-        } = self;
-        (reversed, per_count, fraction.constants())
-    }
-}
-
 /// Watches one encoder.
 #[derive(Clone, Debug)]
 pub(super) struct Encoder {
-    scale: CountScale,
-    last: Option<i32>,
+    counts: Counts,
     /// Measured minus commanded turns since the reset, and its filtered value.
     pub(super) phase_error: Turns,
     pub(super) filtered: Turns,
@@ -149,14 +104,13 @@ const FILTER_SHIFT: u32 = 4;
 impl Encoder {
     /// Constants, which no tick changes.
     pub(super) fn constants(&self) -> impl Hash + use<> {
-        self.scale.constants()
+        self.counts.constants()
     }
 
     /// Watch that has no reading yet. The phase error is zero.
-    pub(super) const fn new(scale: CountScale) -> Self {
+    pub(super) const fn new(counts: Counts) -> Self {
         Self {
-            scale,
-            last: None,
+            counts,
             phase_error: Turns::ZERO,
             filtered: Turns::ZERO,
             mean: Turns::ZERO,
@@ -173,8 +127,9 @@ impl Encoder {
     }
 
     /// Discards all readings. The phase error is zero from now on.
-    pub(super) const fn reset(&mut self) {
-        *self = Self::new(self.scale);
+    pub(super) fn reset(&mut self) {
+        self.counts.forget();
+        *self = Self::new(self.counts);
     }
 
     /// Adds the present phase error over a share of a turn, up to ½, to the mean. Its error is below a millionth of the errors.
@@ -203,12 +158,10 @@ impl Encoder {
         jump: Turns,
     ) -> (Read, Turns) {
         let before = self.phase_error;
-        let Some(last) = self.last.replace(count) else {
+        let Some(made) = self.counts.travel(count) else {
             self.made = Some(commanded.turns);
             return (Read::Nothing, commanded.turns);
         };
-        // A tick has at most half a turn, which is at most 2^15 counts. A larger difference is invalid, and may wrap.
-        let made = self.scale.advance(count.wrapping_sub(last));
         let off = made.wrapping_sub(commanded.turns);
         let read = self.classify(off, jump);
         if let Read::Jump { by } = read {
@@ -291,7 +244,7 @@ impl Encoder {
 
     /// Processes a reading after ticks whose phase is not known. It assumes that the motor followed its command.
     pub(super) fn skip(&mut self, count: i32) {
-        self.last = Some(count);
+        self.counts.travel(count);
         self.made = None;
         if let Deviation::Held(_) = self.deviation {
             self.deviation = Deviation::default();

@@ -17,7 +17,8 @@
 //! | --- | --- |
 //! | `config` | what follows from the settings |
 //! | `filter` | from lines to index pulses |
-//! | `index`, `encoder` | the sensors: what a pulse or a count shows of a crank |
+//! | `index` | what a pulse shows of a crank, once a turn |
+//! | `counts`, `encoder` | what counts show of a motor, in every tick |
 //! | `axis` | both together |
 //! | `modes`, `limits` | what the cranks do to the platform, and what they may do |
 //! | `names`, `steady_drift` | the motion of a crank, and its name |
@@ -29,6 +30,7 @@ mod alternatives;
 mod angles;
 mod axis;
 mod config;
+mod counts;
 mod encoder;
 mod evaluate;
 mod filter;
