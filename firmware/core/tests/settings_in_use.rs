@@ -289,20 +289,11 @@ fn visit_axis(axis: &mut AxisSettings, on: &mut Change) {
 // ---- machines, which together use all keys ----
 
 const AXIS: AxisSettings = AxisSettings {
-    drive: DriveKind::Stepper,
-    steps_per_turn: 3200,
-    gear: Transmission::DIRECT,
-    reversed: false,
-    follower: FollowerSettings::DIRECT,
-    offset_turns: 0.0,
     index_turns: Some(0.05),
     index_width_turns: 0.02,
     index_delay_s: 1e-5,
-    encoder: false,
-    cycle_steps: 64,
-    trim_limit_turns: 5.0 / 360.0,
-    trim_rate_hz: 1.0 / 360.0,
     rotor_inertia_kgm2: 1e-3,
+    ..AxisSettings::DEFAULT
 };
 
 /// Steppers under a platform on a mechanism; every feature for steppers is on.

@@ -224,6 +224,24 @@ pub struct AxisSettings {
 }
 
 impl AxisSettings {
+    /// Stepper of 3200 steps per turn on the crank's own shaft, with an index sensor at phase 0.
+    pub const DEFAULT: Self = Self {
+        drive: DriveKind::Stepper,
+        steps_per_turn: 3200,
+        gear: Transmission::DIRECT,
+        reversed: false,
+        follower: FollowerSettings::DIRECT,
+        offset_turns: 0.0,
+        index_turns: Some(0.0),
+        index_width_turns: 0.0,
+        index_delay_s: 0.0,
+        encoder: false,
+        cycle_steps: 64,
+        trim_limit_turns: 5.0 / 360.0,
+        trim_rate_hz: 1.0 / 360.0,
+        rotor_inertia_kgm2: 0.0,
+    };
+
     /// Steps, or encoder counts, per turn of the crank.
     pub const fn steps_per_crank_turn(&self) -> StepsPerTurn {
         let gear = (self.gear.motor_turns, self.gear.crank_turns);

@@ -12,23 +12,6 @@ pub(crate) const LEVEL: SegmentSettings = SegmentSettings {
     shape: Shape::Smooth,
 };
 
-const AXIS: AxisSettings = AxisSettings {
-    drive: DriveKind::Stepper,
-    steps_per_turn: 3200,
-    gear: Transmission::DIRECT,
-    reversed: false,
-    follower: FollowerSettings::DIRECT,
-    offset_turns: 0.0,
-    index_turns: Some(0.0),
-    index_width_turns: 0.0,
-    index_delay_s: 0.0,
-    encoder: false,
-    cycle_steps: 64,
-    trim_limit_turns: 5.0 / 360.0,
-    trim_rate_hz: 1.0 / 360.0,
-    rotor_inertia_kgm2: 0.0,
-};
-
 /// A machine of `axes` steppers with index sensors, 2 kHz, whose program plays [`LEVEL`] three times.
 pub(crate) fn settings(axes: usize) -> Settings {
     Settings {
@@ -55,7 +38,7 @@ pub(crate) fn settings(axes: usize) -> Settings {
         },
         pulse: PulseSettings::DEFAULT,
         index: IndexSettings::DEFAULT,
-        axes: core::iter::repeat_n(AXIS, axes).collect(),
+        axes: core::iter::repeat_n(AxisSettings::DEFAULT, axes).collect(),
         cams: heapless::Vec::new(),
         trims_turns: heapless::Vec::new(),
         drift: Drift::DEFAULT,

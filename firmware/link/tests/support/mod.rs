@@ -55,19 +55,12 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
         axes: (0..axes)
             .map(|i| AxisSettings {
                 drive: [DriveKind::Stepper, DriveKind::Servo][i % 2],
-                steps_per_turn: 3200,
-                gear: Transmission::DIRECT,
                 reversed: i % 2 == 1,
-                follower: FollowerSettings::DIRECT,
                 offset_turns: 0.1,
                 index_turns: Some(-0.25),
-                index_width_turns: 0.0,
-                index_delay_s: 0.0,
-                encoder: false,
                 cycle_steps: 0,
-                trim_limit_turns: 5.0 / 360.0,
-                trim_rate_hz: 1.0 / 360.0,
                 rotor_inertia_kgm2: 1e-4,
+                ..AxisSettings::DEFAULT
             })
             .collect(),
         cams: Default::default(),

@@ -9,9 +9,8 @@
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-use cophase_core::axes::FollowerSettings;
 use cophase_core::phase_offset::PhaseOffsets;
-use cophase_core::settings::{AxisSettings, DriveKind, Settings, Transmission};
+use cophase_core::settings::{AxisSettings, Settings};
 use cophase_core::units::Turns;
 
 const TICK_HZ: u32 = 500;
@@ -51,20 +50,11 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
     let mut settings = Settings::new();
     settings.tick_hz = TICK_HZ;
     let axis = AxisSettings {
-        drive: DriveKind::Stepper,
         steps_per_turn: STEPS_PER_TURN,
-        gear: Transmission::DIRECT,
-        reversed: false,
-        follower: FollowerSettings::DIRECT,
-        offset_turns: 0.0,
-        index_turns: Some(0.0),
-        index_width_turns: 0.0,
-        index_delay_s: 0.0,
-        encoder: false,
         cycle_steps: 0,
         trim_limit_turns: LIMIT_TURNS,
         trim_rate_hz: 10.0, // four times the limit in a turn
-        rotor_inertia_kgm2: 0.0,
+        ..AxisSettings::DEFAULT
     };
     settings.axes = std::iter::once(axis).collect();
     let mut offsets = PhaseOffsets::new();
