@@ -293,11 +293,6 @@ impl SimulatedAxis {
         self.slipped_turns += turns;
     }
 
-    /// Slip of the crank on its motor's shaft, turns: positive behind.
-    pub fn slipped_turns(&self) -> f64 {
-        self.slipped_turns
-    }
-
     /// Position at which the field would hold the crank, turns since power-up.
     pub fn field_turns(&self) -> f64 {
         self.origin_turns + self.field_travel_turns()
@@ -340,9 +335,9 @@ impl SimulatedAxis {
         self.flag.as_ref()
     }
 
-    /// Travel of the crank since power-up, turns.
-    pub fn travelled_turns(&self) -> f64 {
-        self.travelled_turns
+    /// Turns of the crank that its motor's encoder counts. Slip of the crank on its shaft does not move the motor.
+    pub fn counted_turns(&self) -> f64 {
+        self.travelled_turns + self.slipped_turns
     }
 
     /// Steps with which the drive itself makes a turn of the crank.

@@ -28,15 +28,13 @@ impl SimulatedMachine {
         })
     }
 
-    /// Counts of motor `i`'s encoder since power-up, in the motor's own sense, wrapping. Slip of the crank on its shaft
-    /// does not move the motor.
+    /// Counts of motor `i`'s encoder, in the motor's own sense, wrapping.
     pub fn encoder(&self, i: usize) -> i32 {
         /// Rounding error of a count, in counts: a crank within it counts as on the next count.
         const ROUNDING: f64 = 1e-6;
         let axis = &self.axes[i];
         let sense = if axis.is_reversed() { -1.0 } else { 1.0 };
-        let counts =
-            sense * (axis.travelled_turns() + axis.slipped_turns()) * axis.steps_per_turn();
+        let counts = sense * axis.counted_turns() * axis.steps_per_turn();
         floor(counts + ROUNDING) as i32
     }
 
