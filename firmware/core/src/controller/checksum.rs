@@ -110,9 +110,9 @@ parts! {
     fractions: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(1, sum)),
     followers: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(2, sum)),
     drives: |c, i, sum| entry(&c.channels, i, sum, |channel, sum| channel.hash_slice(3, sum)),
-    flags: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 0, sum)),
-    tolerances: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 1, sum)),
-    distances: |c, i, sum| slice(sum, |sum| c.hash_sensor(i, 2, sum)),
+    flags: |c, i, sum| slice(sum, |sum| c.monitor.hash_axis(i, 0, sum)),
+    tolerances: |c, i, sum| slice(sum, |sum| c.monitor.hash_axis(i, 1, sum)),
+    distances: |c, i, sum| slice(sum, |sum| c.monitor.hash_axis(i, 2, sum)),
     encoders: |c, i, sum| slice(sum, |sum| c.monitor.hash_encoder(i, sum)),
     offset_limits: |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 0, sum)),
     offset_moves: |c, i, sum| slice(sum, |sum| c.offsets.hash_axis(i, 1, sum)),
@@ -233,11 +233,6 @@ impl Controller {
         while self.check.settings.is_none() {
             self.check_settings();
         }
-    }
-
-    #[inline(always)]
-    fn hash_sensor(&self, axis: usize, slice: usize, sum: &mut Checksum) -> bool {
-        self.monitor.config().hash_axis(axis, slice, sum)
     }
 
     /// Hashes a slice of what is common to all axes.

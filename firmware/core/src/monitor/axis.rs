@@ -82,9 +82,10 @@ impl Shown {
     }
 }
 
-/// State of one axis.
+/// One axis: its configuration, and its state.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
+    pub(super) config: AxisConfig,
     /// Without a sensor, pulses are ignored, and the place stays zero.
     pub(super) index: Index,
     pub(super) encoder: Option<ServoPart<Encoder>>,
@@ -97,9 +98,10 @@ pub(super) struct Axis {
 
 impl Axis {
     #[cold]
-    pub(super) fn new(axis: &AxisSettings) -> Self {
+    pub(super) fn new(config: AxisConfig, axis: &AxisSettings) -> Self {
         let encoder = axis.encoder.then(|| Encoder::new(Counts::new(axis)));
         Self {
+            config,
             index: Index::new(Phase::ZERO),
             encoder: servo_part(encoder),
             last: Angle::ZERO,
@@ -111,31 +113,21 @@ impl Axis {
 
     /// Processes a tick of an axis without an encoder. Returns by how many turns its next pulse is late; negative if it is not due.
     #[inline(always)] // of the loop over all axes
-    pub(super) fn observe(
-        &mut self,
-        config: &AxisConfig,
-        tick: &Tick<'_>,
-        shown: &mut Shown,
-    ) -> Turns {
+    pub(super) fn observe(&mut self, tick: &Tick<'_>, shown: &mut Shown) -> Turns {
         let axis = shown.axis;
         if let Some(pulse) = tick.sensed.index.of(axis) {
             let over = tick.over(axis);
             let before = tick.before(axis);
             let index = &mut self.index;
-            let pulse = index.measure(config, tick, pulse.cycle, &over, before, over.turns);
-            self.pulse(config, pulse, None, shown);
+            let pulse = index.measure(&self.config, tick, pulse.cycle, &over, before, over.turns);
+            self.pulse(pulse, None, shown);
         }
         self.index.late(tick.end(axis))
     }
 
     /// Processes a tick of an axis with an encoder.
     #[inline(never)]
-    pub(super) fn observe_encoder(
-        &mut self,
-        config: &AxisConfig,
-        tick: &Tick<'_>,
-        shown: &mut Shown,
-    ) {
+    pub(super) fn observe_encoder(&mut self, tick: &Tick<'_>, shown: &mut Shown) {
         let axis = shown.axis;
         let Some(encoder) = &mut self.encoder else {
             return;
@@ -145,25 +137,25 @@ impl Axis {
         // The phase of the motor, not of its command.
         let start = commanded.start.advanced(encoder.phase_error);
         let before = encoder.made;
-        let (read, turns) = encoder.observe(count, &commanded, config.jump());
+        let (read, turns) = encoder.observe(count, &commanded, self.config.jump());
         encoder.average(tick.share);
         let jumped = encoder.unconfirmed.map(|jumps| jumps.at);
         let over = TickPhase { start, turns };
-        if config.has_index {
+        if self.config.has_index {
             // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
             let measure = |pulse: IndexPulse| {
                 let turns = commanded.turns;
                 self.index
-                    .measure(config, tick, pulse.cycle, &over, before, turns)
+                    .measure(&self.config, tick, pulse.cycle, &over, before, turns)
             };
             let pulse = tick.sensed.index.of(axis).and_then(measure);
-            self.pulse(config, pulse, jumped, shown);
+            self.pulse(pulse, jumped, shown);
             if self.index.late(over.end()) > 0 {
-                self.wait(config, over.start, commanded.turns, jumped, shown);
+                self.wait(over.start, commanded.turns, jumped, shown);
             }
         }
         if shown.reported.is_none() {
-            shown.reported = self.read(config, read, shown);
+            shown.reported = self.read(read, shown);
         }
         if shown.is_updated()
             && let Some(encoder) = &mut self.encoder
@@ -173,80 +165,67 @@ impl Axis {
     }
 
     /// Processes a pulse.
-    fn pulse(
-        &mut self,
-        config: &AxisConfig,
-        pulse: Option<Pulse>,
-        jumped: Option<Phase>,
-        shown: &mut Shown,
-    ) {
+    fn pulse(&mut self, pulse: Option<Pulse>, jumped: Option<Phase>, shown: &mut Shown) {
         let Some(pulse) = pulse else {
             return;
         };
         // A place that passed before the pulse decides first.
-        if self.index.contradicts(config, &pulse) {
-            let passage = self.index.pass(config, pulse.at, jumped);
-            self.take_in(config, passage, shown);
+        if self.index.contradicts(&self.config, &pulse) {
+            let passage = self.index.pass(&self.config, pulse.at, jumped);
+            self.take_in(passage, shown);
         }
-        let passage = self.index.decide(config, pulse);
-        self.take_in(config, passage, shown);
+        let passage = self.index.decide(&self.config, pulse);
+        self.take_in(passage, shown);
     }
 
     /// Processes that the next pulse may be late at the end of a tick of `commanded` turns, which began at the phase `start`.
     #[inline(never)] // seldom
     pub(super) fn wait(
         &mut self,
-        config: &AxisConfig,
         start: Phase,
         commanded: Turns,
         jumped: Option<Phase>,
         shown: &mut Shown,
     ) {
         // Pulses have been reported up to a part of the tick.
-        let covered = (commanded.to_bits() >> 16).wrapping_mul(i64::from(config.covered));
+        let covered = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.config.covered));
         let now = start.advanced(Turns::from_bits(covered));
         if !shown.is_updated() {
-            let passage = self.index.pass(config, now, jumped);
-            self.take_in(config, passage, shown);
+            let passage = self.index.pass(&self.config, now, jumped);
+            self.take_in(passage, shown);
         }
         // A missing pulse is no evidence against an encoder, except before the first pulse.
         let late = self.index.late(now);
-        if late > config.gate && !(config.has_encoder && self.index.is_known()) {
+        if late > self.config.gate && !(self.config.has_encoder && self.index.is_known()) {
             shown.is_late(late.min(MOST_LATE));
         }
     }
 
     /// Processes a tick whose phase is not known.
-    pub(super) fn disregard(
-        &mut self,
-        config: &AxisConfig,
-        has_pulse: bool,
-        count: i32,
-        start: Phase,
-    ) {
+    pub(super) fn disregard(&mut self, has_pulse: bool, count: i32, start: Phase) {
         let mut start = start;
         if let Some(encoder) = &mut self.encoder {
             encoder.skip(count);
             start = start.advanced(encoder.phase_error);
         }
-        if has_pulse && config.has_index {
+        if has_pulse && self.config.has_index {
             self.index.disregard(start);
         }
     }
 
     /// Evaluates what a pulse, or its absence, showed.
     #[inline(never)]
-    fn take_in(&mut self, config: &AxisConfig, passage: Passage, shown: &mut Shown) {
-        let has_encoder = config.has_encoder;
+    fn take_in(&mut self, passage: Passage, shown: &mut Shown) {
+        let has_encoder = self.config.has_encoder;
         let before = shown.has_moved;
         let reported = match passage {
             Passage::Nothing => return,
-            Passage::First => self.first(config),
+            Passage::First => self.first(),
             Passage::InPlace { extra, was_missing } => {
-                self.in_place(config, extra, was_missing && !has_encoder, shown)
+                self.in_place(extra, was_missing && !has_encoder, shown)
             }
             Passage::Elsewhere { by } => {
-                let runs = !has_encoder && self.events.runs_on(by, config);
+                let runs = !has_encoder && self.events.runs_on(by, &self.config);
                 runs.then(|| self.runs_away(by))
             }
             // Before the place is confirmed, pulses at several places may be noise. An encoder shows whether the crank runs.
@@ -256,7 +235,7 @@ impl Axis {
             }
             // If the crank is ahead already, and its pulse is early again, it runs away.
             Passage::Extra { by } => {
-                let is_ahead = self.events.has_jumped_ahead() && self.phase_error() > 0;
+                let is_ahead = self.events.has_jumped_ahead() && self.error(Measured::Now) > 0;
                 let runs = self.events.had_extra() || is_ahead;
                 Some(if runs {
                     self.runs_away(by)
@@ -266,7 +245,7 @@ impl Axis {
             }
             // Noise would have to come twice, each time ahead of the last guess. So the crank gains, as one does that slips.
             Passage::Dismissed { by } if self.events.had_extra() => {
-                shown.has_moved = Some(self.elsewhere(config, -by, shown));
+                shown.has_moved = Some(self.elsewhere(-by, shown));
                 None
             }
             Passage::Dismissed { by } => {
@@ -278,11 +257,11 @@ impl Axis {
                 // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse. Before the place is
                 // confirmed, the first pulse may have been noise, and the next turns decide.
                 let may_run = !has_encoder && !from_guess && self.events.had_extra();
-                shown.has_moved = Some(self.elsewhere(config, by, shown));
+                shown.has_moved = Some(self.elsewhere(by, shown));
                 may_run.then_some((FaultKind::IndexExtra, of_angle(by), false))
             }
-            Passage::NotWhereCountsWereLost => self.nowhere(config, shown),
-            Passage::Missing => Some(self.missing(config, shown.is_homing)),
+            Passage::NotWhereCountsWereLost => self.nowhere(shown),
+            Passage::Missing => Some(self.missing(shown.is_homing)),
         };
         let is_place = matches!(
             passage,
@@ -297,10 +276,10 @@ impl Axis {
     }
 
     /// Processes the first pulse of all, which shows where the crank is. Reports a jump that the encoder made before it.
-    fn first(&mut self, config: &AxisConfig) -> Option<Report> {
+    fn first(&mut self) -> Option<Report> {
         self.home = self.index.place;
         let by = self.take_unconfirmed()?;
-        let kind = match config.name_of_one(by) {
+        let kind = match self.config.name_of_one(by) {
             FaultKind::LostSteps => FaultKind::LostSteps,
             _ => FaultKind::EncoderGlitch,
         };
@@ -315,7 +294,6 @@ impl Axis {
     /// Processes a pulse in its place, and perhaps an extra one before it.
     fn in_place(
         &mut self,
-        config: &AxisConfig,
         extra: Option<Angle>,
         was_missing: bool,
         shown: &mut Shown,
@@ -323,12 +301,12 @@ impl Axis {
         // An encoder shows whether the crank runs fast. At three times the commanded speed, two extra pulses come per turn.
         let extra = extra.map(|by| {
             let is_slow = !may_be_fast(by) && !self.events.had_extra();
-            self.extra(by, is_slow || config.has_encoder)
+            self.extra(by, is_slow || self.config.has_encoder)
         });
         self.events.pass_turn();
-        if config.has_encoder {
+        if self.config.has_encoder {
             // The crank may move away from its encoder, turn by turn.
-            self.walk(config, self.motion().walk, shown);
+            self.walk(self.motion().walk, shown);
         }
         if was_missing {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
@@ -351,7 +329,7 @@ impl Axis {
     }
 
     /// Processes a motion of the crank, `by` as the index shows. Returns the whole motion.
-    fn elsewhere(&mut self, config: &AxisConfig, by: Angle, shown: &mut Shown) -> Angle {
+    fn elsewhere(&mut self, by: Angle, shown: &mut Shown) -> Angle {
         self.events.pass_turn();
         if self.encoder.is_none() {
             return by; // named at the end of the round
@@ -364,7 +342,7 @@ impl Axis {
         let same_sense = jump != 0 && (observed < 0) == (jump < 0);
         let most = of_angle(angle(jump))
             .wrapping_abs()
-            .saturating_add(config.gate);
+            .saturating_add(self.config.gate);
         if same_sense && observed.wrapping_abs() <= most {
             self.confirm(jump, observed, false);
             return angle(jump);
@@ -376,9 +354,9 @@ impl Axis {
 
     /// Processes a missing pulse at the place where lost counts of the encoder would have put it. If the encoder jumped, the crank moved
     /// with it.
-    fn nowhere(&mut self, config: &AxisConfig, shown: &mut Shown) -> Option<Report> {
+    fn nowhere(&mut self, shown: &mut Shown) -> Option<Report> {
         let jump = self.take_unconfirmed()?;
-        if !config.is_beyond_gate(angle(jump)) {
+        if !self.config.is_beyond_gate(angle(jump)) {
             // The reading came back, so the crank did not move.
             return Some((FaultKind::EncoderGlitch, jump, true));
         }
@@ -397,25 +375,25 @@ impl Axis {
 
     /// Records that the crank jumped.
     pub(super) fn jump(&mut self, by: Angle) {
-        self.events.jump(by, self.phase_error() > 0);
+        self.events.jump(by, self.error(Measured::Now) > 0);
     }
 
     /// Processes a missing pulse of an axis whose encoder shows that it turns.
-    fn missing(&self, config: &AxisConfig, is_homing: bool) -> Report {
-        if self.events.is_slipping(config) && !is_homing {
+    fn missing(&self, is_homing: bool) -> Report {
+        if self.events.is_slipping(&self.config) && !is_homing {
             // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
-            return (FaultKind::Slip, config.alone.wrapping_neg(), false);
+            return (FaultKind::Slip, self.config.alone.wrapping_neg(), false);
         }
         let within_limits = self.index.missed <= MOST_MISSED;
         (FaultKind::IndexMissing, Turns::ZERO, within_limits)
     }
 
     /// Evaluates a reading of the encoder.
-    fn read(&mut self, config: &AxisConfig, read: Read, shown: &mut Shown) -> Option<Report> {
+    fn read(&mut self, read: Read, shown: &mut Shown) -> Option<Report> {
         match read {
             Read::Glitch { by } => return Some((FaultKind::EncoderGlitch, by, true)),
             // There is no index that could decide, so the jump counts.
-            Read::Jump { by } if !config.has_index => {
+            Read::Jump { by } if !self.config.has_index => {
                 self.encoder.as_mut()?.believe();
                 self.jump(angle(by));
                 shown.moved |= 1 << shown.axis;
@@ -426,25 +404,25 @@ impl Axis {
     }
 
     /// Compares an axis without an encoder with the `common` motion, and begins a new round.
-    pub(super) fn compare(&mut self, config: &AxisConfig, common: Motion, shown: &mut Shown) {
+    pub(super) fn compare(&mut self, common: Motion, shown: &mut Shown) {
         let own = self.motion();
         let jump = own.jump - common.jump;
         self.last = self.index.place;
-        if config.is_beyond_gate(jump) {
+        if self.config.is_beyond_gate(jump) {
             self.home += jump;
             self.jump(jump);
             shown.moved |= 1 << shown.axis;
         } else {
-            self.walk(config, own.walk - common.walk, shown);
+            self.walk(own.walk - common.walk, shown);
         }
     }
 
     /// Records how far the crank is from where slow motion is counted, once a turn.
-    fn walk(&mut self, config: &AxisConfig, walk: Angle, shown: &mut Shown) {
-        if self.steady_drift.add(walk, config.drift_step()) {
+    fn walk(&mut self, walk: Angle, shown: &mut Shown) {
+        if self.steady_drift.add(walk, self.config.drift_step()) {
             shown.drifting |= 1 << shown.axis;
         }
-        if config.is_beyond_gate(walk) {
+        if self.config.is_beyond_gate(walk) {
             self.home += walk;
             self.steady_drift.shift(walk);
             self.events.slip(walk);
@@ -461,56 +439,47 @@ impl Axis {
     }
 
     /// True if the crank moved by more than a gate from the `common` motion.
-    pub(super) fn moves_from(&self, config: &AxisConfig, common: Motion) -> bool {
+    pub(super) fn moves_from(&self, common: Motion) -> bool {
         let own = self.motion();
-        config.is_beyond_gate(own.jump - common.jump)
-            || config.is_beyond_gate(own.walk - common.walk)
+        self.config.is_beyond_gate(own.jump - common.jump)
+            || self.config.is_beyond_gate(own.walk - common.walk)
     }
 
     /// Measured minus commanded, turns, −½ to ½.
     #[inline(never)]
-    pub(super) fn error(&self, config: &AxisConfig, measured: Measured) -> Turns {
+    pub(super) fn error(&self, measured: Measured) -> Turns {
         let place = of_angle(self.index.place);
         let Some(encoder) = &self.encoder else {
             return place;
         };
         let own = match measured {
             Measured::Now => encoder.phase_error,
-            Measured::AtFlag if config.has_index => encoder.at_flag,
+            Measured::AtFlag if self.config.has_index => encoder.at_flag,
             Measured::Lately | Measured::AtFlag => encoder.filtered,
             Measured::OverTurn => encoder.mean,
         };
         nearest(place.wrapping_add(own))
     }
 
-    /// The same, from the latest reading.
-    pub(super) fn phase_error(&self) -> Turns {
-        let place = of_angle(self.index.place);
-        match &self.encoder {
-            Some(encoder) => nearest(place.wrapping_add(encoder.phase_error)),
-            None => place,
-        }
-    }
-
     /// Name of the fault that moved this axis in the last turns, or moves it now, if it is known.
-    pub(super) fn name(&self, config: &AxisConfig) -> Option<FaultKind> {
-        self.tracking(config).or_else(|| self.events.name(config))
+    pub(super) fn name(&self) -> Option<FaultKind> {
+        self.tracking().or_else(|| self.events.name(&self.config))
     }
 
     /// True if the crank moved in the last turns, or its motor does now.
-    pub(super) fn has_moved(&self, config: &AxisConfig) -> bool {
-        self.events.has_moved() || self.tracking(config).is_some()
+    pub(super) fn has_moved(&self) -> bool {
+        self.events.has_moved() || self.tracking().is_some()
     }
 
     /// Name of the motor's motion by its encoder, if that is the cause of its phase error.
-    pub(super) fn tracking(&self, config: &AxisConfig) -> Option<FaultKind> {
+    pub(super) fn tracking(&self) -> Option<FaultKind> {
         let encoder = self.encoder.as_ref()?;
-        if !exceeds(angle(encoder.phase_error), config.gate) {
+        if !exceeds(angle(encoder.phase_error), self.config.gate) {
             return None;
         }
         match encoder.tracking {
             Tracking::Ok => None,
-            Tracking::Stalled if encoder.has_gone_back(config) => Some(FaultKind::Reversed),
+            Tracking::Stalled if encoder.has_gone_back(&self.config) => Some(FaultKind::Reversed),
             Tracking::Stalled => Some(FaultKind::Stuck),
             Tracking::Overspeed => Some(FaultKind::Runaway),
         }
@@ -522,9 +491,9 @@ impl Axis {
     }
 
     /// True if its encoder alone shows that the axis does not turn as commanded.
-    pub(super) fn is_off_track(&self, config: &AxisConfig) -> bool {
+    pub(super) fn is_off_track(&self) -> bool {
         let error = self.tracking_error();
-        error.is_some_and(|error| error.wrapping_abs() > config.alone)
+        error.is_some_and(|error| error.wrapping_abs() > self.config.alone)
     }
 
     /// Discards all measurements. The search for the index begins at this phase.
@@ -546,8 +515,8 @@ impl Axis {
     }
 
     /// Moves the zero of all phases, so that the phase error grows by `by`.
-    pub(super) fn shift(&mut self, config: &AxisConfig, by: Angle) {
-        if config.has_index {
+    pub(super) fn shift(&mut self, by: Angle) {
+        if self.config.has_index {
             self.index.shift(by);
         }
         self.last += by;

@@ -8,18 +8,17 @@ use super::limits::DriftLimits;
 use super::modes::Mount;
 use crate::commanded::TickClock;
 use crate::settings::{AxisSettings, Settings, turns};
-use crate::units::{AxisSet, MAX_AXES, Turns};
+use crate::units::{AxisSet, Turns};
 
 /// Configuration of the monitor.
 #[derive(Clone, Debug)]
 pub(crate) struct Config {
     pub limits: DriftLimits,
     pub mount: Mount,
-    /// Axes that have an index sensor and no encoder, and axes that have an encoder.
+    /// Axes with an index sensor and no encoder, and axes with an encoder.
     pub by_index: AxisSet,
     pub by_encoder: AxisSet,
     pub(super) clock: TickClock,
-    pub(super) axes: heapless::Vec<AxisConfig, MAX_AXES>,
 }
 
 impl Config {
@@ -30,7 +29,6 @@ impl Config {
         by_index: 0,
         by_encoder: 0,
         clock: TickClock::new(62_500),
-        axes: heapless::Vec::new(),
     };
 
     /// Configures in place from checked settings.
@@ -46,13 +44,6 @@ impl Config {
         self.limits = DriftLimits::new(&settings.drift, &settings.machine, settings.tick_hz);
         self.mount = Mount::with(settings.axes.len(), by_index | self.by_encoder);
         self.clock = TickClock::new(settings.tick_cycles());
-        self.axes.clear();
-        for (i, axis) in settings.axes.iter().enumerate() {
-            let alone = self.limits.alone(&self.mount, i, settings.axes.len());
-            let config = AxisConfig::new(axis, settings, self.limits.reading, alone);
-            let pushed = self.axes.push(config);
-            debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
-        }
     }
 
     /// Hashes what is common to all axes.
@@ -64,22 +55,8 @@ impl Config {
             by_index,
             by_encoder,
             clock,
-            axes,
         } = self;
-        (by_index, by_encoder, mount.detected(), clock, axes.len()).hash(hasher);
-    }
-
-    /// Hashes one of three slices of an axis. Returns false for the axis after the last.
-    #[inline(always)]
-    pub fn hash_axis(&self, axis: usize, slice: usize, hasher: &mut impl Hasher) -> bool {
-        // Beyond their capacity there are none, even if their number is wrong.
-        match self.axes.get(axis) {
-            Some(config) if axis < MAX_AXES => {
-                config.hash_slice(slice, hasher);
-                true
-            }
-            _ => false,
-        }
+        (by_index, by_encoder, mount.detected(), clock).hash(hasher);
     }
 }
 
@@ -133,8 +110,9 @@ impl AxisConfig {
         }
     }
 
+    /// Hashes one of three slices.
     #[inline(always)]
-    fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) {
+    pub fn hash_slice(&self, slice: usize, hasher: &mut impl Hasher) {
         let Self {
             has_index,
             has_encoder,

@@ -1,7 +1,7 @@
 //! Evaluation of a tick: the estimates of all axes, their comparison with the limits and with each other, and the report.
 
 use super::angles::{angle, in_common, middle, of_angle};
-use super::axis::{Motion, Report, Shown};
+use super::axis::{Axis, Motion, Report, Shown};
 use super::index::MOST_LATE;
 use super::{Angle, DriftMonitor, Measured, Modes, Sensed};
 use crate::commanded::{Recent, TickClock, TickPhase};
@@ -65,20 +65,19 @@ impl DriftMonitor {
         };
         self.margin = Turns::MAX;
         for axis in 0..self.axes.len().min(MAX_AXES) {
-            let (Some(config), Some(state)) = (self.config.axes.get(axis), self.axes.get_mut(axis))
-            else {
+            let Some(state) = self.axes.get_mut(axis) else {
                 break;
             };
             shown.axis = axis;
             if self.config.by_index & 1 << axis != 0 {
-                let late = state.observe(config, &tick, &mut shown);
-                self.margin = self.margin.min(config.tolerance.wrapping_sub(late));
+                let late = state.observe(&tick, &mut shown);
+                self.margin = self.margin.min(state.config.tolerance.wrapping_sub(late));
                 if late > 0 {
                     let over = tick.over(axis);
-                    state.wait(config, over.start, over.turns, None, &mut shown);
+                    state.wait(over.start, over.turns, None, &mut shown);
                 }
             } else {
-                state.observe_encoder(config, &tick, &mut shown);
+                state.observe_encoder(&tick, &mut shown);
             }
             if shown.has_moved.is_some() || shown.reported.is_some() {
                 self.report_of_axis(&mut shown, sensed);
@@ -98,7 +97,7 @@ impl DriftMonitor {
         let slots = self.phase_error.iter_mut().zip(&mut self.peak);
         for (axis, (state, (error, peak))) in self.axes.iter().zip(slots).enumerate() {
             if read & 1 << axis != 0 {
-                *error = state.phase_error();
+                *error = state.error(Measured::Now);
                 *peak = error.wrapping_abs().max(*peak);
             }
         }
@@ -113,14 +112,13 @@ impl DriftMonitor {
         if let Some(by) = shown.has_moved.take()
             && self.is_homing
         {
-            let slots = self.config.axes.get(axis).zip(self.axes.get_mut(axis));
-            if let Some((config, state)) = slots
+            if let Some(state) = self.axes.get_mut(axis)
                 && self.findings.has_requested_stop()
                 && state.encoder.is_none()
             {
                 // The first pulse after a time without pulses shows how far the crank moved.
                 state.jump(by);
-                let kind = state.name(config).unwrap_or(FaultKind::Slip);
+                let kind = state.name().unwrap_or(FaultKind::Slip);
                 self.report(axis, (kind, of_angle(by), false), shown, sensed);
             } else if self
                 .moved
@@ -209,13 +207,13 @@ impl DriftMonitor {
     /// Turns errors into estimates: a crank whose pulse is late is as far behind its last place. A stepper is behind by an electrical cycle
     /// at least, except as it accelerates in homing.
     fn fall(&self, errors: &mut PerAxis<Angle>, shown: &Shown) {
-        let axes = self.config.axes.iter().zip(&shown.late_by);
-        for (error, (config, &late)) in errors.iter_mut().zip(axes) {
+        let axes = self.axes.iter().zip(&shown.late_by);
+        for (error, (axis, &late)) in errors.iter_mut().zip(axes) {
             if late != 0 {
                 let least = if self.is_homing {
                     Turns::ZERO
                 } else {
-                    config.cycle
+                    axis.config.cycle
                 };
                 *error -= angle(late.max(least).min(MOST_LATE));
             }
@@ -247,10 +245,10 @@ impl DriftMonitor {
     /// Compares the axes without an encoder, and records those that moved differently from the others. Returns the common jump.
     fn compare(&mut self, shown: &mut Shown) -> Angle {
         let motion = self.common_motion();
-        for (axis, config, state) in self.each_mut() {
-            if config.is_by_index() {
+        for (axis, state) in self.axes.iter_mut().enumerate() {
+            if state.config.is_by_index() {
                 shown.axis = axis;
-                state.compare(config, motion, shown);
+                state.compare(motion, shown);
             }
         }
         motion.jump
@@ -262,12 +260,12 @@ impl DriftMonitor {
         let mut jumps = [Angle::ZERO; MAX_AXES];
         let mut walks = jumps;
         let mut count = 0;
-        for (_, config, state) in self.each() {
+        for axis in &self.axes {
             let slots = jumps.get_mut(count).zip(walks.get_mut(count));
             if let Some((jump, walk)) = slots
-                && config.is_by_index()
+                && axis.config.is_by_index()
             {
-                let motion = state.motion();
+                let motion = axis.motion();
                 (*jump, *walk) = (motion.jump, motion.walk);
                 count += 1;
             }
@@ -281,8 +279,8 @@ impl DriftMonitor {
     /// True if a crank by index moved away from the others by more than a gate since the axes were compared.
     fn moves_apart(&self) -> bool {
         let motion = self.common_motion();
-        let mut axes = self.each();
-        axes.any(|(_, config, state)| config.is_by_index() && state.moves_from(config, motion))
+        let mut axes = self.axes.iter();
+        axes.any(|axis| axis.config.is_by_index() && axis.moves_from(motion))
     }
 
     /// The limit that the estimates with these modes exceed by `margin`, if they do: of the platform, or of the common lag.
@@ -299,10 +297,9 @@ impl DriftMonitor {
         // may move on, and it may be beyond the true limit while its reading is not.
         let may_be = limits.of_readings().exceeded(modes, margin);
         let exceeded = may_be.and_then(|kind| {
-            let mut axes = self.each();
             let has_moved = shown.late != 0
                 || !is_compared && self.moves_apart()
-                || !self.is_homing && axes.any(|(_, config, state)| state.has_moved(config));
+                || !self.is_homing && self.axes.iter().any(Axis::has_moved);
             if has_moved {
                 Some(kind)
             } else {
@@ -326,10 +323,10 @@ impl DriftMonitor {
             return;
         }
         for axis in axes_of(shown.moved | shown.drifting) {
-            let Some((config, state)) = self.of(axis) else {
+            let Some(state) = self.axes.get(axis) else {
                 return;
             };
-            let name = state.events.name(config);
+            let name = state.events.name(&state.config);
             let size = of_angle(state.events.size());
             let distance = state.steady_drift.distance();
             if shown.moved & 1 << axis != 0
@@ -382,11 +379,11 @@ impl DriftMonitor {
         // The cranks differ. A crank with a recorded event is the one that moved, even if another one is further from the rest.
         let worst = self.furthest_of(errors);
         let known = (worst..self.axes.len()).chain(0..worst).find_map(|axis| {
-            let (config, state) = self.of(axis)?;
+            let state = self.axes.get(axis)?;
             if shown.late & 1 << axis != 0 {
                 return Some((axis, FaultKind::IndexTimeout));
             }
-            Some((axis, state.name(config)?))
+            Some((axis, state.name()?))
         });
         let (axis, kind) = known.unwrap_or((worst, kind));
         let size = match kind {
@@ -420,10 +417,10 @@ impl DriftMonitor {
     #[inline(never)]
     fn check_encoders(&mut self) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
-            let Some((config, state)) = self.of(axis) else {
+            let Some(state) = self.axes.get(axis) else {
                 return;
             };
-            if !state.is_off_track(config) {
+            if !state.is_off_track() {
                 continue;
             }
             let mut errors = [Angle::ZERO; MAX_AXES];
@@ -433,8 +430,8 @@ impl DriftMonitor {
             let by = state.tracking_error().unwrap_or_default();
             let others = self.encoders() & !(1 << axis);
             let from_others = by.wrapping_sub(of_angle(in_common(&errors, others)));
-            let is_alike = others != 0 && from_others.wrapping_abs() <= config.alone;
-            let fault = match state.tracking(config) {
+            let is_alike = others != 0 && from_others.wrapping_abs() <= state.config.alone;
+            let fault = match state.tracking() {
                 Some(kind) => Fault::new(kind).on_axis(axis),
                 None if is_alike => Fault::new(FaultKind::CommonLag),
                 None => Fault::new(FaultKind::Tilt).on_axis(axis),

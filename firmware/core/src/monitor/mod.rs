@@ -54,6 +54,8 @@ pub use limits::DriftLimits;
 pub use modes::{Knowledge, Modes, Mount};
 pub use pulses::{IndexPulse, IndexPulses};
 
+use core::hash::{Hash, Hasher};
+
 use crate::commanded::History;
 use crate::settings::Settings;
 use crate::supervisor::FaultKind;
@@ -153,8 +155,11 @@ impl DriftMonitor {
     pub fn configure(&mut self, settings: &Settings) {
         self.config.set(settings);
         self.axes.clear();
-        for axis in &settings.axes {
-            let pushed = self.axes.push(Axis::new(axis));
+        for (i, axis) in settings.axes.iter().enumerate() {
+            let Config { limits, mount, .. } = &self.config;
+            let alone = limits.alone(mount, i, settings.axes.len());
+            let config = AxisConfig::new(axis, settings, limits.reading, alone);
+            let pushed = self.axes.push(Axis::new(config, axis));
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
         self.before_is_known = false;
@@ -175,10 +180,18 @@ impl DriftMonitor {
         &self.config
     }
 
+    /// Hashes one of three slices of an axis's configuration. Returns false for the axis after the last.
+    #[inline(always)]
+    pub(crate) fn hash_axis(&self, axis: usize, slice: usize, hasher: &mut impl Hasher) -> bool {
+        // Beyond their capacity there are none, even if their number is wrong.
+        let axis = self.axes.get(axis).filter(|_| axis < MAX_AXES);
+        axis.inspect(|axis| axis.config.hash_slice(slice, hasher))
+            .is_some()
+    }
+
     /// Hashes what no tick changes of the encoder of an axis. Returns false for the axis after the last.
     #[inline(always)]
-    pub(crate) fn hash_encoder(&self, axis: usize, hasher: &mut impl core::hash::Hasher) -> bool {
-        use core::hash::Hash;
+    pub(crate) fn hash_encoder(&self, axis: usize, hasher: &mut impl Hasher) -> bool {
         let encoder = self.axes.get(axis).map(|state| &state.encoder);
         // An option of the constants would be none as well if a flipped bit makes an encoder of memory without one.
         if let Some(encoder) = encoder {
@@ -190,45 +203,29 @@ impl DriftMonitor {
         encoder.is_some() && axis < MAX_AXES
     }
 
-    /// The axes, each with its number, configuration and state.
-    fn each(&self) -> impl Iterator<Item = (usize, &AxisConfig, &Axis)> {
-        let axes = self.config.axes.iter().zip(&self.axes).enumerate();
-        axes.map(|(axis, (config, state))| (axis, config, state))
-    }
-
-    /// The same, to be changed.
-    fn each_mut(&mut self) -> impl Iterator<Item = (usize, &AxisConfig, &mut Axis)> {
-        let axes = self.config.axes.iter().zip(&mut self.axes).enumerate();
-        axes.map(|(axis, (config, state))| (axis, config, state))
-    }
-
-    fn of(&self, axis: usize) -> Option<(&AxisConfig, &Axis)> {
-        Some((self.config.axes.get(axis)?, self.axes.get(axis)?))
-    }
-
     /// Skips a tick whose phase is not known. A sensor that made a pulse in it works.
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
         self.margin = NO_MARGIN;
         let recent = sensed.history.recent();
         let commands = sensed.encoder.iter().zip(sensed.lead);
-        for ((axis, config, state), (&count, &lead)) in self.each_mut().zip(commands) {
+        for (axis, (state, (&count, &lead))) in self.axes.iter_mut().zip(commands).enumerate() {
             let has_pulse = sensed.index.axes() & 1 << axis != 0;
             let over = recent.over(axis, sensed.phase.advanced(lead));
-            state.disregard(config, has_pulse, count, over.start);
+            state.disregard(has_pulse, count, over.start);
         }
     }
 
     /// Name of a single jump of an axis, by its size alone.
     pub fn name_of(&self, axis: usize, by: Turns) -> FaultKind {
-        let config = self.config.axes.get(axis);
-        config.map_or(FaultKind::Slip, |config| config.name_of_one(by))
+        let axis = self.axes.get(axis);
+        axis.map_or(FaultKind::Slip, |axis| axis.config.name_of_one(by))
     }
 
     /// True if every index has been detected since [`Self::reset`], and a turn has confirmed its place.
     pub fn is_homed(&self) -> bool {
-        let mut axes = self.each();
-        axes.all(|(_, config, state)| !config.has_index || state.index.is_confirmed())
+        let mut axes = self.axes.iter();
+        axes.all(|axis| !axis.config.has_index || axis.index.is_confirmed())
     }
 
     /// Rounds that are over since power-up; wraps. A round is over when each axis without an encoder has passed its index; if there is none,
@@ -263,8 +260,8 @@ impl DriftMonitor {
     #[inline(never)]
     pub fn errors(&self, measured: Measured) -> PerAxis<Turns> {
         let mut errors = self.phase_error;
-        for (error, (_, config, state)) in errors.iter_mut().zip(self.each()) {
-            *error = state.error(config, measured);
+        for (error, axis) in errors.iter_mut().zip(&self.axes) {
+            *error = axis.error(measured);
         }
         errors
     }
@@ -278,9 +275,9 @@ impl DriftMonitor {
     pub fn start_check(&mut self) {
         self.averaged = Turns::ZERO;
         let mut unchecked = 0;
-        for (axis, config, state) in self.each_mut() {
-            unchecked |= AxisSet::from(config.has_index) << axis;
-            if let Some(encoder) = &mut state.encoder {
+        for (i, axis) in self.axes.iter_mut().enumerate() {
+            unchecked |= AxisSet::from(axis.config.has_index) << i;
+            if let Some(encoder) = &mut axis.encoder {
                 encoder.mean = Turns::ZERO;
             }
         }
@@ -301,8 +298,8 @@ impl DriftMonitor {
     /// Moves the zero of all phases, so that every phase error falls by `by`.
     pub fn shift(&mut self, by: Turns) {
         self.zero = self.zero.wrapping_sub(by);
-        for (_, config, state) in self.each_mut() {
-            state.shift(config, -angle(by));
+        for axis in &mut self.axes {
+            axis.shift(-angle(by));
         }
         self.phase_error = self.errors(Measured::Now);
         self.reset_peak();
@@ -310,20 +307,20 @@ impl DriftMonitor {
 
     /// Largest error of a reading of an axis, turns.
     pub fn tolerance(&self, axis: usize) -> Turns {
-        let config = self.config.axes.get(axis);
-        config.map_or(Turns::ZERO, |config| config.tolerance)
+        let axis = self.axes.get(axis);
+        axis.map_or(Turns::ZERO, |axis| axis.config.tolerance)
     }
 
     /// Largest difference of two readings of a crank whose rotor only swings, turns.
     pub fn swing(&self, axis: usize) -> Turns {
-        let config = self.config.axes.get(axis);
-        config.map_or(Turns::MAX, AxisConfig::swing)
+        let axis = self.axes.get(axis);
+        axis.map_or(Turns::MAX, |axis| axis.config.swing())
     }
 
     /// Turns by which one crank alone takes the platform beyond a limit.
     pub fn alone(&self, axis: usize) -> Turns {
-        let config = self.config.axes.get(axis);
-        config.map_or(Turns::MAX, |config| config.alone)
+        let axis = self.axes.get(axis);
+        axis.map_or(Turns::MAX, |axis| axis.config.alone)
     }
 
     /// Phase error of an axis's motor by its encoder, if it has one.
@@ -333,9 +330,9 @@ impl DriftMonitor {
 
     /// True if the sensor of an axis that is commanded to this phase may be at an end of its flag, so that a swinging rotor makes pulses.
     pub fn is_at_flag(&self, axis: usize, phase: Phase) -> bool {
-        self.of(axis).is_some_and(|(config, state)| {
-            let index = config.index.wrapping_add(self.zero);
-            state.index.is_at_flag(config, index, phase)
+        self.axes.get(axis).is_some_and(|axis| {
+            let index = axis.config.index.wrapping_add(self.zero);
+            axis.index.is_at_flag(&axis.config, index, phase)
         })
     }
 

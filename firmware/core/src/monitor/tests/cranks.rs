@@ -220,9 +220,9 @@ impl Cranks {
 /// Moves the flag of one axis `by` turns further on.
 pub(super) fn move_flag(monitor: &mut DriftMonitor, axis: usize, by: f64) {
     let by = Turns::from_num(by);
-    let config = &mut monitor.config.axes[axis];
+    let config = &mut monitor.axes[axis].config;
     config.index = config.index.wrapping_add(by);
-    monitor.axes[axis].shift(config, angle(by));
+    monitor.axes[axis].shift(angle(by));
 }
 
 /// True if every index has been detected, though a turn may not have confirmed it.

@@ -95,7 +95,7 @@ fn the_axis_that_stands_is_named_before_the_one_that_is_furthest() {
 #[test]
 fn a_swing_is_no_jump() {
     let mut cranks = encoders(100.0);
-    let jump = cranks.monitor.config.axes[2].jump().to_num::<f64>();
+    let jump = cranks.monitor.axes[2].config.jump().to_num::<f64>();
     let (per_tick, speed) = (0.5, 0.01);
     let size = 1.1 * jump / per_tick;
     let from = f64::from(cranks.tick) * speed;

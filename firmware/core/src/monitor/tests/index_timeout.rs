@@ -181,7 +181,7 @@ fn a_first_pulse_that_was_ignored_comes_again_in_time() {
     let flag_deg = 2.6;
     settings.axes[1].index_turns = Some(flag_deg / 360.0);
     let mut cranks = Cranks::new(configured(&settings), 0.0001);
-    let traits = &cranks.monitor.config.axes[0];
+    let traits = &cranks.monitor.axes[0].config;
     let flag = Turns::from_num(flag_deg / 360.0);
     let half = Turns::from_bits(traits.cycle.to_bits() / 2);
     assert!(half.max(traits.alone) < flag && flag < traits.tolerance);

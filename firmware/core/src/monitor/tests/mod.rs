@@ -66,8 +66,8 @@ fn tilt_trips_at_its_limit() {
 fn warp_tilt_and_common_lag_have_limits_of_their_own() {
     let trips = |limits: [f64; 3], off: fn(usize) -> f64| {
         let mut monitor = monitor(4, limits[0], limits[1], limits[2]);
-        for config in &mut monitor.config.axes {
-            config.gate = Turns::lit("0.25"); // no slow slip is named
+        for axis in &mut monitor.axes {
+            axis.config.gate = Turns::lit("0.25"); // no slow slip is named
         }
         let mut cranks = Cranks::new(monitor, 0.01).homed();
         let from = f64::from(cranks.tick) * 0.01;
