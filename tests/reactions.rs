@@ -1,7 +1,7 @@
 //! The table of reactions in docs/faults.md is the one that the loop uses.
 
+use cophase_core::supervisor::KINDS;
 use cophase_core::supervisor::Reaction;
-use cophase_core::supervisor::reaction::REACTIONS;
 
 const DOCS: &str = include_str!("../docs/faults.md");
 
@@ -25,7 +25,7 @@ fn the_documented_reactions_match_the_code() {
     let head = "| kind | number | within limits | else | why |";
     assert_eq!(lines.next(), Some(head));
     assert_eq!(lines.next(), Some("| --- | --- | --- | --- | --- |"));
-    for row in REACTIONS {
+    for row in KINDS {
         let (name, number) = (row.kind.name(), row.kind as u8);
         let (safe, else_) = (word(row.safe), word(row.unsafe_));
         let expected = format!("| `{name}` | {number} | {safe} | {else_} | ");

@@ -3,9 +3,7 @@
 use super::Controller;
 use crate::monitor::Finding;
 use crate::signals::Feedback;
-use crate::supervisor::{
-    Fault, FaultKind, Reaction, Supervisor, SupervisorInput, is_better, reaction,
-};
+use crate::supervisor::{Fault, FaultKind, Reaction, Supervisor, SupervisorInput};
 use crate::units::MAX_AXES;
 
 /// Number of ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, and one for each axis, as one
@@ -100,7 +98,7 @@ impl Controller {
         }
         if let Some(fault) = dry.or_else(|| self.state.overrun.take()).or(alarm) {
             input.fault = Some(fault);
-            input.reaction = reaction(fault.kind, false);
+            input.reaction = fault.kind.reaction(false);
             input.supersedes = false;
         }
     }
@@ -114,12 +112,12 @@ pub(super) fn select_reaction(
     input: &mut SupervisorInput,
 ) -> Option<Fault> {
     let fault = &found.fault;
-    let reaction = reaction(fault.kind, found.within_limits);
+    let reaction = fault.kind.reaction(found.within_limits);
     if found.supersedes {
         // The latched fault may be a different one, for which this finding is no better name.
         let latched = supervisor.fault();
         let is_of_it = |old: Fault| old.axis == fault.axis || old.axis.is_none();
-        if !latched.is_some_and(|old| is_of_it(old) && is_better(fault.kind, old.kind)) {
+        if !latched.is_some_and(|old| is_of_it(old) && fault.kind.is_better_than(old.kind)) {
             return None;
         }
         input.supersedes = true;

@@ -1,7 +1,6 @@
 //! Findings that wait to be reported, one per tick, and the fault that caused a stop, which may get a better name.
 
-use crate::supervisor::is_better;
-use crate::supervisor::{Fault, FaultKind, Reaction, reaction};
+use crate::supervisor::{Fault, FaultKind, Reaction};
 use crate::units::Turns;
 use heapless::Deque;
 
@@ -38,7 +37,7 @@ const WAITING: usize = 8;
 
 /// True if a stop does not reach an axis with this fault.
 fn disables(kind: FaultKind) -> bool {
-    reaction(kind, false) == Reaction::Disable
+    kind.reaction(false) == Reaction::Disable
 }
 
 /// Findings, in the order in which they are reported.
@@ -93,7 +92,7 @@ impl Findings {
         let mut turns = Turns::ZERO;
         if let Some((axis, kind, since)) = before {
             let same = axis == fault.axis || axis.is_none();
-            if same && since < NAMED_WITHIN && is_better(fault.kind, kind) {
+            if same && since < NAMED_WITHIN && fault.kind.is_better_than(kind) {
                 (supersedes, turns) = (true, since);
             } else if !within_limits && (!disables(fault.kind) || disables(kind)) {
                 return; // The machine stops already.

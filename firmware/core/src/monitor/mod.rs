@@ -24,7 +24,7 @@
 //! | `names`, `steady_drift` | the motion of a crank, and its name |
 //! | `evaluate`, `findings` | detection, comparison of the cranks, and reports |
 //!
-//! The monitor neither chooses the reaction, which [`mod@crate::supervisor::reaction`] does, nor moves an axis.
+//! The monitor neither chooses the reaction, which its [kind](FaultKind::reaction) has, nor moves an axis.
 
 mod alternatives;
 mod angles;

@@ -24,12 +24,13 @@
 //! A command is obeyed, or refused with a reason that is reported: [`Command::check`] has the table.
 
 mod fault;
-pub mod reaction;
+mod kind;
+mod reaction;
 mod request;
 
-pub(crate) use fault::is_better;
-pub use fault::{FAULT_BYTES, Fault, FaultKind};
-pub use reaction::{Reaction, reaction};
+pub use fault::{FAULT_BYTES, Fault};
+pub use kind::{FaultKind, KINDS, Row};
+pub use reaction::Reaction;
 pub use request::{REFUSED_COMMAND_BYTES, RefusalReason, RefusedCommand, Situation};
 
 use core::hash::Hash;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::ops::Range;
 
-use cophase_core::supervisor::{Fault, FaultKind, Reaction, State, reaction};
+use cophase_core::supervisor::{Fault, FaultKind, Reaction, State};
 use cophase_scene::file::{FaultAt, FaultName, InputLine};
 use host_sim::checked::Checked;
 use host_sim::sim::Outcome;
@@ -146,7 +146,7 @@ fn stopped_by_fault(
         format!(" At {named_s:.3} s it was named {}.", fault_words(name))
     };
     let alike = alike(checked, name);
-    let is_cut = reaction(name.kind, false) == Reaction::Disable
+    let is_cut = name.kind.reaction(false) == Reaction::Disable
         || events
             .iter()
             .any(|event| (from_s..=off_s).contains(&event.t_s) && opens_enable(&event.what));
