@@ -1,7 +1,6 @@
-//! The table of reactions in docs/faults.md is the one that the loop uses.
+//! The tables of faults in the manual are those that the loop uses.
 
-use cophase_core::supervisor::KINDS;
-use cophase_core::supervisor::Reaction;
+use cophase_core::supervisor::{KINDS, Reaction};
 
 const DOCS: &str = include_str!("../docs/faults.md");
 
@@ -37,4 +36,14 @@ fn the_documented_reactions_match_the_code() {
         );
     }
     assert_eq!(lines.next(), None);
+}
+
+/// If this fails, a user looks for a fault in vain.
+#[test]
+fn each_fault_has_its_row_in_troubleshooting() {
+    let manual = include_str!("../docs/troubleshooting.md");
+    for row in KINDS {
+        let begin = format!("\n| `{}` |", row.name);
+        assert!(manual.contains(&begin), "no row for {}", row.name);
+    }
 }
