@@ -243,12 +243,14 @@ impl Axis {
                     self.extra(by, true)
                 })
             }
-            // Noise would have to come twice, each time ahead of the last guess. So the crank gains, as one does that slips.
+            // Two pulses in a turn, neither at the guess: the crank gains, or it is noise, and the next turn decides.
             Passage::Dismissed { by } if self.events.had_extra() => {
                 shown.has_moved = Some(self.elsewhere(-by, shown));
                 None
             }
+            // The flag passes once in a turn, so the only pulse of this turn is its own, whether the guess was noise or the crank gains.
             Passage::Dismissed { by } => {
+                self.index.confirm();
                 self.events.pass_turn();
                 self.home = self.index.place;
                 Some(self.extra(by, true))

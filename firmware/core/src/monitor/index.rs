@@ -9,8 +9,9 @@
 //! - A pulse comes elsewhere again: the rival before it was an extra pulse, or the crank runs away, which names distinguish.
 //!
 //! The first pulse of all may be noise, too. So it is a *guess*, until two pulses a turn apart confirm it, in the same place or as near as a
-//! rotor swings, without a rival between them. If a guess passes without a pulse near it, and a rival came meanwhile, the guess was noise.
-//! Without a rival the flag has made the pulse, and the crank has moved.
+//! rotor swings, without a rival between them. If a guess passes without a pulse near it, and a rival came meanwhile, the guess was noise,
+//! or the crank gains. The rival is the flag's pulse in either case, unless another one came in that turn. Without a rival the flag has made
+//! the pulse, and the crank has moved.
 //!
 //! The *place* is the angle of the flag minus the phase of the axis at a pulse. Without an encoder that is the commanded phase, and the
 //! place is the phase error. With an encoder it is the measured phase, and the place is the difference of crank and encoder.
@@ -107,6 +108,11 @@ impl Index {
     /// True if a turn has confirmed where the first pulses were.
     pub(super) const fn is_confirmed(&self) -> bool {
         self.is_confirmed
+    }
+
+    /// Records that a turn has confirmed the place.
+    pub(super) const fn confirm(&mut self) {
+        self.is_confirmed = true;
     }
 
     /// True if a crank at this phase, at the place that the last pulse showed, may swing over an end of its flag, which begins at `index`.

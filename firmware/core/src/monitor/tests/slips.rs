@@ -119,6 +119,78 @@ fn where_a_crank_is_first_detected_is_no_slip() {
     }
 }
 
+/// If this fails, a crank that gains before its place is confirmed looks like noise, and is detected in the third turn after it passed its
+/// limit. With its encoder it slips on its shaft.
+#[test]
+fn a_crank_that_gains_in_homing_is_detected_within_two_turns_of_its_limit() {
+    let speed = 0.01;
+    let mut late_by = f64::MIN;
+    for has_encoder in [false, true] {
+        for (gained, over, from) in [0.03, 0.06, 0.2]
+            .into_iter()
+            .flat_map(|gained| [0.15, 0.4, 0.8].map(|over| (gained, over)))
+            .flat_map(|(gained, over)| [0.1, 0.3, 0.45, 0.7].map(|from| (gained, over, from)))
+        {
+            let mut settings = settings(3, 3.0, 5.0, 15.0);
+            for axis in &mut settings.axes {
+                axis.encoder = has_encoder;
+                axis.index_turns = Some(0.5);
+            }
+            let mut cranks = Cranks::new(configured(&settings), speed);
+            cranks.flags = [0.5; MAX_AXES];
+            let gains = |i: usize, t: f64| {
+                let part = ((t - from) / over).clamp(0.0, 1.0);
+                if i == 1 { gained * part } else { 0.0 }
+            };
+            let alone = true_alone(3, 1);
+            let passes = from + over * alone / gained;
+            let detected = (0..400).find(|_| {
+                let found = cranks.turn_shafts(1, gains);
+                let stops = found.iter().any(|(_, finding)| !finding.within_limits);
+                // As a step of homing evaluates it.
+                let moved = cranks.monitor.take_moved();
+                let left = cranks.monitor.left_beyond_limits(&PerAxis::default());
+                stops || moved.is_some() && left.is_some()
+            });
+            let case = format!("{gained} turns over {over} from {from}, encoder {has_encoder}");
+            let tick = detected.unwrap_or_else(|| panic!("not detected: {case}"));
+            let after = f64::from(tick + 1) * speed - passes;
+            let gate = cranks.monitor.axes[1].config.gate.to_num::<f64>();
+            assert!(
+                after <= 2.0 + alone.max(gate) + 2.0 * speed,
+                "{after} turns: {case}"
+            );
+            late_by = late_by.max(after);
+        }
+    }
+    assert!(late_by > 1.2, "{late_by}: nothing was tried");
+}
+
+/// If this fails, noise that comes twice in a turn ends homing with a place where no flag is.
+#[test]
+fn two_pulses_elsewhere_in_a_turn_confirm_nothing() {
+    for noise in [[0.2, 0.9], [0.1, 0.35], [0.65, 0.95]] {
+        let mut cranks = Cranks::new(monitor(3, 3.0, 5.0, 15.0), 0.01);
+        cranks.flags = [0.605; MAX_AXES];
+        for axis in 0..3 {
+            move_flag(&mut cranks.monitor, axis, 0.605);
+        }
+        let noisy = |i: usize, t: f64, pulse: Option<IndexPulse>| {
+            let is_noise = noise.iter().any(|at| (0.0..0.0099).contains(&(t - at)));
+            pulse.or((i == 1 && is_noise).then_some(IndexPulse { cycle: 100 }))
+        };
+        for _ in 0..300 {
+            cranks.turn_with(1, |_, _| 0.0, noisy);
+            if cranks.monitor.axes[1].index.is_confirmed() {
+                break;
+            }
+        }
+        let off = cranks.monitor.phase_error()[1].to_num::<f64>();
+        let is_confirmed = cranks.monitor.axes[1].index.is_confirmed();
+        assert!(is_confirmed && off.abs() < 1e-3, "{noise:?}: {off}");
+    }
+}
+
 /// Cranks by index alone, the last of which slips `rate` turns a turn from `from` on. Returns the turns from passing its limit to its stop.
 fn late_by_index(count: usize, rate: f64, from: f64) -> f64 {
     let speed = 0.01;
