@@ -3,6 +3,7 @@
 mod cranks;
 mod encoders;
 mod index_timeout;
+mod indistinguishable;
 mod rounds;
 mod runaways;
 mod slips;
