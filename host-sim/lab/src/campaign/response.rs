@@ -36,6 +36,8 @@ pub struct Responded {
     pub is_beyond_limit: bool,
     /// Longest stay beyond a limit until then, as [`super::watch::Observation::stay_turns`].
     pub stay_turns: f64,
+    /// True if no index sensor had shown it by then, as [`super::watch::Observation::is_hidden`].
+    pub is_hidden: bool,
 }
 
 /// Outputs of one tick, as the judge compares them.
@@ -116,6 +118,8 @@ pub struct Now<'a> {
     pub is_beyond_limit: bool,
     /// Longest stay beyond a limit until then, as [`super::watch::Observation::stay_turns`].
     pub stay_turns: f64,
+    /// True if no index sensor had shown it by then, as [`super::watch::Observation::is_hidden`].
+    pub is_hidden: bool,
     /// True if the program was over.
     pub program_done: bool,
     /// True errors of the cranks, turns.
@@ -130,6 +134,7 @@ impl Now<'_> {
             turns: self.turns,
             is_beyond_limit: self.is_beyond_limit,
             stay_turns: self.stay_turns,
+            is_hidden: self.is_hidden,
         }
     }
 }
@@ -342,6 +347,7 @@ mod tests {
             turns: 0.0,
             is_beyond_limit: false,
             stay_turns: 0.0,
+            is_hidden: false,
             program_done,
             errors,
         }

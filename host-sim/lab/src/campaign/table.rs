@@ -6,7 +6,7 @@ use super::interval::Rate;
 use super::plan::strata::sensor;
 use super::rates;
 use super::shards::{Header, MACHINES};
-use super::tally::{Group, Tally};
+use super::tally::{Failure, Group, Tally};
 
 /// Largest number of cases that are listed for each failure.
 const MOST_NAMED: usize = 12;
@@ -136,7 +136,8 @@ fn bounds(rate: Rate) -> String {
     )
 }
 
-/// Writes the failures, each with cases to replay. Those that break a claim come first, and wrong names within the claim are listed apart.
+/// Writes the failures, each with cases to replay. Those that break a claim come first. Wrong names within the claim are listed apart, and so is
+/// what no monitor can detect.
 fn failures(text: &mut String, header: &Header, tally: &Tally) {
     let scene = match header.scene.as_str() {
         MACHINES => "",
@@ -146,12 +147,14 @@ fn failures(text: &mut String, header: &Header, tally: &Tally) {
         "cophase campaign {scene}--seed {} --replay NUMBER",
         header.seed
     );
-    let (mut broken, mut within) = (Vec::new(), Vec::new());
+    let (mut broken, mut within, mut hidden) = (Vec::new(), Vec::new(), Vec::new());
     for ((kind, encoder), group) in &tally.groups {
         let with = sensor(*encoder);
         for (&what, cases) in &group.failed {
             let lines = if tally.breaks_claim(what) {
                 &mut broken
+            } else if what == Failure::NotDecidable {
+                &mut hidden
             } else {
                 &mut within
             };
@@ -174,7 +177,12 @@ fn failures(text: &mut String, header: &Header, tally: &Tally) {
     } else {
         "Misnamed, within the 1 in 100 that is claimed"
     };
-    for (heading, lines) in [("Not as claimed", broken), (misnamed, within)] {
+    let not_decidable = "Not detected in time, where no monitor can by an index alone";
+    for (heading, lines) in [
+        ("Not as claimed", broken),
+        (misnamed, within),
+        (not_decidable, hidden),
+    ] {
         if !lines.is_empty() {
             let lines = lines.join("\n");
             let _ = writeln!(
@@ -237,7 +245,6 @@ pub(super) fn in_columns(rows: &[Vec<String>]) -> String {
 mod tests {
     use super::*;
     use crate::campaign::plan::Plan;
-    use crate::campaign::tally::Failure;
     use cophase_scene::file::FaultName;
 
     /// If this fails, the list of what is not as claimed contradicts the exit status of the campaign.

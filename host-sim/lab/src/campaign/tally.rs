@@ -35,7 +35,8 @@ pub struct Group {
     pub failed: BTreeMap<Failure, Vec<u64>>,
 }
 
-/// Way in which a faulty run failed, the ones that are most worth a replay first. Wrong names are last, because the claim allows some.
+/// Way in which a faulty run failed, the ones that are most worth a replay first. Wrong names and
+/// what no monitor can detect are last, because the claim allows some.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Failure {
     /// Detected too late.
@@ -54,6 +55,8 @@ pub enum Failure {
     Diverged,
     /// Detected under a wrong name.
     Misnamed,
+    /// Not detected in time, where no monitor can.
+    NotDecidable,
 }
 
 impl Failure {
@@ -68,6 +71,7 @@ impl Failure {
             Self::Early => "reported before it",
             Self::Diverged => "diverged",
             Self::Misnamed => "misnamed",
+            Self::NotDecidable => "not decidable",
         }
     }
 }
@@ -91,6 +95,7 @@ impl Group {
         match row.verdict {
             Verdict::Misnamed => self.fail(Failure::Misnamed, row),
             Verdict::Missed => self.fail(Failure::Missed, row),
+            Verdict::NotDecidable => self.fail(Failure::NotDecidable, row),
             Verdict::FalseTrip => self.fail(Failure::Early, row),
             Verdict::Diverged => self.fail(Failure::Diverged, row),
             _ => {}
@@ -169,11 +174,15 @@ impl Tally {
         self.false_trips.hits == 0 && !self.all.failed.keys().any(breaks)
     }
 
-    /// Returns true if an entry of [`Group::failed`] breaks a claim. Wrong names do so only if there are more of them than claimed. That
-    /// claim is on all cases, so chosen strata cannot break it.
+    /// Returns true if an entry of [`Group::failed`] breaks a claim. What no monitor can detect breaks none. Wrong names do so only if there
+    /// are more of them than claimed. That claim is on all cases, so chosen strata cannot break it.
     pub fn breaks_claim(&self, what: Failure) -> bool {
         let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);
-        what != Failure::Misnamed || !(named || self.is_selected)
+        match what {
+            Failure::NotDecidable => false,
+            Failure::Misnamed => !(named || self.is_selected),
+            _ => true,
+        }
     }
 }
 

@@ -5,6 +5,10 @@
 //! warp the platform. So the error leaves the master out. Where all axes have the same constant ratio, no value that the controller
 //! commands or computes enters it.
 
+//!
+//! An index alone shows less. It does not distinguish whole turns. Nor does it distinguish a crank that turns back from its mirror image in the
+//! middle of the flag, which turns right: the flag is before the sensor at the same times (`docs/detection.md`, *Two pairs of machines*).
+
 use host_sim::axes::{Axes, per_axis};
 use host_sim::checked::Checked;
 use host_sim::sim::Moment;
@@ -15,6 +19,8 @@ pub struct Truth {
     /// Travel that the scene requires of each crank beyond the master's, turns. None if axes have different ratios or cam tables: the
     /// required travel is then the commanded one without corrections.
     required_turns: Option<Axes<f64>>,
+    /// Middle of each flag. None unless all axes have an index sensor and no encoder.
+    flag_turns: Option<Axes<f64>>,
 }
 
 impl Truth {
@@ -28,8 +34,13 @@ impl Truth {
             let trim_turns = settings.trims_turns.get(i).copied().unwrap_or_default();
             settings.axes[i].offset_turns + trim_turns
         };
+        let flags = settings.axes.iter().map(|axis| {
+            let begins_turns = axis.index_turns.filter(|_| !axis.encoder)?;
+            Some(begins_turns + axis.index_width_turns / 2.0)
+        });
         Self {
             required_turns: alike.then(|| per_axis(count, required)),
+            flag_turns: flags.collect(),
         }
     }
 
@@ -42,5 +53,16 @@ impl Truth {
             }
             None => moment.errors().collect(),
         }
+    }
+
+    /// Returns true errors as index sensors alone show them, turns, of cranks that turn back or not. None if the machine has other sensors.
+    pub fn shown(&self, errors: &[f64], turns_back: &[bool]) -> Option<Axes<f64>> {
+        let (required, flags) = self.required_turns.as_ref().zip(self.flag_turns.as_ref())?;
+        let mirrored = per_axis(errors.len(), |i| match turns_back[i] {
+            true => 2.0 * (flags[i] - required[i]) - errors[i],
+            false => errors[i],
+        });
+        let whole_turns = |i: usize| (mirrored[i] - mirrored[0]).round();
+        Some(per_axis(errors.len(), |i| mirrored[i] - whole_turns(i)))
     }
 }

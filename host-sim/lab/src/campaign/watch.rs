@@ -97,6 +97,9 @@ pub struct Observation {
     /// [`Place::turns_to_show`]. If a crank falls back by that angle just after its flag, it passes the flag again later than a turn, by the
     /// same angle.
     pub may_stay_turns: f64,
+    /// True if no monitor can know from indices alone that a crank is beyond its limit. As they show the cranks, these were not beyond a
+    /// limit for longer than they may be, and made one pulse at most there, which may be noise.
+    pub is_hidden: bool,
     /// Reports since the fault, each once, including the latched fault.
     pub fault_events: Vec<FaultEvent>,
     /// First event since the fault in which the outputs stop the machine or switch its drives off, and those of the twin do not.
@@ -152,6 +155,9 @@ pub struct Watch<'a> {
     were_enabled: bool,
     /// Turns of the master when cranks went beyond a limit, while they are still beyond it.
     beyond_since: Option<f64>,
+    /// Turns of the master in which cranks were beyond a limit as indices show them, and pulses of the axes with the fault in them.
+    shown_turns: f64,
+    shown_pulses: usize,
     moments: u64,
     event_watch: EventWatch,
     /// Turns of the master at the ends of the last four moments, latest first. Detection may take three ticks.
@@ -198,6 +204,8 @@ impl<'a> Watch<'a> {
             tick_hz: nearest(1.0 / tick_s) as u32,
             were_enabled: false,
             beyond_since: None,
+            shown_turns: 0.0,
+            shown_pulses: 0,
             moments: 0,
             event_watch: EventWatch::default(),
             turns: vec![0.0; DETECTION_TICKS + 1].into(),
@@ -318,10 +326,35 @@ impl<'a> Watch<'a> {
             if since {
                 self.beyond_since.get_or_insert(end.turns);
                 self.observation.stay_turns = self.stay_turns();
+                self.shown(moment, errors, end);
             } else {
                 self.beyond_since = None;
             }
         }
+    }
+
+    /// Records whether indices alone show that cranks are beyond a limit.
+    fn shown(&mut self, moment: &Moment<'_>, errors: &[f64], end: Place) {
+        let Some((geometry, (_, before))) = self.geometry.zip(self.before.as_ref()) else {
+            return;
+        };
+        let went_turns = end.turns - self.turns[0];
+        let turns_back = per_axis(errors.len(), |i| {
+            (moment.actual_turns[i] - before[i]) * went_turns < 0.0
+        });
+        let Some(shown) = self.truth.shown(errors, &turns_back) else {
+            return;
+        };
+        if geometry.is_beyond_limit(&shown) {
+            self.shown_turns += went_turns;
+            let axes = self
+                .fault
+                .map_or([None; 2], |fault| [fault.axis, fault.with]);
+            let pulses = axes.into_iter().flatten();
+            self.shown_pulses += pulses.filter(|&axis| moment.index[axis].is_some()).count();
+        }
+        self.observation.is_hidden =
+            self.shown_turns <= self.observation.may_stay_turns && self.shown_pulses <= 1;
     }
 
     /// Records a stop before the fault and before the end of the program.
@@ -342,6 +375,7 @@ impl<'a> Watch<'a> {
             turns: self.turns_before(),
             is_beyond_limit: self.observation.is_beyond_limit,
             stay_turns: self.stay_turns(),
+            is_hidden: self.observation.is_hidden,
             program_done: moment.telemetry.program_done,
             errors,
         });

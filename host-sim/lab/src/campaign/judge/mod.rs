@@ -29,6 +29,8 @@ pub enum Verdict {
     Misnamed,
     /// The fault was not reported although its kind must be. Or it was neither stopped nor corrected although a crank was beyond its limit.
     Missed,
+    /// The fault was not detected in time, and [no monitor can](Observation::is_hidden) by these sensors.
+    NotDecidable,
     /// Nothing was reported, and nothing had to be: no crank was beyond its limit.
     Within,
     /// The machine did not move when the fault came, or not for long enough after it. Or motors lost steps by themselves in a clean run, so
@@ -48,7 +50,7 @@ pub struct Judgement {
     /// Verdict on the run.
     pub verdict: Verdict,
     /// True if the fault was detected before cranks had stayed beyond a limit for longer than is allowed. None if no crank passed a limit,
-    /// or if nothing was detected and no crank stayed for so long.
+    /// if nothing was detected and no crank stayed for so long, or if the verdict is [`Verdict::NotDecidable`].
     pub in_time: Option<bool>,
     /// Turns of the master from the crank passing its limit to three ticks before the detection; below 0 if the detection was earlier.
     pub turns: Option<f64>,
@@ -73,20 +75,24 @@ pub fn judge(
         bound::tilt_mrad(scene, geometry, observation.out.as_ref())
     });
     let steps = scene.resolved(0).steps_per_crank_turn();
+    let detected = detection(observation);
+    let in_time = in_time(detected, observation);
+    let is_hidden = detected.map_or(observation.is_hidden, |detected| detected.is_hidden);
+    let is_decidable = in_time != Some(false) || !is_hidden;
     let verdict = match scene.fault.first() {
         _ if diverged => Verdict::Diverged,
         None if slipped => Verdict::Moot,
         _ if !observation.early.is_empty() || observation.stopped_early => Verdict::FalseTrip,
         None => Verdict::Clean,
+        Some(_) if !is_decidable => Verdict::NotDecidable,
         Some(fault) => verdict(scene, fault, observation),
     };
-    let detected = detection(observation);
     let hold_bound_mrad = (observation.hold.rest_s.zip(geometry))
         .map(|(rest_s, geometry)| hold::allowed_mrad(scene, geometry, rest_s));
     let turns = detected.zip(observation.beyond_limit);
     Judgement {
         verdict,
-        in_time: in_time(detected, observation),
+        in_time: in_time.filter(|_| is_decidable),
         turns: turns.map(|(detected, beyond_limit)| detected.turns - beyond_limit.turns),
         detected_s: detected.map(|detected| detected.place.t_s),
         bound_mrad,

@@ -1,9 +1,12 @@
 //! Tests of the detection of a crank beyond its limit.
 
+use cophase_scene::file::Lines;
 use cophase_scene::library;
 
 use super::*;
+use crate::campaign::plan::Plan;
 use crate::campaign::response::Response;
+use crate::campaign::run;
 use crate::campaign::watch::{FaultEvent, Place};
 
 const BEYOND_TURNS: f64 = 10.0;
@@ -34,6 +37,7 @@ fn responded(response: Response, turns: f64) -> Responded {
         turns,
         is_beyond_limit: true,
         stay_turns: (turns - BEYOND_TURNS).max(0.0),
+        is_hidden: false,
     }
 }
 
@@ -156,4 +160,71 @@ fn a_stop_before_the_fault_is_a_false_trip() {
     let (scene, mut observation) = slipped(&[responded(Response::Stop, 10.6)]);
     observation.stopped_early = true;
     assert_eq!(judged(&scene, &observation).0, Verdict::FalseTrip);
+}
+
+/// If this fails, a late detection counts as not decidable although sensors showed the fault, or as late although none did.
+#[test]
+fn a_late_detection_is_not_decidable_if_no_index_showed_the_crank_beyond_its_limit() {
+    let late = responded(Response::Stop, 11.4);
+    let hidden = Responded {
+        is_hidden: true,
+        ..late
+    };
+    let (scene, mut observation) = slipped(&[late]);
+    assert_eq!(judged(&scene, &observation).2, Some(false));
+    // What counts is the time of the detection, and not the end of the run.
+    observation.is_hidden = true;
+    assert_eq!(judged(&scene, &observation).2, Some(false));
+    let (scene, observation) = slipped(&[hidden]);
+    assert_eq!(
+        judged(&scene, &observation),
+        (Verdict::NotDecidable, Some(1.4), None)
+    );
+    let (scene, in_time) = slipped(&[Responded {
+        stay_turns: 0.6,
+        ..hidden
+    }]);
+    assert_eq!(
+        judged(&scene, &in_time),
+        (Verdict::Right, Some(1.4), Some(true))
+    );
+    let (scene, mut missed) = slipped(&[]);
+    missed.is_hidden = true;
+    assert_eq!(judged(&scene, &missed), (Verdict::NotDecidable, None, None));
+}
+
+/// If this fails, a crank that an index alone shows within its limits counts as late: one that gains a whole turn, or one that turns back. Or
+/// any crank that runs away or turns back counts as not decidable.
+#[test]
+fn whole_turns_and_turning_back_are_not_decidable_by_an_index_alone() {
+    let judged = |change: &dyn Fn(&mut Scene)| {
+        // A crank gains a turn and 4 degrees in a sixth of a turn.
+        let mut case = Plan::new(332_297_142, None).unwrap().case(4257);
+        change(&mut case.scene);
+        let row = run(&case, false).unwrap();
+        (row.verdict, row.in_time)
+    };
+    assert_eq!(judged(&|_| ()), (Verdict::NotDecidable, None));
+    let for_good = |scene: &mut Scene| scene.fault[0].for_s = None;
+    assert_eq!(judged(&for_good), (Verdict::Right, Some(true)));
+
+    let turns_back = |scene: &mut Scene, index_deg: f64| {
+        for own in &mut scene.axis {
+            own.index_deg = Some(index_deg);
+            own.start_deg = 0.0;
+            own.reversed = own.number == 3;
+        }
+        scene.correction.prove_wiring = true;
+        scene.fault = vec![FaultAt {
+            axis: Some(2),
+            with: Some(3),
+            lines: Some(Lines::Drive),
+            ..FaultAt::new(0.0, FaultName::SwappedWiring)
+        }];
+    };
+    // The middle of each flag, which is 6 degrees long, is at a dead centre.
+    let at_dead_centre = judged(&|scene| turns_back(scene, -3.0));
+    assert_eq!(at_dead_centre, (Verdict::NotDecidable, None));
+    let elsewhere = judged(&|scene| turns_back(scene, 40.0));
+    assert_eq!(elsewhere, (Verdict::Right, Some(true)));
 }
