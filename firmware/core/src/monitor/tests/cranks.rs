@@ -200,17 +200,24 @@ impl Cranks {
         found
     }
 
-    /// Turns until a turn has confirmed every index, and settles at these positions. The clock begins a turn before zero, so that it shows
-    /// at most 1.2 turns then, and some ticks.
-    pub(super) fn homed(mut self) -> Self {
-        let turn = (1.0 / self.speed) as i32;
-        self.tick -= turn;
+    /// Begins homing a turn before zero, with cranks that have the phase error `off(i, turns)`.
+    pub(super) fn reset(&mut self, off: impl Fn(usize, f64) -> f64) {
+        self.tick = -((1.0 / self.speed) as i32);
         let start = f64::from(self.tick) * self.speed;
-        self.before = [start; MAX_AXES];
+        self.before = core::array::from_fn(|i| start + off(i, start));
         let left = Phase::from_turns(Turns::wrapping_from_num(start));
         self.monitor.reset(&[left; MAX_AXES]);
-        let ticks = (1.2 / self.speed) as u32 + turn.unsigned_abs() + MAX_AXES as u32;
-        assert_eq!(self.turn(ticks, |_, _| 0.0), []);
+    }
+
+    /// Ticks after the reset in which a turn confirms every index: up to 1.2 turns, and some.
+    pub(super) fn homing_ticks(&self) -> u32 {
+        (1.2 / self.speed) as u32 + (1.0 / self.speed) as u32 + MAX_AXES as u32
+    }
+
+    /// Turns until a turn has confirmed every index, and settles at these positions.
+    pub(super) fn homed(mut self) -> Self {
+        self.reset(|_, _| 0.0);
+        assert_eq!(self.turn(self.homing_ticks(), |_, _| 0.0), []);
         assert!(self.monitor.is_homed());
         self.monitor.settle();
         self

@@ -4,6 +4,7 @@ mod cranks;
 mod encoders;
 mod index_timeout;
 mod indistinguishable;
+mod judge;
 mod rounds;
 mod runaways;
 mod slips;

@@ -1,5 +1,6 @@
 //! Cranks that move arbitrarily: any path of the phase error in pieces, and not only known faults.
 
+use super::judge::{Machine, Sensors};
 use super::*;
 use proptest::prelude::*;
 
@@ -58,16 +59,17 @@ fn duration(path: &[Piece]) -> f64 {
         .sum()
 }
 
-/// First tick up to which a path has been beyond `limit` for `turns` of the master without a break, and `travel` has grown by one turn in
-/// that time. An index does not distinguish whole turns. A path that jumps across a whole turn passes through the limit.
+/// First tick up to which a path has been beyond `limit` without a break for the `turns` of the master that are due if it began in a tick,
+/// and `travel` has grown by `passes` in that time. An index does not distinguish whole turns. A path that jumps across a whole turn passes
+/// through the limit.
 fn turn_beyond(
     limit: f64,
-    turns: f64,
+    turns: impl Fn(u32, u32) -> f64,
+    passes: f64,
     ticks: u32,
     error: impl Fn(u32) -> f64,
     travel: impl Fn(u32) -> f64,
 ) -> Option<u32> {
-    let least = (turns / SPEED).ceil() as u32;
     let mut since = None;
     for tick in 0..ticks {
         let error = error(tick);
@@ -76,7 +78,8 @@ fn turn_beyond(
         since = since.filter(|&(_, before)| is_beyond && before == between);
         if is_beyond {
             let (since, _) = *since.get_or_insert((tick, between));
-            if tick - since >= least && travel(tick) - travel(since) >= 1.0 {
+            let least = (turns(since, tick) / SPEED).ceil() as u32;
+            if tick - since >= least && travel(tick) - travel(since) >= passes {
                 return Some(tick);
             }
         }
@@ -84,88 +87,330 @@ fn turn_beyond(
     None
 }
 
-/// Sensor that shows the phase error of the crank that moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shown {
-    /// Its index, once a turn.
-    Index,
-    /// Its encoder, in every tick.
-    Encoder,
-    /// Its index, compared with its encoder: the crank moves on its shaft.
-    Difference,
+/// Errors of readings, in parts of the largest.
+#[derive(Clone, Copy, Debug)]
+enum Errs {
+    None,
+    /// Any part, drawn from this seed.
+    Uniform(u64),
+    /// The largest with either sign, drawn from this seed.
+    Extreme(u64),
+    /// The largest, with a sign that changes from reading to reading. A bit for each axis has the first sign.
+    Alternating(u8),
+    /// The largest, with a sign for each axis.
+    Constant(u8),
 }
 
-/// Ticks until a machine stops whose cranks take these paths, from `start` turns after homing on, and ticks until it must stop. Returns the
-/// findings too.
-fn stop_of(
-    shown: Shown,
-    count: usize,
-    cycle_steps: u32,
-    flags: PerAxis<f64>,
-    start: f64,
-    paths: &[(usize, Vec<Piece>)],
-) -> (Option<i32>, Option<f64>, Vec<(i32, Finding)>) {
-    let mut settings = settings(count, 3.0, 5.0, 15.0);
-    for (axis, flag) in settings.axes.iter_mut().zip(flags) {
-        axis.cycle_steps = cycle_steps;
-        axis.index_turns = Some(flag);
-        axis.encoder = shown != Shown::Index;
-    }
-    let monitor = configured(&settings);
-    let reading = 0.25 / 360.0;
-    let mut cranks = Cranks::new(monitor, SPEED);
-    cranks.flags = flags;
-    let mut cranks = cranks.homed();
-    let first = cranks.tick;
-    let from = f64::from(first) * SPEED + start;
-    let longest = paths
-        .iter()
-        .map(|(_, path)| duration(path))
-        .fold(0.0, f64::max);
-    let ticks = ((start + longest + 3.0) / SPEED) as u32;
-    let error = |i: usize, t: f64| {
-        let path = paths.iter().find(|(axis, _)| *axis == i);
-        path.map_or(0.0, |(_, path)| error_at(path, t - from))
-    };
-    let due = paths.iter().filter_map(|&(axis, _)| {
-        let alone = true_alone(count, axis);
-        let gate = 4.0 * cranks.monitor.tolerance(axis).to_num::<f64>();
-        let at = |tick: u32| (f64::from(first) + f64::from(tick + 1)) * SPEED;
-        let error = |tick| error(axis, at(tick));
-        // A missing pulse is no evidence against an encoder: the crank has to pass its flag.
-        let travel = |tick| match shown {
-            Shown::Difference => at(tick) + error(tick),
-            Shown::Index | Shown::Encoder => at(tick),
+impl Errs {
+    /// Error of a reading of an axis. Index and encoder count as two axes.
+    fn of(self, axis: usize, reading: i64) -> f64 {
+        let random = |seed: u64| {
+            // SplitMix64.
+            let mut z = (seed ^ (axis as u64) << 56).wrapping_add(
+                (reading as u64)
+                    .wrapping_add(1)
+                    .wrapping_mul(0x9e37_79b9_7f4a_7c15),
+            );
+            z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+            (z ^ z >> 31) as i64 as f64 / (i64::MAX as f64)
         };
-        let turns = 1.0 + alone.max(gate);
-        let until = turn_beyond(alone + reading, turns, ticks, error, travel);
-        Some(f64::from(until?) + 1.0)
+        let sign = |is_negative: bool| if is_negative { -1.0 } else { 1.0 };
+        let bit = |signs: u8| signs >> (axis % 8) & 1 == 1;
+        match self {
+            Self::None => 0.0,
+            Self::Uniform(seed) => random(seed),
+            Self::Extreme(seed) => sign(random(seed) < 0.0),
+            Self::Alternating(signs) => sign(bit(signs) ^ (reading & 1 == 1)),
+            Self::Constant(signs) => sign(bit(signs)),
+        }
+    }
+}
+
+fn errs() -> impl Strategy<Value = Errs> {
+    prop_oneof![
+        any::<u64>().prop_map(Errs::Uniform),
+        any::<u64>().prop_map(Errs::Extreme),
+        any::<u8>().prop_map(Errs::Alternating),
+        any::<u8>().prop_map(Errs::Constant),
+    ]
+}
+
+/// Machine whose cranks have known errors, and whose sensors err.
+#[derive(Clone, Debug)]
+struct Case {
+    machine: Machine,
+    errs: Errs,
+    /// The crank that moves; if `on_shaft` is true, away from its encoder.
+    who: usize,
+    on_shaft: bool,
+    /// Turns after which its path begins: since homing is over, or since it began. An encoder shows no motion before its first reading.
+    start: f64,
+    path: Vec<Piece>,
+}
+
+impl Case {
+    /// Largest error of one reading.
+    fn reading(&self) -> f64 {
+        match self.errs {
+            Errs::None => 0.0,
+            // A pulse is measured to a cycle.
+            _ => 0.999 * self.machine.tolerance().min(self.machine.gate() / 4.0),
+        }
+    }
+
+    /// Phase error that the index of an axis shows at a time, if the crank has the error `error`.
+    fn by_index(&self, axis: usize, error: f64, time: f64) -> f64 {
+        // One error for each passage: it changes half a turn from the flag.
+        let passage = (time + error - self.machine.flags[axis] + 0.5).floor() as i64;
+        error + self.errs.of(axis, passage) * self.reading()
+    }
+
+    /// Phase error that an encoder shows at a time before it is rounded down to a step, if the motor has the error `error`.
+    fn by_encoder(&self, axis: usize, error: f64, time: f64) -> f64 {
+        if self.reading() == 0.0 {
+            return error;
+        }
+        let half_step = 0.5 / 3200.0;
+        let tick = (time / SPEED).round() as i64;
+        let err = self.errs.of(axis + MAX_AXES, tick) * (self.reading() - half_step);
+        error + err + half_step
+    }
+
+    /// Turns `cranks` for some ticks whose phase errors are these. Returns the findings, and each crank that homing has found elsewhere,
+    /// beyond a limit, with its tick.
+    fn turn(
+        &self,
+        cranks: &mut Cranks,
+        ticks: u32,
+        error: impl Fn(usize, f64) -> f64,
+    ) -> (Vec<(i32, Finding)>, Option<i32>) {
+        let mut found = Vec::new();
+        let mut moved = None;
+        for _ in 0..ticks {
+            let tick = cranks.tick;
+            found.extend(cranks.turn_motors(
+                1,
+                |i, t| self.by_index(i, error(i, t), t),
+                |i, _, pulse| pulse.filter(|_| self.machine.sensors[i].has_index()),
+                |i, t| {
+                    let is_still = self.on_shaft && i == self.who;
+                    self.by_encoder(i, if is_still { 0.0 } else { error(i, t) }, t)
+                },
+            ));
+            // As the controller does while homing searches.
+            if let Some((axis, by)) = cranks.monitor.take_moved()
+                && by.abs() > cranks.monitor.swing(axis)
+                && let Some(_) = cranks.monitor.left_beyond_limits(&PerAxis::default())
+            {
+                moved = moved.or(Some(tick));
+            }
+        }
+        (found, moved)
+    }
+
+    /// Cranks at the beginning of homing, with these phase errors.
+    fn begun(&self, error: impl Fn(usize, f64) -> f64) -> Cranks {
+        let mut cranks = Cranks::new(configured(&self.machine.settings()), SPEED);
+        cranks.flags = self.machine.flags;
+        cranks.reset(|i, t| self.by_index(i, error(i, t), t));
+        cranks
+    }
+
+    /// Cranks after homing. Nothing may be found in it.
+    fn homed(&self, error: impl Fn(usize, f64) -> f64) -> Result<Cranks, TestCaseError> {
+        let mut cranks = self.begun(&error);
+        let ticks = cranks.homing_ticks();
+        let (found, moved) = self.turn(&mut cranks, ticks, error);
+        prop_assert!(found.is_empty() && moved.is_none(), "{found:?}");
+        prop_assert!(cranks.monitor.is_homed());
+        cranks.monitor.settle();
+        Ok(cranks)
+    }
+
+    /// Requires that the machine stops in time. The claim counts from `cranks`, whose homing is over or has begun.
+    fn stops(&self, mut cranks: Cranks, is_homing: bool) -> Result<(), TestCaseError> {
+        let first = cranks.tick;
+        let from = f64::from(first) * SPEED + self.start;
+        let ticks = ((self.start + duration(&self.path) + 4.0) / SPEED) as u32;
+        let error = |i: usize, t: f64| {
+            if i == self.who {
+                error_at(&self.path, t - from)
+            } else {
+                0.0
+            }
+        };
+        let due = self.due(is_homing, ticks, |tick| {
+            let at = (f64::from(first) + f64::from(tick + 1)) * SPEED;
+            (at, error(self.who, at))
+        });
+        let (found, moved) = self.turn(&mut cranks, ticks, error);
+        let stop = found.iter().find(|(_, finding)| !finding.within_limits);
+        let stops = stop.map(|&(tick, _)| tick).into_iter().chain(moved);
+        let stop = stops.min().map(|tick| tick - first);
+        if let Some(due) = due {
+            let is_in_time = stop.is_some_and(|stop| stop <= due as i32 + 1);
+            prop_assert!(is_in_time, "{stop:?}, and due {due}: {found:?}");
+        }
+        Ok(())
+    }
+
+    /// Tick up to which the machine must stop. `at` has the time at the end of a tick, and the phase error.
+    fn due(&self, is_homing: bool, ticks: u32, at: impl Fn(u32) -> (f64, f64)) -> Option<u32> {
+        let machine = &self.machine;
+        let others = machine.estimates(self.reading());
+        let by_encoder = machine.sensors[self.who].has_encoder() && !self.on_shaft;
+        let alone = machine.alone(self.who, is_homing, by_encoder, &others);
+        let own = others[self.who].max(machine.tolerance());
+        let flag = machine.flags[self.who];
+        let passes = |tick: u32| {
+            let (time, error) = at(tick);
+            (time + error - flag).floor()
+        };
+        // How far ahead the last pulse before this tick showed the crank.
+        let ahead = |since: u32| {
+            let last = (1..=since)
+                .rev()
+                .find(|&tick| passes(tick) > passes(tick - 1));
+            let error = last.map_or(0.0, |tick| at(tick).1);
+            (error - error.round()).max(0.0) + others[self.who]
+        };
+        // In homing, a crank beyond its limit that goes further ahead may take a turn more.
+        let gains = |since: u32, tick: u32| {
+            let mut least = f64::INFINITY;
+            (since..=tick).any(|tick| {
+                let error = at(tick).1;
+                least = least.min(error);
+                error - least > machine.gate()
+            })
+        };
+        let turns = |since: u32, tick: u32| {
+            if is_homing {
+                let more = f64::from(u8::from(gains(since, tick)));
+                2.0 + more + alone.max(machine.gate())
+            } else {
+                1.0 + (alone + ahead(since)).max(machine.gate())
+            }
+        };
+        // A missing pulse is no evidence against an encoder: the crank has to pass its flag.
+        let travel = |tick| {
+            let (time, error) = at(tick);
+            if self.on_shaft { time + error } else { time }
+        };
+        let passes = if is_homing { 2.0 } else { 1.0 };
+        turn_beyond(alone + own, turns, passes, ticks, |tick| at(tick).1, travel)
+    }
+}
+
+/// Machine with these sensors, and one watched crank that moves.
+fn case(
+    sensors: impl Strategy<Value = Vec<Sensors>>,
+    errs: impl Strategy<Value = Errs>,
+    start: core::ops::Range<f64>,
+) -> impl Strategy<Value = Case> {
+    let limits = prop_oneof![
+        Just((3.0, 5.0, 15.0)),
+        (1.0..30.0_f64, 1.0..45.0_f64, 5.0..90.0_f64)
+    ];
+    let cycle_steps = prop_oneof![Just(0_u32), Just(64), Just(200)];
+    let reading_error_deg = prop_oneof![Just(0.25), 0.02..1.0_f64];
+    let machine = (sensors, cycle_steps, reading_error_deg, limits, flags());
+    let machine = machine.prop_map(|(sensors, cycle_steps, reading_error_deg, limits, flags)| {
+        let (tilt_limit_mrad, warp_limit_deg, common_limit_deg) = limits;
+        Machine {
+            sensors,
+            cycle_steps,
+            reading_error_deg,
+            tilt_limit_mrad,
+            warp_limit_deg,
+            common_limit_deg,
+            flags,
+        }
     });
-    let due = due.reduce(f64::min);
-    let found = if shown == Shown::Difference {
-        cranks.turn_shafts(ticks, error)
-    } else {
-        cranks.turn(ticks, error)
-    };
-    let stop = found.iter().find(|(_, finding)| !finding.within_limits);
-    (stop.map(|(tick, _)| tick - first), due, found)
+    let path = prop::collection::vec(piece(), 1..6);
+    (
+        machine,
+        errs,
+        any::<prop::sample::Index>(),
+        any::<bool>(),
+        start,
+        path,
+    )
+        .prop_map(|(machine, errs, who, on_shaft, start, path)| {
+            let who = *who.get(&machine.watched());
+            Case {
+                on_shaft: on_shaft && machine.sensors[who] == Sensors::Both,
+                machine,
+                errs,
+                who,
+                start,
+                path,
+            }
+        })
+        .prop_filter("readings alone exceed a limit", |case| {
+            let estimates = case.machine.estimates(case.reading());
+            case.machine.bears(&estimates)
+        })
+}
+
+/// The same sensors on all axes.
+fn alike() -> impl Strategy<Value = Vec<Sensors>> {
+    let sensors = prop_oneof![
+        Just(Sensors::Index),
+        Just(Sensors::Encoder),
+        Just(Sensors::Both)
+    ];
+    (sensors, 2..=MAX_AXES).prop_map(|(sensors, count)| std::vec![sensors; count])
+}
+
+/// Any sensors on each axis, and some on one at least.
+fn mixed() -> impl Strategy<Value = Vec<Sensors>> {
+    let sensors = prop_oneof![
+        Just(Sensors::None),
+        Just(Sensors::Index),
+        Just(Sensors::Encoder),
+        Just(Sensors::Both)
+    ];
+    let all = prop::collection::vec(sensors, 2..=MAX_AXES);
+    all.prop_filter("no axis has a sensor", |all| {
+        all.iter().any(|sensors| *sensors != Sensors::None)
+    })
 }
 
 proptest! {
     /// If this fails, a crank can stay beyond its limit for a turn without a stop, whatever its path was.
     #[test]
-    fn a_crank_that_is_beyond_its_limit_for_a_turn_stops_the_machine(
-        shown in prop_oneof![Just(Shown::Index), Just(Shown::Encoder), Just(Shown::Difference)],
-        count in 2..=6_usize,
-        who in 0..6_usize,
-        start in 0.0..1.0_f64,
-        cycle_steps in prop_oneof![Just(0_u32), Just(64), Just(200)],
-        flags in flags(),
-        path in prop::collection::vec(piece(), 1..6),
+    fn a_crank_that_is_beyond_its_limit_for_a_turn_stops_the_machine(case in case(alike(), Just(Errs::None), 0.0..1.0)) {
+        case.stops(case.homed(|_, _| 0.0)?, false)?;
+    }
+
+    /// If this fails, a crank is detected later, or never, because others have other sensors or none.
+    #[test]
+    fn a_crank_beyond_its_limit_stops_a_machine_with_different_sensors(case in case(mixed(), Just(Errs::None), 0.0..1.0)) {
+        case.stops(case.homed(|_, _| 0.0)?, false)?;
+    }
+
+    /// If this fails, readings that err hide a crank for longer than the proof says.
+    #[test]
+    fn a_crank_beyond_its_limit_stops_the_machine_whatever_the_readings_err_by(case in case(mixed(), errs(), 0.0..1.0)) {
+        case.stops(case.homed(|_, _| 0.0)?, false)?;
+    }
+
+    /// If this fails, noise stops a machine whose cranks are within their limits and stay where they are.
+    #[test]
+    fn readings_within_their_error_stop_no_machine(
+        case in case(mixed(), errs(), 0.0..1.0),
+        direction in prop::array::uniform6(-1.0..1.0_f64),
+        part in prop_oneof![Just(0.999), 0.0..0.999_f64],
     ) {
-        let (stop, due, found) = stop_of(shown, count, cycle_steps, flags, start, &[(who % count, path)]);
-        if let Some(due) = due {
-            prop_assert!(stop.is_some_and(|stop| f64::from(stop) <= due), "{stop:?}, and due {due}: {found:?}");
-        }
+        let machine = &case.machine;
+        // An encoder alone shows motion since power-up.
+        let errors: Vec<f64> = machine.sensors.iter().zip(direction).map(|(sensors, error)| if sensors.has_index() { error } else { 0.0 }).collect();
+        let most = machine.most_of(&errors, &machine.estimates(case.reading()));
+        let most = if most.is_finite() { most } else { 0.0 };
+        let error = |i: usize, _: f64| errors.get(i).map_or(0.0, |error| error * most * part);
+        let mut cranks = case.homed(error)?;
+        let (found, _) = case.turn(&mut cranks, 1000, error);
+        prop_assert_eq!(found, []);
     }
 }
