@@ -121,6 +121,7 @@ impl Axis {
             let index = &mut self.index;
             let pulse = index.measure(&self.config, tick, pulse.cycle, &over, before, over.turns);
             self.pulse(pulse, None, shown);
+            return self.index.late(over.end());
         }
         self.index.late(tick.end(axis))
     }
