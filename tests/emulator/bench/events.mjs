@@ -11,7 +11,7 @@ const WORDS_DEG = 1e-3;
 
 const UNITS_A_TURN = 2 ** 32;
 
-/** Kinds by their number on the wire: FaultKind::ALL of firmware/core/src/supervisor/fault.rs. */
+/** Kinds by their number on the wire: those of firmware/core/src/supervisor/kind.rs. */
 const KINDS = [
   'tilt', 'warp', 'common-lag', 'lost-steps', 'slip', 'stuck', 'runaway', 'index-timeout', 'index-missing', 'index-extra', 'swapped-wiring',
   'reversed', 'encoder-glitch', 'drive-alarm', 'overrun', 'step-fifo-underrun', 'enable-loss', 'stop-input', 'homing-range-exceeded', 'program-rejected',
