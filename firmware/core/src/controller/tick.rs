@@ -132,6 +132,9 @@ impl Controller {
             return None;
         }
         let found = self.monitor.observe(&sensed);
+        if self.supervisor.state() == State::Homing {
+            self.homing.measure(&self.monitor, self.state.motion.speed);
+        }
         // Cranks that no drive holds may be turned by hand, and not all of them may have passed their flags.
         let is_held =
             self.supervisor.drives_enabled() || self.state.ticks - self.state.driven <= LAST_PLAYED;

@@ -32,8 +32,6 @@ pub enum Measured {
     /// At the last passage of the flag, where loads are alike in each turn, to be compared with that of a turn ago. Without an index
     /// sensor, the same as `Lately`.
     AtFlag,
-    /// Mean over a turn. A load acts on a crank differently at each angle, so a mean over less would depend on where it began.
-    OverTurn,
 }
 
 /// Motion of a crank on its shaft or away from its command.
@@ -139,7 +137,6 @@ impl Axis {
         let start = commanded.start.advanced(encoder.phase_error);
         let before = encoder.made;
         let (read, turns) = encoder.observe(count, &commanded, self.config.jump());
-        encoder.average(tick.share);
         let jumped = encoder.unconfirmed.map(|jumps| jumps.at);
         let over = TickPhase { start, turns };
         if self.config.has_index {
@@ -459,7 +456,6 @@ impl Axis {
             Measured::Now => encoder.phase_error,
             Measured::AtFlag if self.config.has_index => encoder.at_flag,
             Measured::Lately | Measured::AtFlag => encoder.filtered,
-            Measured::OverTurn => encoder.mean,
         };
         nearest(place.wrapping_add(own))
     }

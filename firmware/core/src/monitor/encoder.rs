@@ -48,8 +48,6 @@ pub(super) struct Encoder {
     /// Measured minus commanded turns since the reset, and its filtered value.
     pub(super) phase_error: Turns,
     pub(super) filtered: Turns,
-    /// Sum of phase error times share of a turn: the mean error, once the shares add up to a turn.
-    pub(super) mean: Turns,
     /// The filtered phase error as the crank passed its flag last.
     pub(super) at_flag: Turns,
     deviation: Deviation,
@@ -113,7 +111,6 @@ impl Encoder {
             counts,
             phase_error: Turns::ZERO,
             filtered: Turns::ZERO,
-            mean: Turns::ZERO,
             at_flag: Turns::ZERO,
             deviation: Deviation::Small(Turns::ZERO),
             made: None,
@@ -130,13 +127,6 @@ impl Encoder {
     pub(super) fn reset(&mut self) {
         self.counts.forget();
         *self = Self::new(self.counts);
-    }
-
-    /// Adds the present phase error over a share of a turn, up to ½, to the mean. Its error is below a millionth of the errors.
-    pub(super) const fn average(&mut self, share: Turns) {
-        let (error, share) = (self.phase_error.to_bits() >> 16, share.to_bits() >> 16);
-        let part = Turns::from_bits(error.wrapping_mul(share) >> 16);
-        self.mean = self.mean.wrapping_add(part);
     }
 
     /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by more than a motor that was blocked for a

@@ -15,8 +15,6 @@ pub(super) struct Tick<'a> {
     recent: Recent<'a>,
     /// True if the tick before it is known.
     before_is_known: bool,
-    /// Part of a turn over which errors of encoders are averaged in this tick.
-    pub share: Turns,
     /// Turns by which homing has moved the flags.
     pub zero: Turns,
     pub clock: TickClock,
@@ -49,13 +47,10 @@ impl DriftMonitor {
     /// Reads all sensors, and evaluates what they show.
     #[inline(never)]
     pub(super) fn sense(&mut self, sensed: &Sensed<'_>) {
-        let share = sensed.speed.min(Turns::ONE.wrapping_sub(self.averaged));
-        self.averaged = self.averaged.wrapping_add(share);
         let tick = Tick {
             sensed,
             recent: sensed.history.recent(),
             before_is_known: self.before_is_known,
-            share,
             zero: self.zero,
             clock: self.config.clock,
         };
@@ -86,7 +81,7 @@ impl DriftMonitor {
         let read = shown.updated | self.encoders();
         if read != 0 {
             self.detected |= shown.updated;
-            self.unchecked &= !shown.updated;
+            self.shown = shown.updated;
             self.update(read);
         }
         self.evaluate(&mut shown, sensed);

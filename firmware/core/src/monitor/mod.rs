@@ -96,15 +96,13 @@ pub struct DriftMonitor {
     is_homing: bool,
     /// Axes by index detected in this round.
     detected: AxisSet,
-    /// Axes whose index has not been detected since [`Self::start_check`].
-    unchecked: AxisSet,
+    /// Axes whose index showed where they are, in the last tick.
+    shown: AxisSet,
     /// Motion that the axes without an encoder had in common in the last round.
     common_jump: Angle,
     /// Turns until a pulse of an axis without an encoder can be late; negative if that is not known.
     margin: Turns,
     rounds: u32,
-    /// Turns of the master over which the errors of encoders have been averaged, up to one.
-    averaged: Turns,
     /// Turns by which homing has moved the zero of all phases.
     zero: Turns,
     findings: Findings,
@@ -134,11 +132,10 @@ impl DriftMonitor {
             changed: false,
             is_homing: true,
             detected: 0,
-            unchecked: 0,
+            shown: 0,
             common_jump: Angle::ZERO,
             margin: NO_MARGIN,
             rounds: 0,
-            averaged: Turns::ZERO,
             zero: Turns::ZERO,
             findings: Findings::new(),
             phase_error: [Turns::ZERO; MAX_AXES],
@@ -164,7 +161,6 @@ impl DriftMonitor {
         }
         self.before_is_known = false;
         self.zero = Turns::ZERO;
-        self.start_check();
         self.rounds = 0;
         self.reset_peak();
         self.reset(&[Phase::ZERO; MAX_AXES]);
@@ -242,7 +238,6 @@ impl DriftMonitor {
         self.moved = None;
         self.findings.clear();
         self.margin = NO_MARGIN;
-        self.averaged = Turns::ZERO;
         for (state, &phase) in self.axes.iter_mut().zip(phase) {
             state.reset(phase);
         }
@@ -266,27 +261,17 @@ impl DriftMonitor {
         errors
     }
 
-    /// True if errors that are measured [over a turn](Measured::OverTurn) cover a whole turn since [`Self::reset`] or [`Self::start_check`].
-    pub fn is_turn_over(&self) -> bool {
-        !self.has_encoders() || self.averaged >= Turns::ONE
+    /// Axes whose index showed where they are, in the last tick.
+    pub(crate) const fn shown(&self) -> AxisSet {
+        self.shown
     }
 
-    /// Starts a check: every index must be detected again, and encoders are averaged over a new turn.
-    pub fn start_check(&mut self) {
-        self.averaged = Turns::ZERO;
-        let mut unchecked = 0;
-        for (i, axis) in self.axes.iter_mut().enumerate() {
-            unchecked |= AxisSet::from(axis.config.has_index) << i;
-            if let Some(encoder) = &mut axis.encoder {
-                encoder.mean = Turns::ZERO;
-            }
-        }
-        self.unchecked = unchecked;
-    }
-
-    /// True if every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
-    pub fn is_check_done(&self) -> bool {
-        self.unchecked == 0 && self.is_turn_over()
+    /// Axes with an index sensor.
+    pub(crate) fn with_index(&self) -> AxisSet {
+        let axes = self.axes.iter().enumerate();
+        axes.fold(0, |set, (i, axis)| {
+            set | AxisSet::from(axis.config.has_index) << i
+        })
     }
 
     /// Ends homing: from now on, motion of a crank away from its command is a fault.
@@ -422,6 +407,7 @@ impl DriftMonitor {
     pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
         self.findings.pass(sensed.speed);
         self.margin = self.margin.wrapping_sub(sensed.history.most());
+        self.shown = 0;
         let arrived = self.pulsed_by_index(sensed.index);
         if arrived != 0 || self.margin < 0 || self.encoders() != 0 {
             self.sense(sensed);

@@ -16,6 +16,7 @@
 
 mod checks;
 mod steps;
+mod turn;
 mod verify;
 
 use core::hash::{Hash, Hasher};
@@ -24,6 +25,7 @@ use crate::monitor::{DriftMonitor, Measured};
 use crate::phase_offset::PhaseOffsets;
 use crate::units::{AxisSet, MAX_AXES, PerAxis, Turns, nearest};
 use checks::{Deviation, Moves, When};
+use turn::FullTurn;
 
 /// Step that homing has reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -104,6 +106,7 @@ pub(super) struct Homing {
     /// Number of tilts that were commanded, and the trims without a tilt.
     proven: usize,
     base: PerAxis<Turns>,
+    turn: FullTurn,
     /// Turns of the master since the last step, or since an offset last moved.
     waited: Turns,
     /// Phase errors and trims before the cranks were moved.
@@ -126,6 +129,7 @@ impl Homing {
             has_levelled_again: false,
             proven: 0,
             base: NONE,
+            turn: FullTurn::NEW,
             waited: Turns::ZERO,
             before: NONE,
             from: NONE,
@@ -145,7 +149,13 @@ impl Homing {
         self.step = Step::Find;
         self.has_levelled_again = false;
         self.proven = 0;
+        self.turn = FullTurn::NEW;
         self.waited = Turns::ZERO;
+    }
+
+    /// Adds the measurements of a tick in which the master made `speed` turns.
+    pub(super) fn measure(&mut self, monitor: &DriftMonitor, speed: Turns) {
+        self.turn.add(monitor, speed);
     }
 
     /// True if the phases of the cranks have been found, even if the cranks could not be levelled.

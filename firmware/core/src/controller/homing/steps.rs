@@ -1,5 +1,6 @@
 //! Steps of homing: find every index, level the cranks, tilt them, and take the tilt back.
 
+use super::turn::FullTurn;
 use super::verify::Verdict;
 use super::{Homing, Step, errors};
 use crate::monitor::{DriftMonitor, Measured};
@@ -52,12 +53,12 @@ impl Homing {
                 return self.found(monitor, offsets);
             }
             Step::Level if !offsets.is_moving() => {
-                monitor.start_check();
+                self.turn = FullTurn::NEW;
                 self.step = Step::Verify;
             }
-            Step::Verify if monitor.is_check_done() => match self.checked(monitor, offsets) {
+            Step::Verify if self.turn.is_over(monitor) => match self.checked(monitor, offsets) {
                 Verdict::Followed => return self.go_on(monitor, offsets),
-                Verdict::Unsure => monitor.start_check(),
+                Verdict::Unsure => self.turn = FullTurn::NEW,
                 Verdict::Deviates { is_mutual, .. }
                     if !is_mutual && self.may_level_again(offsets) =>
                 {
@@ -74,7 +75,7 @@ impl Homing {
 
     /// True if all readings are available with which the cranks are compared after their move.
     fn may_move(&self, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> bool {
-        monitor.is_turn_over() || !(self.proves() || offsets.corrects())
+        self.turn.is_averaged(monitor) || !(self.proves() || offsets.corrects())
     }
 
     fn finish(&mut self, monitor: &mut DriftMonitor, offsets: &PhaseOffsets) {
@@ -186,7 +187,7 @@ impl Homing {
         }
         // Both tilts are compared with the cranks before the first one. From one tilt to the other, two cranks may move alike.
         if self.proven <= 1 {
-            self.before = monitor.errors(Measured::OverTurn);
+            self.before = self.turn.errors(monitor);
             self.from = *offsets.now();
         }
         self.checks = 0;

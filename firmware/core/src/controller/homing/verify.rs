@@ -104,7 +104,7 @@ impl Homing {
         monitor: &mut DriftMonitor,
         offsets: &PhaseOffsets,
     ) -> Verdict {
-        let mut phase_error = monitor.errors(Measured::OverTurn);
+        let mut phase_error = self.turn.errors(monitor);
         self.checks += 1;
         for (sum, (now, &before)) in self
             .off
