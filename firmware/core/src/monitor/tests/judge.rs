@@ -206,20 +206,23 @@ impl Machine {
         modes
     }
 
-    /// A: error with which the estimate of one crank alone is beyond a limit, turns, whatever the `estimates` err by. In homing, and for a
-    /// motor that moves with its encoder, no limit is lower because the crank has moved.
-    pub fn alone(&self, axis: usize, is_homing: bool, by_encoder: bool, estimates: &[f64]) -> f64 {
+    /// A: error with which the estimate of one crank alone is beyond a limit, turns, whatever the readings err by, each by up to `reading`.
+    /// In homing, and for a motor that moves with its encoder, no limit is lower because the crank has moved.
+    pub fn alone(&self, axis: usize, is_homing: bool, by_encoder: bool, reading: f64) -> f64 {
+        let estimates = self.estimates(reading);
+        // Readings that all err by so much in one turn, and by as much to the other side in the next, look like a common motion.
+        let common_motion = if is_homing { 0.0 } else { 2.0 * reading };
         let least = |has_moved: bool| {
             let modes = self.modes(is_homing, has_moved).into_iter();
             let of_mode = modes.filter_map(|Mode { limit, effects }| {
                 let [x, y] = effects[axis];
                 let share = x.hypot(y);
-                let others = effects.iter().zip(estimates).enumerate();
+                let others = effects.iter().zip(&estimates).enumerate();
                 let hidden: f64 = others
                     .filter(|(i, _)| *i != axis)
                     .map(|(_, ([a, b], err))| ((a * x + b * y) / share * err).abs())
                     .sum();
-                (share > 1e-9).then(|| (limit + hidden) / share)
+                (share > 1e-9).then(|| (limit + common_motion + hidden) / share)
             });
             of_mode.fold(f64::INFINITY, f64::min)
         };
