@@ -127,3 +127,14 @@ fn a_lag_that_grows_by_less_than_a_reading_error_widens_no_limit() {
         "in tick {tick}, and the next flag comes at 450"
     );
 }
+
+/// If this fails, cranks of a machine that lacks a sensor are never compared with each other, and corrections never come.
+#[test]
+fn a_round_does_not_wait_for_an_axis_without_a_sensor() {
+    let mut settings = settings(4, 3.0, 5.0, 180.0);
+    settings.axes[3].index_turns = None;
+    let mut cranks = Cranks::new(configured(&settings), 0.01).homed();
+    let before = cranks.monitor.rounds();
+    assert_eq!(cranks.turn(500, |_, _| 0.0), []);
+    assert_eq!(cranks.monitor.rounds() - before, 5);
+}
