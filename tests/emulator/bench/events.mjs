@@ -3,6 +3,8 @@
 // { states: [{ tick, state }], events: [{ kind, axis, sizeDeg, phaseDeg, tick, latched }] }. Ticks count from the one in which the
 // start was read. The firmware's events are decoded from their twenty bytes, and compared with the text beside them.
 
+import fs from 'node:fs';
+
 /**
  * The greatest difference between the text of a line and its bytes, degrees. The bytes have a resolution of 2⁻³² turn, the text has a
  * float.
@@ -11,12 +13,11 @@ const WORDS_DEG = 1e-3;
 
 const UNITS_A_TURN = 2 ** 32;
 
-/** Kinds by their number on the wire: those of firmware/core/src/supervisor/kind.rs. */
-const KINDS = [
-  'tilt', 'warp', 'common-lag', 'lost-steps', 'slip', 'stuck', 'runaway', 'index-timeout', 'index-missing', 'index-extra', 'swapped-wiring',
-  'reversed', 'encoder-glitch', 'drive-alarm', 'overrun', 'step-fifo-underrun', 'enable-loss', 'stop-input', 'homing-range-exceeded', 'program-rejected',
-  'settings-rejected', 'watchdog-reset', 'capture', 'drift',
-];
+/** Kinds by their number on the wire: the table of the manual, which a test of the core compares with its own. */
+const KINDS = Array.from(
+  fs.readFileSync(new URL('../../../docs/faults.md', import.meta.url), 'utf8').split('<!-- reactions -->')[1].matchAll(/^\| `([a-z-]+)` \| \d+ \|/gm),
+  ([, kind]) => kind,
+);
 
 const STATE = /tick (\d+): (Idle|Homing|Run|Stop|Parked|Fault), phase error/;
 const EVENT = /tick (\d+): (fault|reported): ([a-z-]+)(?: on axis (\d))?, (-?[\d.e-]+) deg, at crank phase ([\d.e-]+) deg \[(.*)\]/;
