@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use cophase_core::program::{EntrySettings, Shape};
-use cophase_core::supervisor::{Command, FaultKind, RefusalReason, State};
+use cophase_core::supervisor::{Command, RefusalReason, State};
 use cophase_link::frame::{self, MAX_FRAME_BYTES};
 use cophase_link::message::{
     Control, ControlRequest, Event, File, Message, Output, Refusal, ReplyBody, Request, StopKind,
@@ -159,8 +159,6 @@ fn tables() -> String {
     let count = |names: Vec<&'static str>| (0..).zip(names);
     let states = State::ALL.map(State::name).to_vec();
     sections.push(numbered("state", count(states)));
-    let kinds = FaultKind::ALL.map(FaultKind::name).to_vec();
-    sections.push(numbered("kind of fault", count(kinds)));
     let commands = Command::REFUSABLE.map(|command| command.name()).to_vec();
     sections.push(numbered("command that can be refused", count(commands)));
     let reasons = RefusalReason::ALL.map(RefusalReason::text).to_vec();

@@ -1,4 +1,4 @@
--- Claim 1: a fault that moves a crank beyond a limit is detected within one turn and N + 5 ticks. `in_time` is empty where no turn was
+-- Claim 1: a fault that moves a crank beyond a limit is detected within one turn and three ticks. `in_time` is empty where no turn was
 -- over before the machine stood for good.
 SELECT kind, encoder,
     count(*) AS runs,

@@ -1,4 +1,4 @@
--- Claim 1: turns of the master from the limit to N + 5 ticks before the detection. A quantile is the least value that so large a part of
+-- Claim 1: turns of the master from the limit to three ticks before the detection. A quantile is the least value that so large a part of
 -- all values is at most.
 WITH latencies AS (
     SELECT kind, encoder, list_sort(list(turns_from_limit) FILTER (turns_from_limit IS NOT NULL)) AS turns

@@ -132,7 +132,8 @@ impl Controller {
             return None;
         }
         let found = self.monitor.observe(&sensed);
-        if self.supervisor.state() == State::Homing {
+        // A stop may interrupt homing, which goes on after it.
+        if !self.homing.is_done() {
             self.homing.measure(&self.monitor, self.state.motion.speed);
         }
         // Cranks that no drive holds may be turned by hand, and not all of them may have passed their flags.

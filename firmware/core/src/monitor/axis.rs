@@ -249,9 +249,10 @@ impl Axis {
             // The flag passes once in a turn, so the only pulse of this turn is its own, whether the guess was noise or the crank gains.
             Passage::Dismissed { by } => {
                 self.index.confirm();
+                let report = self.extra(by, true); // in the turn that is over
                 self.events.pass_turn();
                 self.home = self.index.place;
-                Some(self.extra(by, true))
+                Some(report)
             }
             Passage::Moved { by, from_guess } => {
                 // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse. Before the place is

@@ -35,8 +35,8 @@ pub struct Group {
     pub failed: BTreeMap<Failure, Vec<u64>>,
 }
 
-/// Way in which a faulty run failed, the ones that are most worth a replay first. Wrong names and
-/// what no monitor can detect are last, because the claim allows some.
+/// Way in which a faulty run failed, the ones that are most worth a replay first. Wrong names, of which the claim allows some, and what no
+/// monitor can detect are last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Failure {
     /// Detected too late.

@@ -62,7 +62,8 @@ impl Truth {
             true => 2.0 * (flags[i] - required[i]) - errors[i],
             false => errors[i],
         });
-        let whole_turns = |i: usize| (mirrored[i] - mirrored[0]).round();
+        // A crank that loses a turn makes no pulse in it, which shows.
+        let whole_turns = |i: usize| (mirrored[i] - mirrored[0]).round().max(0.0);
         Some(per_axis(errors.len(), |i| mirrored[i] - whole_turns(i)))
     }
 }

@@ -1,8 +1,8 @@
 //! Homing: finds the phase of every crank, and levels the cranks.
 //!
 //! After power-up, phases are unknown. The platform joins the cranks, so none may be turned alone. All turn together at homing speed until
-//! every index has been detected, and a turn has confirmed its place: two pulses a turn apart, and none between. This takes up to two turns,
-//! plus the time by which a pulse may be late. No crank is moved before that, as a place that is noise would tilt the platform.
+//! every index has been detected, and a turn has confirmed its place (`docs/faults.md`). This takes up to two turns, plus the time by which a
+//! pulse may be late. No crank is moved before that, as a place that is noise would tilt the platform.
 //!
 //! The phase error that all cranks have in common is the zero of the machine, the *home offset*. The differences between the cranks are
 //! removed by trims, all at once and within the limits, and checked for one more turn. A crank that exceeds the homing range is refused.

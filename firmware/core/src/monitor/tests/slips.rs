@@ -191,6 +191,29 @@ fn two_pulses_elsewhere_in_a_turn_confirm_nothing() {
     }
 }
 
+/// If this fails, noise before the first pulse and a rotor that swings in its field stop a sound machine in homing.
+#[test]
+fn a_swing_after_noise_at_the_first_pulse_stops_nothing() {
+    for by in [-0.007, 0.007] {
+        let mut cranks = Cranks::new(monitor(3, 3.0, 5.0, 15.0), 0.01);
+        cranks.flags = [0.605; MAX_AXES];
+        for axis in 0..3 {
+            move_flag(&mut cranks.monitor, axis, 0.605);
+        }
+        let noisy = |i: usize, t: f64, pulse: Option<IndexPulse>| {
+            let is_noise = i == 1 && (0.0..0.0099).contains(&(t - 0.2));
+            pulse.or(is_noise.then_some(IndexPulse { cycle: 100 }))
+        };
+        let swings = |i: usize, t: f64| {
+            let is_off = i == 1 && (1.3..2.1).contains(&t);
+            if is_off { by } else { 0.0 }
+        };
+        let found = cranks.turn_with(400, swings, noisy);
+        let stops = found.iter().any(|(_, finding)| !finding.within_limits);
+        assert!(!stops && cranks.monitor.is_homed(), "{by}: {found:?}");
+    }
+}
+
 /// Cranks by index alone, the last of which slips `rate` turns a turn from `from` on. Returns the turns from passing its limit to its stop.
 fn late_by_index(count: usize, rate: f64, from: f64) -> f64 {
     let speed = 0.01;
