@@ -14,7 +14,7 @@ export const MEAN_TICK_CYCLES = { most: 4500, enforced: false };
 export const MISSED_DEADLINES = { most: 0, enforced: true };
 
 /** Increase of the worst tick under a saturated host link, cycles. */
-export const LINK_TICK_CYCLES = { most: 500, enforced: true };
+export const LINK_TICK_CYCLES = { most: 100, enforced: true };
 
 /** Witnesses of single faults in a tick, cycles. */
 export const WITNESS_CYCLES = { most: 150, enforced: true };
