@@ -9,14 +9,14 @@ use super::reaction::Reaction;
 use Rank::{Cause, Motion, Other, Reversal, Symptom};
 use Reaction::{Correct, Disable, Report, StopAndCut, StopAndHold};
 
-/// What a kind says of a crank. Of two names for a fault, that with the higher rank is the better one.
+/// Rank of a name: how much it states about a crank. The higher one of two names for a fault is the better one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Rank {
     /// Something is wrong.
     Symptom,
     /// The crank moved.
     Motion,
-    /// What moved it, or what else is the cause.
+    /// The cause is known: the drive, the crank or a sensor.
     Cause,
     /// It turns back. Such a crank seems to stand at first, and must not be driven on.
     Reversal,

@@ -4,7 +4,6 @@
 //! master's travel, plus the offset and trim of the axis. The master is common to all axes, and only differences between cranks tilt or
 //! warp the platform. So the error leaves the master out. Where all axes have the same constant ratio, no value that the controller
 //! commands or computes enters it.
-
 //!
 //! An index alone shows less. It does not distinguish whole turns. Nor does it distinguish a crank that turns back from its mirror image in the
 //! middle of the flag, which turns right: the flag is before the sensor at the same times (`docs/detection.md`, *Two pairs of machines*).

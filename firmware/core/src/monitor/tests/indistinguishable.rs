@@ -18,7 +18,7 @@ fn pulses((begins, length): (f64, f64), position: impl Fn(f64) -> f64) -> Vec<u3
     rises.collect()
 }
 
-/// What a monitor finds of three cranks, of which the last has these pulses and the others are sound, and the phase error of the last.
+/// Findings of a monitor of three cranks, of which the last has these pulses and the others are sound, and the phase error of the last.
 fn found_by(flag: (f64, f64), last: &[u32]) -> (Vec<(i32, FaultKind, bool)>, f64) {
     let mut settings = settings(3, 3.0, 5.0, 15.0);
     settings.axes[2].index_turns = Some(flag.0);

@@ -1,4 +1,4 @@
-//! What `docs/detection.md` and `docs/faults.md` say of limits, gates and readings, computed apart from the monitor.
+//! Limits, gates and errors of readings as `docs/detection.md` and `docs/faults.md` define them, computed apart from the monitor.
 
 use super::cranks::settings;
 use crate::settings::Settings;
