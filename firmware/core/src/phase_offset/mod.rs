@@ -7,6 +7,10 @@
 //! each axis. So at most one axis has a motion of its own in any tick. Its speed in the slot is up to the number of axes times its
 //! rate; averaged over a round it stays within its rate. All axes of a part reach their targets in the same round. After every
 //! round each is at most a slot's steps behind the straight line to its target.
+//!
+//! **Two moves at once.** An axis moves by the user's part first. If that takes a slot of the controller's part, or its room, the controller's
+//! part waits with all its axes, so that they stay together on their line. The user's part waits axis by axis: its axes are independent, and
+//! two parts that wait as a whole may wait for each other.
 
 mod correction;
 mod lane;
@@ -296,7 +300,9 @@ impl PhaseOffsets {
         if self.slot.axis >= self.lanes.len() {
             self.slot.axis = 0;
             self.user.begin_round();
-            self.controller.begin_round();
+            if !core::mem::take(&mut self.controller.waits) {
+                self.controller.begin_round();
+            }
             if self.is_idle() {
                 return false;
             }
@@ -312,6 +318,7 @@ impl PhaseOffsets {
         let offset = at(&self.user) + at(&self.controller);
         let by_user = self.user.take(axis, lane, offset);
         self.slot.by_controller = by_user.is_none();
+        self.controller.waits |= by_user.is_some();
         if let Some((from, steps)) = by_user.or_else(|| self.controller.take(axis, lane, offset)) {
             let sign = i64::from(steps);
             self.slot.half_steps = sign * STEP;

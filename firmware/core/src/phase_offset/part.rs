@@ -15,6 +15,8 @@ pub(super) struct Part {
     pub(super) rounds_left: u32,
     pub(super) per_round: Option<Divisor>,
     pub(super) is_moving: bool,
+    /// An axis did not get its slot in this round, or no room within its limit.
+    pub(super) waits: bool,
 }
 
 impl Part {
@@ -25,6 +27,7 @@ impl Part {
         rounds_left: 0,
         per_round: None,
         is_moving: false,
+        waits: false,
     };
 
     pub(super) const fn hold(&mut self) {
@@ -81,7 +84,11 @@ impl Part {
         };
         let most = lane.slot_steps as i32;
         let steps = (aim - *now).max(-most).min(most); // `clamp` may panic
-        if steps == 0 || (offset + steps).abs() > lane.limit_steps.max(offset.abs()) {
+        if steps == 0 {
+            return None;
+        }
+        if (offset + steps).abs() > lane.limit_steps.max(offset.abs()) {
+            self.waits = true;
             return None;
         }
         let from = *now;

@@ -165,3 +165,42 @@ fn an_axis_that_does_not_exist_has_no_offset() {
     assert!(offsets.set_user(1, Turns::from_num(0.099)));
     assert!(!offsets.set_user(1, Turns::from_num(0.11)));
 }
+
+proptest! {
+    /// If this fails, some axes of a correction move on while others wait for a trim: the platform tilts further than at either end, or a move
+    /// never ends.
+    #[test]
+    fn corrections_stay_together_while_trims_move(
+        limit_turns in 0.02_f64..0.06,
+        rate_hz in 0.01_f64..0.5,
+        trims in prop::collection::vec((0..3_usize, -0.06_f64..0.06, 0..3000_u32), 4),
+        corrections in prop::collection::vec((-0.02_f64..0.02, -0.02_f64..0.02, 0..3000_u32), 3),
+    ) {
+        let mut offsets = offsets(&[3200; 3], rate_hz, limit_turns);
+        let mut trims = trims.into_iter().map(|(axis, by, at)| (at, axis, Turns::from_num(by))).collect::<Vec<_>>();
+        let mut corrections = corrections.into_iter().map(|(a, b, at)| (at, a, b)).collect::<Vec<_>>();
+        trims.sort_unstable_by_key(|trim| trim.0);
+        corrections.sort_unstable_by_key(|correction| correction.0);
+        let slot = offsets.lanes[0].slot_steps;
+        let mut tick = 0;
+        while tick < 3000 || !offsets.is_idle() {
+            for &(_, axis, by) in trims.iter().filter(|trim| trim.0 == tick) {
+                let _whole = offsets.set_user(axis, by);
+            }
+            for &(_, a, b) in corrections.iter().filter(|correction| correction.0 == tick) {
+                let mut target = [Turns::ZERO; MAX_AXES];
+                (target[0], target[1]) = (Turns::from_num(a), Turns::from_num(b));
+                target[2] = Turns::ZERO - target[0] - target[1];
+                if !offsets.is_moving() && offsets.beyond_limit(&target).is_none() {
+                    offsets.go_to(&target);
+                }
+            }
+            offsets.advance(true);
+            let sum = offsets.now().iter().map(|turns| turns.to_num::<f64>()).sum::<f64>();
+            let steps = (sum * 3200.0).abs();
+            prop_assert!(steps <= 2.0 * f64::from(slot) + 1.0 + 1e-6, "{steps} steps, {slot} in a slot");
+            tick += 1;
+            prop_assert!(tick < 400_000, "the moves do not end");
+        }
+    }
+}
