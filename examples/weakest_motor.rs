@@ -14,11 +14,11 @@ use host_sim::sim::{Moment, Observer, simulate};
 
 /// Observer that keeps the largest tilt of the platform.
 #[derive(Default)]
-struct LargestTilt {
+struct MaxTilt {
     mrad: f64,
 }
 
-impl Observer for LargestTilt {
+impl Observer for MaxTilt {
     fn tick(&mut self, moment: &Moment<'_>) {
         moment.raise_tilt(&mut self.mrad);
     }
@@ -35,7 +35,7 @@ fn run(torque_scale: f64) -> Result<Ended, SceneError> {
     let built_in = library::find("lost-steps").expect("a built-in scene");
     let mut scene = built_in.scene();
     scene.axis[0].pull_out_scale = torque_scale;
-    let mut tilt = LargestTilt::default();
+    let mut tilt = MaxTilt::default();
     let outcome = simulate(&Checked::new(scene)?, &mut tilt, |_, _| {})?;
     Ok(Ended {
         fault: outcome.fault,
@@ -44,7 +44,7 @@ fn run(torque_scale: f64) -> Result<Ended, SceneError> {
 }
 
 /// Finds the least scale without a fault to 0.01, between one that is too small and one that is enough.
-fn least_scale(mut too_small: f64, mut enough: f64) -> Result<f64, SceneError> {
+fn min_scale(mut too_small: f64, mut enough: f64) -> Result<f64, SceneError> {
     while enough - too_small > 0.01 {
         let between = 0.5 * (too_small + enough);
         let ended = run(between)?;
@@ -65,7 +65,7 @@ fn least_scale(mut too_small: f64, mut enough: f64) -> Result<f64, SceneError> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("torque");
-    let scale = least_scale(1.0, 2.0)?;
+    let scale = min_scale(1.0, 2.0)?;
     println!("The motor needs {scale:.2} times its torque.");
     Ok(())
 }
@@ -77,7 +77,7 @@ mod tests {
     /// If this fails, the example finds a torque at which the motor slips, or one that is more than enough.
     #[test]
     fn the_motor_keeps_step_at_the_scale_that_is_found_and_not_below() {
-        let scale = least_scale(1.0, 2.0).unwrap();
+        let scale = min_scale(1.0, 2.0).unwrap();
         assert!(run(scale).unwrap().fault.is_none());
         assert!(run(scale - 0.01).unwrap().fault.is_some());
     }

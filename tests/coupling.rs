@@ -47,8 +47,8 @@ fn errors(checked: &Checked) -> Vec<[f64; 3]> {
 }
 
 fn spread(error: &[f64; 3]) -> f64 {
-    let most = error.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    most - error.iter().copied().fold(f64::INFINITY, f64::min)
+    let max = error.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    max - error.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 /// The gains that the scene derives, and the gains that the core receives.

@@ -76,10 +76,10 @@ fn the_platform_follows_the_rocker_and_holds_its_amax() {
     );
     // The greatest acceleration of the hold, in either direction. Half a tick beside its peak it is 1e-4 less.
     let accel = trace.column("accel_mps2");
-    let greatest = accel[from..to].iter().map(|a| a.abs()).fold(0.0, f64::max);
+    let max = accel[from..to].iter().map(|a| a.abs()).fold(0.0, f64::max);
     assert!(
-        (greatest / top_mps2 - 1.0).abs() < 1e-3,
-        "{greatest} m/s² of {top_mps2}"
+        (max / top_mps2 - 1.0).abs() < 1e-3,
+        "{max} m/s² of {top_mps2}"
     );
     // Times from each highest place to the lowest, and back: their ratio is 0.9. Parabolas give the places between ticks.
     let extreme = |up: f64| -> Vec<f64> {

@@ -154,14 +154,14 @@ fn a_rigid_frame_matches_the_phased_level() {
         assert!(run.report["axes"][0]["torque_worst_nm"].as_f64() > Some(0.0));
         run.trace()
     });
-    for (column, most) in [
+    for (column, max) in [
         ("actual_turns_1", 2e-9),
         ("z_m", 3e-9),
         ("tilt_x_mrad", 2e-5),
     ] {
         let pairs = elastic.column(column).iter().zip(phased.column(column));
         let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(worst <= most, "{column}: {worst}");
+        assert!(worst <= max, "{column}: {worst}");
     }
 }
 
@@ -194,7 +194,7 @@ fn elastic_rods_deflect_as_statics_predicts() {
     assert!((last - at_rest).abs() < 2e-9, "{last}, not {at_rest}");
     let worst = short
         .iter()
-        .fold(0.0, |most: f64, short| most.max(short.abs()));
+        .fold(0.0, |max: f64, short| max.max(short.abs()));
     let bound = at_rest * (1.0 + amax_g(30.0));
     assert!(worst < 1.04 * bound, "{worst}, not within {bound}");
     assert!(worst > 0.5 * bound, "{worst}: where is the load? {bound}");

@@ -261,7 +261,7 @@ fn each_law_moves_the_pusher_by_its_closed_form() {
 /// 5e-5 at least. The coefficients of the modified trapezoid have jumps of 7e-7, so it is left out.
 #[test]
 fn the_printed_difference_from_the_law_is_that_of_the_pushers() {
-    for (segments, most) in [
+    for (segments, max) in [
         ([120.0, 135.0, 105.0], 0.016),
         ([60.0, 60.0, 60.0], 0.045),
         ([40.0, 60.0, 60.0], 0.09),
@@ -311,7 +311,7 @@ fn the_printed_difference_from_the_law_is_that_of_the_pushers() {
                 off > printed * 0.9 - 1e-3,
                 "{segments:?} {law}: {off}, printed {printed}"
             );
-            assert!(printed < most, "{segments:?} {law}: {printed}");
+            assert!(printed < max, "{segments:?} {law}: {printed}");
         }
     }
 }

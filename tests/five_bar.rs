@@ -46,16 +46,16 @@ fn the_joints_lead_the_hand_along_the_line() {
     let step_m = 2.0 * 0.25 * TAU / 20_000.0;
     let top = omega.iter().copied().fold(0.0, f64::max);
     assert!((top * 20.0 / TAU - 1.0).abs() < 1e-4, "{top} rad/s");
-    let (mut least, mut most) = (f64::MAX, f64::MIN);
+    let (mut min, mut max) = (f64::MAX, f64::MIN);
     for row in 0..trace.rows() {
         let [x, y] = hand(row);
         assert!((y - 0.3).abs() < step_m, "row {row}: {y}");
-        least = least.min(x);
-        most = most.max(x);
+        min = min.min(x);
+        max = max.max(x);
     }
     assert!(
-        least.abs() < step_m && (most - 0.2).abs() < step_m,
-        "{least} to {most} m"
+        min.abs() < step_m && (max - 0.2).abs() < step_m,
+        "{min} to {max} m"
     );
     // Half a second in the middle of the line.
     let from = (0..trace.rows())

@@ -31,7 +31,7 @@ impl Mechanism {
 
     /// The greatest |d²x/dα²| of a turn, by central differences of fourth order. With h = 0.02 the error is h⁴/90 of the
     /// sixth derivative. That is below 1e-7 of the second even at λ = 0.6. Rounding is 1e-16 L/h².
-    fn greatest_second_derivative_m(self) -> f64 {
+    fn max_second_derivative_m(self) -> f64 {
         const H: f64 = 0.02;
         let second = |alpha: f64| {
             let x = |steps: f64| self.travel_m(alpha + steps * H);
@@ -95,7 +95,7 @@ fn the_patent_machines_hold_their_amax() {
             let part = (end - turns[to - 1]) / (turns[to] - turns[to - 1]);
             let ticks = (to - 1 - from) as f64 + part;
             let omega = TAU * whole / (ticks / f64::from(checked.scene.control.tick_hz));
-            let amax = mechanism.greatest_second_derivative_m() * omega * omega;
+            let amax = mechanism.max_second_derivative_m() * omega * omega;
             let requested = trace.column("amax_requested_mps2")[from];
             let relative = amax / requested - 1.0;
             assert!(
@@ -145,17 +145,17 @@ fn a_ramp_of_one_second_starts_within_limits() {
         for row in running.start + 2..running.end {
             let slope = (omega[row] - omega[row - 1]) / tick_s;
             let bend = (omega[row] - 2.0 * omega[row - 1] + omega[row - 2]) / tick_s.powi(2);
-            let (most, most_jerk) = (
+            let (max, max_jerk) = (
                 TAU * limits.acceleration_hz_per_s,
                 TAU * limits.jerk_hz_per_s2,
             );
             assert!(
-                slope.abs() <= most + rounding(1),
+                slope.abs() <= max + rounding(1),
                 "{name}, {} s: {slope}",
                 t_s[row]
             );
             assert!(
-                bend.abs() <= most_jerk + rounding(2),
+                bend.abs() <= max_jerk + rounding(2),
                 "{name}, {} s: {bend}",
                 t_s[row]
             );

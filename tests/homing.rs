@@ -38,7 +38,7 @@ struct Recorded {
     end_turns: Vec<f64>,
     worst_sum: i64,
     last_sum: i64,
-    largest_deg: f64,
+    max_deg: f64,
     /// Time and master's turns at the end of each tick, and the number of the first tick that is played with a fault.
     ticks: Vec<(f64, f64)>,
     reported: Option<usize>,
@@ -51,12 +51,12 @@ impl Observer for Recorded {
         self.worst_sum = self.worst_sum.max(sum.abs());
         self.last_sum = sum.abs();
         for turns in correction {
-            self.largest_deg = self.largest_deg.max(turns.to_num::<f64>().abs() * 360.0);
+            self.max_deg = self.max_deg.max(turns.to_num::<f64>().abs() * 360.0);
         }
         if moment.telemetry.state == State::Run && self.spread_deg.is_none() {
-            let most = moment.errors().fold(f64::NEG_INFINITY, f64::max);
-            let least = moment.errors().fold(f64::INFINITY, f64::min);
-            self.spread_deg = Some((most - least) * 360.0);
+            let max = moment.errors().fold(f64::NEG_INFINITY, f64::max);
+            let min = moment.errors().fold(f64::INFINITY, f64::min);
+            self.spread_deg = Some((max - min) * 360.0);
             self.turns = moment.master_turns;
         }
         self.end_turns = moment.actual_turns.to_vec();
@@ -101,9 +101,9 @@ fn small_phase_differences_are_trimmed_before_the_run() {
             // The error of two readings, by 0.05° of noise each and a step.
             assert!(spread < 0.5, "{count} cranks {spread}° apart");
             // One turn finds the cranks, one confirms them and one checks them, each with its margin. The trims need additional time.
-            let most = 3.0 * 1.1 + HOMING_SPEED_HZ * (2.0 * 1.5 / 20.0 + 0.2);
-            assert!(recorded.turns < most, "{count}: {} turns", recorded.turns);
-            assert!(recorded.largest_deg < 3.0);
+            let max = 3.0 * 1.1 + HOMING_SPEED_HZ * (2.0 * 1.5 / 20.0 + 0.2);
+            assert!(recorded.turns < max, "{count}: {} turns", recorded.turns);
+            assert!(recorded.max_deg < 3.0);
             // The report states it too.
             let axes = &outcome.record.axes;
             assert!(
@@ -217,9 +217,9 @@ fn a_crank_that_slips_in_homing_is_stopped_within_two_turns() {
                 // A slow one may be corrected.
                 assert!(outcome.fault.is_some() || rate.abs() < 20.0, "{case}");
                 let may_stay_s = (2.0 + limit_deg / 360.0) / HOMING_SPEED_HZ + ticks_s;
-                let most_deg = limit_deg + rate.abs() * may_stay_s;
+                let max_deg = limit_deg + rate.abs() * may_stay_s;
                 let off_deg = farthest.0 * 360.0;
-                assert!(off_deg < most_deg, "{case}: {off_deg}° of {most_deg}°");
+                assert!(off_deg < max_deg, "{case}: {off_deg}° of {max_deg}°");
             }
         }
     }
@@ -234,11 +234,7 @@ fn pulses_at_one_place_for_three_turns_are_no_flag() {
         let more = format!("[correction]\ngain =  0.5\n{noise}");
         let (recorded, outcome) = run(&text(3, drive, &[0.0; 3], &more));
         assert_eq!((outcome.state, outcome.fault), (State::Parked, None));
-        assert!(
-            recorded.largest_deg < 0.5,
-            "{drive}: {}",
-            recorded.largest_deg
-        );
+        assert!(recorded.max_deg < 0.5, "{drive}: {}", recorded.max_deg);
     }
 }
 
@@ -284,7 +280,7 @@ fn exceeded_homing_range_is_refused_by_axis() {
         assert!(count == 2 || fault.axis == Some(out), "{count}: {fault:?}");
         assert_eq!(outcome.state, State::Fault);
         assert!(recorded.spread_deg.is_none(), "it ran");
-        assert!(recorded.largest_deg < 1e-9, "it was moved");
+        assert!(recorded.max_deg < 1e-9, "it was moved");
     }
 }
 
@@ -373,11 +369,7 @@ fn a_correction_that_drives_cranks_apart_is_stopped_as_swapped_wiring() {
                 "{fault:?}, not {a} or {b}"
             );
             // The trims' limit is 5°.
-            assert!(
-                recorded.largest_deg < 4.0,
-                "{}° of trim",
-                recorded.largest_deg
-            );
+            assert!(recorded.max_deg < 4.0, "{}° of trim", recorded.max_deg);
         }
     }
 }

@@ -155,7 +155,7 @@ fn three_consecutive_missed_deadlines_stop_the_machine_in_phase() {
         );
         assert_eq!(gaps(&late).len(), 1);
         // The stop keeps the acceleration that the scene allows: 40 rev/s² at 2 kHz, in 2⁻⁴⁸ turn.
-        let most = (40.0 / 4e6 * (1_u64 << 48) as f64) as u64;
+        let max = (40.0 / 4e6 * (1_u64 << 48) as f64) as u64;
         let stopping: Vec<&Tick> = late
             .ticks
             .iter()
@@ -163,7 +163,7 @@ fn three_consecutive_missed_deadlines_stop_the_machine_in_phase() {
             .collect();
         assert!(stopping[0].speed > 0, "{by_us} µs: stopped from speed");
         for pair in stopping.windows(2) {
-            assert!(pair[1].speed.abs_diff(pair[0].speed) <= most);
+            assert!(pair[1].speed.abs_diff(pair[0].speed) <= max);
             assert!(pair[1].drives_enabled, "the drives hold the cranks");
         }
         assert_eq!(stopping[stopping.len() - 1].speed, 0);
@@ -192,8 +192,8 @@ fn repeated_missed_deadlines_are_a_fault() {
         assert_eq!(fault.kind, FaultKind::Overrun, "one in {ticks}");
         // The fault's tick does not count missed ticks.
         let passed = fault.tick - (LATE_S * 2000.0) as u64;
-        let most = u64::from(ticks * misses_before_the_fault);
-        assert!(passed < most, "one in {ticks}: {passed} ticks");
+        let max = u64::from(ticks * misses_before_the_fault);
+        assert!(passed < max, "one in {ticks}: {passed} ticks");
     }
     let watched = missing_one_in(9, 60);
     assert_eq!(watched.outcome.fault, None);

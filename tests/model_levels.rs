@@ -275,16 +275,16 @@ fn evenly_phased_cranks_hardly_lift_the_platform() {
         + "[[axis]]\nnumber = 1\noffset_deg = 120\n[[axis]]\nnumber = 2\noffset_deg = -120\n";
     let run = run(&apart);
     let trace = run.trace();
-    let most = |column: &str| {
+    let max = |column: &str| {
         trace
             .column(column)
             .iter()
-            .fold(0.0_f64, |most, a| most.max(a.abs()))
+            .fold(0.0_f64, |max, a| max.max(a.abs()))
     };
     // Only multiples of the third harmonic of h remain: at λ = 0.25 the sixth, below 1e-3 of the first.
     let amax = 15.0 * 9.80665;
-    assert!(most("accel_mps2") < 2e-3 * amax, "{}", most("accel_mps2"));
-    assert!(most("tilt_x_mrad") > 1.0);
+    assert!(max("accel_mps2") < 2e-3 * amax, "{}", max("accel_mps2"));
+    assert!(max("tilt_x_mrad") > 1.0);
 }
 
 /// If this fails, a machine with strong friction does not come to rest with an implicit method.

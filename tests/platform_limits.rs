@@ -237,7 +237,7 @@ fn case(seed: u64) -> Result<Case, std::fmt::Error> {
     let undo = draw.one_in(4);
     // A step is no more than a fifth of what tilts to the limit, or the monitor cannot find that a crank is within it.
     let coarsest = (5.0 * 360.0 / (tilt_mrad / radii).to_degrees()).clamp(200.0, 20_000.0);
-    let mut fewest = STEPS;
+    let mut min = STEPS;
     for number in 0..count {
         let own = draw.between(-lead_deg, lead_deg);
         let offset_deg = common_deg + if are_offset { own } else { 0.0 };
@@ -253,7 +253,7 @@ fn case(seed: u64) -> Result<Case, std::fmt::Error> {
         } else {
             STEPS
         };
-        fewest = fewest.min(steps);
+        min = min.min(steps);
         writeln!(
             text,
             "[[axis]]\nnumber = {number}\nreversed = {reversed}\nsteps_per_turn = {steps}\noffset_deg = {offset_deg}\ntrim_deg = {trim_deg}",
@@ -265,7 +265,7 @@ fn case(seed: u64) -> Result<Case, std::fmt::Error> {
         radii,
         tilt_mrad,
         warp_deg,
-        step_deg: 360.0 / f64::from(fewest),
+        step_deg: 360.0 / f64::from(min),
         may_undo: are_offset && are_trimmed,
     })
 }

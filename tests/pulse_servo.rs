@@ -116,8 +116,8 @@ fn the_steady_following_error_matches_the_loop_gains() {
             let trace = run.trace();
             // The last 0.4 s of the upper level, and only whole turns of it, so that the load's torque averages out.
             let requested = trace.column("amax_requested_mps2");
-            let most = requested.iter().copied().fold(0.0, f64::max);
-            let held = requested.iter().rposition(|&amax| amax == most);
+            let max = requested.iter().copied().fold(0.0, f64::max);
+            let held = requested.iter().rposition(|&amax| amax == max);
             let to = held.expect("a level") - 1;
             let turns = trace.axis("actual_turns", 1);
             let whole = (turns[to] - turns[to - 800]).floor();
@@ -250,10 +250,10 @@ fn an_alarm_stops_all_axes_in_phase() {
         assert!(off.abs() < 1.0, "axis {axis} stands {off}° off");
     }
     let speed = trace.column("omega_rad_s");
-    let most = TAU * 40.0 * TICK_S;
+    let max = TAU * 40.0 * TICK_S;
     for row in stop.start + 1..stop.end {
         assert!(
-            (speed[row] - speed[row - 1]).abs() <= most + 2e-6,
+            (speed[row] - speed[row - 1]).abs() <= max + 2e-6,
             "row {row}"
         );
     }

@@ -57,16 +57,16 @@ fn motors_that_are_off_are_not_loaded() {
         let used = axis.pull_out_used.expect("torques are compared");
         (used, axis.pull_out_used_at_hz)
     };
-    let (most, _) = used(&undisturbed);
+    let (max, _) = used(&undisturbed);
     let cut = checked(
         "quasi-static",
         "[[fault]]\nat_s = 3\nkind = \"enable-loss\"\n",
     );
     let off = run(&cut);
-    let (off_most, off_hz) = used(&off);
+    let (max_off, off_hz) = used(&off);
     assert!(
-        off_most <= most && off_hz > 1.0,
-        "{off_most} at {off_hz} rev/s of {most}"
+        max_off <= max && off_hz > 1.0,
+        "{max_off} at {off_hz} rev/s of {max}"
     );
     let page = printed(&cut, &off);
     assert!(
@@ -83,11 +83,7 @@ fn motors_that_are_off_are_not_loaded() {
     let starts = |event: &&Event| matches!(event.what, EventKind::Running { .. });
     let runs = again.outcome.record.events.iter().filter(starts).count();
     assert_eq!(runs, 2, "{}", again.report["events"]);
-    assert!(
-        used(&again).0 <= 1.001 * most,
-        "{:?} of {most}",
-        used(&again)
-    );
+    assert!(used(&again).0 <= 1.001 * max, "{:?} of {max}", used(&again));
 }
 
 /// Returns the largest x on the page of the curves of a colour.

@@ -62,14 +62,14 @@ fn the_box_moves_by_its_throw() {
         .filter(|&row| omega[row] > top * (1.0 - 1e-9))
         .collect();
     let last_second = &steady[steady.len() - 2000..];
-    let most_m = last_second
+    let max_m = last_second
         .iter()
         .map(|&row| z_m[row].abs())
         .fold(0.0, f64::max);
     let amplitude_m = MOMENT_KGM * top * top / (MASS_KG * top * top - STIFFNESS_N_PER_M);
     assert!(
-        (most_m / amplitude_m - 1.0).abs() < 0.03,
-        "{most_m} m, not {amplitude_m}"
+        (max_m / amplitude_m - 1.0).abs() < 0.03,
+        "{max_m} m, not {amplitude_m}"
     );
 }
 
@@ -274,19 +274,19 @@ fn the_pitch_has_a_column_and_the_ends_have_a_figure() {
             "{level}"
         );
         let end_mm = |row: usize| 1e3 * z_m[row].abs() + 1.5 * pitch[row].abs();
-        let most_mm = (0..trace.rows()).map(end_mm).fold(0.0, f64::max);
+        let max_mm = (0..trace.rows()).map(end_mm).fold(0.0, f64::max);
         let reported_mm = run.report["machine_figures"]["displacement_worst_mm"]
             .as_f64()
             .unwrap();
         assert!(
-            reported_mm > 0.99 * most_mm,
-            "{level}: {reported_mm}, {most_mm}"
+            reported_mm > 0.99 * max_mm,
+            "{level}: {reported_mm}, {max_mm}"
         );
         let worst_mrad = run.report["machine_figures"]["pitch_worst_mrad"]
             .as_f64()
             .unwrap();
-        let most_mrad = pitch.iter().copied().map(f64::abs).fold(0.0, f64::max);
-        assert!((worst_mrad - most_mrad).abs() < 1e-4, "{level}");
+        let max_mrad = pitch.iter().copied().map(f64::abs).fold(0.0, f64::max);
+        assert!((worst_mrad - max_mrad).abs() < 1e-4, "{level}");
         let top = omega.iter().copied().fold(0.0, f64::max);
         let held: Vec<usize> = (0..trace.rows()).filter(|&row| omega[row] == top).collect();
         let last = &held[held.len() - 1000..];

@@ -64,13 +64,13 @@ fn alarm(at_s: f64, axis: usize) -> String {
 }
 
 /// The least time to standstill, ticks, from a speed and an acceleration, both per tick.
-fn least_ticks(limits: (f64, f64), speed: f64, acceleration: f64) -> f64 {
-    let (most, jerk) = (
+fn min_ticks(limits: (f64, f64), speed: f64, acceleration: f64) -> f64 {
+    let (max, jerk) = (
         limits.0 / HZ.powi(2) * ONE_TURN,
         limits.1 / HZ.powi(3) * ONE_TURN,
     );
     let room = speed - acceleration / 2.0 + acceleration.powi(2) / (2.0 * jerk);
-    let peak = (jerk * room).sqrt().min(most);
+    let peak = (jerk * room).sqrt().min(max);
     (acceleration + 2.0 * peak) / jerk + (room - peak * peak / jerk) / peak
 }
 
@@ -81,7 +81,7 @@ fn stop_of(watched: &Watched) -> (Tick, f64) {
     let at = ticks.iter().position(|tick| tick.fault.is_some());
     let at = at.expect("a fault");
     let (last, before) = (ticks[at - 1], ticks[at - 2]);
-    let least = least_ticks(HARD, last.speed as f64, (last.speed - before.speed) as f64);
+    let min = min_ticks(HARD, last.speed as f64, (last.speed - before.speed) as f64);
     let moving = ticks[at..].iter().take_while(|tick| tick.speed > 0);
     let count = moving.clone().count();
     for tick in moving {
@@ -92,7 +92,7 @@ fn stop_of(watched: &Watched) -> (Tick, f64) {
     }
     let end = watched.last();
     assert_eq!((end.state, end.drives_enabled), (Fault, false));
-    (last, count as f64 - least)
+    (last, count as f64 - min)
 }
 
 /// Asserts that a stop takes at most two ticks over the least time. In up to two ticks of that time, speed and then
@@ -204,7 +204,7 @@ fn a_stop_at_a_phase_uses_the_first_passage() {
             assert_eq!(last.speed, before.speed, "at a constant speed");
             let speed = last.speed as f64;
             let moved = ticks[at..].iter().take_while(|tick| tick.speed > 0).count();
-            let ramp = least_ticks(USUAL, speed, 0.0);
+            let ramp = min_ticks(USUAL, speed, 0.0);
             // The nearest phase that can be reached, and the first passage after that.
             let distance = speed * (ramp / 2.0 - 1.0);
             let ahead = (park - last.phase.within_turn().to_bits() as f64).rem_euclid(ONE_TURN);

@@ -56,8 +56,8 @@ impl Observer for Steady {
         }
         let off = |i: usize| (moment.actual_turns[i] - moment.aim_turns[i]) * 360.0;
         let offs = [off(0), off(1), off(2), off(3)];
-        let most = offs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let spread = most - offs.iter().copied().fold(f64::INFINITY, f64::min);
+        let max = offs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let spread = max - offs.iter().copied().fold(f64::INFINITY, f64::min);
         self.worst_deg = self.worst_deg.max(spread);
         self.squares += spread * spread;
         self.ticks += 1;

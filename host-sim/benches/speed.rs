@@ -35,11 +35,11 @@ const FIGURES: [Figure; 6] = [
     figure("run-phased", 30.0, || run(four_motors("phased"))),
 ];
 
-const fn figure(name: &'static str, least_per_load: f64, set_up: fn() -> Work) -> Figure {
+const fn figure(name: &'static str, min_per_load: f64, set_up: fn() -> Work) -> Figure {
     Figure {
         name,
         unit: "ticks",
-        least_per_load,
+        min_per_load,
         set_up,
     }
 }

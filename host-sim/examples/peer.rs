@@ -13,7 +13,7 @@ use cophase_methods::friction::{Contact, DryFriction};
 use cophase_methods::{Equations, Scheme, advance};
 use host_sim::drives::PullOut;
 use host_sim::drives::{Field, Motor, Stepper};
-use host_sim::dynamics::{Body, Driven, MOST, Phased};
+use host_sim::dynamics::{Body, Driven, MAX, Phased};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::{Load, Platform};
 use serde::Deserialize;
@@ -59,9 +59,9 @@ impl Equations for Smoothed<'_> {
 
     fn rates(&self, t_s: f64, state: &[f64], rates: &mut [f64]) {
         let speeds = self.driven.speeds();
-        let mut bounds = [[0.0; 2]; MOST];
+        let mut bounds = [[0.0; 2]; MAX];
         self.driven.bounds(state, &mut bounds);
-        let mut contacts = [Contact::Sticks; MOST];
+        let mut contacts = [Contact::Sticks; MAX];
         for ((contact, bounds), &speed) in contacts.iter_mut().zip(bounds).zip(speeds) {
             let part = (state[speed] / self.friction_speed_rad_s).tanh();
             *contact = Contact::Free(bounds[0] * part);

@@ -7,7 +7,7 @@
 use std::f64::consts::FRAC_2_PI;
 
 /// Largest angle, rad, up to which the products of the reduction are exact: 2^20 quarter turns.
-const MOST_RAD: f64 = 1.6e6;
+const MAX_RAD: f64 = 1.6e6;
 
 /// 1.5 · 2^52. A sum with it is rounded to a whole number, which is in its low bits.
 const WHOLE: f64 = 6_755_399_441_055_744.0;
@@ -44,7 +44,7 @@ const COSINE: [f64; 6] = [
 /// ones.
 #[inline(always)] // so that its loops are unrolled and vectorised with those around them
 pub fn sin_cos<const N: usize>(angles_rad: &[f64; N]) -> ([f64; N], [f64; N]) {
-    let is_near = |angle: &f64| angle.abs() <= MOST_RAD;
+    let is_near = |angle: &f64| angle.abs() <= MAX_RAD;
     if !angles_rad.iter().all(is_near) {
         return of_library(angles_rad);
     }
@@ -95,17 +95,17 @@ mod tests {
     /// If this fails, equations of motion have errors larger than rounding, or a wrong sign in a quarter of the turn.
     #[test]
     fn sines_and_cosines_are_those_of_the_library() {
-        let mut most = 0.0_f64;
+        let mut max = 0.0_f64;
         for k in 0..200_000 {
             let angle = f64::from(k) * 0.012_345_67 - 1_200.0;
             let angles = [angle, -angle, angle * 1_300.0, angle * 1e-6];
             let (sines, cosines) = sin_cos(&angles);
             for ((angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
-                most = most.max((sine - angle.sin()).abs());
-                most = most.max((cosine - angle.cos()).abs());
+                max = max.max((sine - angle.sin()).abs());
+                max = max.max((cosine - angle.cos()).abs());
             }
         }
-        assert!(most < 2.3e-16, "{most}");
+        assert!(max < 2.3e-16, "{max}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use cophase_core::settings::Transmission;
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::design::platform::{Design, DesignError, MotorChoice, Requirement, Warning, design};
 use host_sim::mechanism::slider_crank::SliderCrank;
-use host_sim::mechanism::turn_search::{TurnPeak, largest_over_turn};
+use host_sim::mechanism::turn_search::{TurnPeak, max_over_turn};
 use host_sim::mechanism::{Mechanism, Platform};
 
 /// Load kg, amax g, frequency Hz, λ, motors.
@@ -155,7 +155,7 @@ fn printed_torques_come_from_rounded_inputs() {
         let curve = |alpha: f64| {
             m * radius_m * mechanism.s(alpha) * (r_omega2 * mechanism.h_two_term(alpha) + g)
         };
-        largest_over_turn(curve).value
+        max_over_turn(curve).value
     };
     let first = formula(50.0, 0.0046, 200.0 * 9.8 / 1.1, 0.1, 9.8);
     assert_near("example 1, prints 224", first, 223.88, 0.01);
@@ -269,7 +269,7 @@ fn torque_does_no_net_work_over_a_turn() {
             let torque = |alpha: f64| found.mechanism.torque_nm(&load, alpha, omega, 0.0);
             let sum: f64 = (0..3600).map(|k| torque(f64::from(k) * TAU / 3600.0)).sum();
             assert_near("mean", sum / 3600.0, 0.0, 1e-9 * maximum);
-            let minimum = -largest_over_turn(|alpha| -torque(alpha)).value;
+            let minimum = -max_over_turn(|alpha| -torque(alpha)).value;
             assert_near("minimum", minimum, -maximum, 1e-9 * maximum);
         }
     }

@@ -83,8 +83,8 @@ fn a_reversed_crank_is_reported_and_its_drive_disabled() {
                 // The crank has gone back by an electrical cycle, 1/50 turn, and two windows of four ticks are over. A rotor swings
                 // in its field before it turns with it, ahead too: what it goes back counts from its furthest point ahead.
                 let swings_s = if level == "phased" { 0.02 } else { 0.0 };
-                let most_s = 0.02 / -speed_hz + 8.0 * TICK_S + swings_s;
-                assert!(after_s < most_s, "{after_s} s, {case}");
+                let max_s = 0.02 / -speed_hz + 8.0 * TICK_S + swings_s;
+                assert!(after_s < max_s, "{after_s} s, {case}");
             }
         }
     }

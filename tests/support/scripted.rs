@@ -53,8 +53,8 @@ pub const ONE_TURN: f64 = (1_u64 << 48) as f64;
 /// If the axes are apart, or a limit is broken while the drives are on.
 pub fn scripted(happens: &str) -> Watched {
     let watched = watch(&scene(&format!("{SCENE}{happens}")));
-    let acceleration_most = (40.0 / HZ.powi(2) * ONE_TURN) as u64;
-    let jerk_most = (800.0 / HZ.powi(3) * ONE_TURN) as u64;
+    let max_acceleration = (40.0 / HZ.powi(2) * ONE_TURN) as u64;
+    let max_jerk = (800.0 / HZ.powi(3) * ONE_TURN) as u64;
     let mut last = (0, 0);
     for tick in &watched.ticks {
         let acceleration = tick.speed - last.0;
@@ -62,11 +62,11 @@ pub fn scripted(happens: &str) -> Watched {
         if tick.drives_enabled {
             let at = tick.start_ns;
             assert!(
-                acceleration.unsigned_abs() <= acceleration_most,
+                acceleration.unsigned_abs() <= max_acceleration,
                 "acceleration at {at} ns"
             );
             assert!(
-                (acceleration - last.1).unsigned_abs() <= jerk_most,
+                (acceleration - last.1).unsigned_abs() <= max_jerk,
                 "jerk at {at} ns"
             );
             assert!(tick.speed >= 0, "the shaft turns back at {at} ns");

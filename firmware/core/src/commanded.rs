@@ -80,7 +80,7 @@ pub struct TickTurns {
     own: AxisSet,
     turns: PerAxis<Turns>,
     /// Upper bound on the turns of an axis.
-    most: Turns,
+    max: Turns,
 }
 
 impl TickTurns {
@@ -93,7 +93,7 @@ impl TickTurns {
             master,
             own: 0,
             turns: [master; MAX_AXES],
-            most: master,
+            max: master,
         }
     }
 
@@ -103,7 +103,7 @@ impl TickTurns {
         if let Some(own) = self.turns.get_mut(axis) {
             *own = turns;
             self.own |= 1 << axis;
-            self.most = self.most.max(turns);
+            self.max = self.max.max(turns);
         }
     }
 
@@ -175,7 +175,7 @@ impl History {
         if let Some(logged) = self.ticks.get_mut(self.newest) {
             logged.master = planned.master;
             logged.own = planned.own;
-            logged.most = planned.most;
+            logged.max = planned.max;
             // Most ticks have none. A copy would take 170 cycles on the board.
             if planned.own != 0 {
                 logged.turns = planned.turns;
@@ -194,8 +194,8 @@ impl History {
 
     /// Upper bound on the turns of an axis in the tick that is over.
     #[inline]
-    pub fn most(&self) -> Turns {
-        self.made(1).most
+    pub fn max(&self) -> Turns {
+        self.made(1).max
     }
 
     #[inline(always)]
@@ -255,7 +255,7 @@ mod tests {
             let before = |axis| history.recent().before(axis);
             assert_eq!(before(0), turns(tick - 2));
             assert_eq!(before(1), turns(own(tick - 2)));
-            assert_eq!(history.most(), turns(own(tick - 1)));
+            assert_eq!(history.max(), turns(own(tick - 1)));
         }
     }
 }

@@ -51,13 +51,13 @@ pub enum Problem {
     )]
     TooFastForTick { turns_per_tick: f64 },
     #[error(
-        "at limits.speed_hz = {} rev/s the table and its trims move the axis at up to {speed_hz:.2} rev/s, and {most_hz:.2} rev/s is the most that \
+        "at limits.speed_hz = {} rev/s the table and its trims move the axis at up to {speed_hz:.2} rev/s, and {max_hz:.2} rev/s is the most that \
          it can make; flatten the steepest part of the table, or lower limits.speed_hz or axes.steps_per_turn", Number(*master_hz)
     )]
     CamTooFast {
         master_hz: f64,
         speed_hz: f64,
-        most_hz: f64,
+        max_hz: f64,
     },
     #[error(
         "the table is too steep: up to {slope:.0} turns per turn of the master, and {bend:.0} turns per turn²; 1000 and 30000 are the most; \
@@ -111,14 +111,10 @@ pub enum Problem {
     )]
     Jams,
     #[error(
-        "the rocker of these lengths accelerates by up to {curvature:.3} of the squared crank speed, outside {least} to {most}; \
+        "the rocker of these lengths accelerates by up to {curvature:.3} of the squared crank speed, outside {min} to {max}; \
          `cophase design crank-rocker` finds lengths"
     )]
-    RockerCurvature {
-        curvature: f64,
-        least: f64,
-        most: f64,
-    },
+    RockerCurvature { curvature: f64, min: f64, max: f64 },
     #[error(
         "the motors of this machine would need more than 30,000 N·m at full speed; lower limits.speed_hz, load_kg or crank_radius_mm"
     )]
@@ -141,13 +137,13 @@ pub enum Problem {
     #[error("the segment takes no time at all; give it a ramp_s or a hold_s of at least one tick")]
     NoDuration,
     #[error(
-        "{requested_mps2:.2} m/s² needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; {most_mps2:.2} m/s² is the most this machine reaches within it"
+        "{requested_mps2:.2} m/s² needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; {max_mps2:.2} m/s² is the most this machine reaches within it"
     )]
     LevelOutOfReach {
         requested_mps2: f64,
         needed_hz: f64,
         limit_hz: f64,
-        most_mps2: f64,
+        max_mps2: f64,
     },
     #[error(
         "{0} entries, repeats included, are more than the {1} that a program holds; use repeat blocks, or merge segments"

@@ -295,14 +295,14 @@ pub enum Refusal {
     StopActive,
     #[error("not possible in state {}", state_name(*state))]
     State { state: u8 },
-    #[error("the value is outside {least} to {most}")]
-    OutOfRange { least: u32, most: u32 },
+    #[error("the value is outside {min} to {max}")]
+    OutOfRange { min: u32, max: u32 },
     #[error("the parts of a file must follow each other; the next one begins at {expected}")]
     Offset { expected: u32 },
     #[error("no file is being written; begin with its length")]
     NotWriting,
-    #[error("a file of {length} bytes does not fit; the longest has {most}")]
-    TooLong { length: u32, most: u32 },
+    #[error("a file of {length} bytes does not fit; the longest has {max}")]
+    TooLong { length: u32, max: u32 },
     #[error("the file was damaged on the way: its CRC-32 is {found:#010x}")]
     FileCrc { found: u32 },
     #[error("the controller rejected it: {0}")]

@@ -15,8 +15,8 @@ struct Fictitious;
 impl Board for Fictitious {
     const NAME: &'static str = "fictitious";
     const CLOCK_HZ: u32 = 48_000_000;
-    const MOST_AXES: usize = 4;
-    const LEAST_LEAD_US: u32 = 25;
+    const MAX_AXES: usize = 4;
+    const MIN_LEAD_US: u32 = 25;
 
     fn check_axis(number: usize, axis: &AxisSettings) -> Result<(), Unfit> {
         if axis.drive == DriveKind::Servo {
@@ -61,14 +61,14 @@ fn steppers(axes: usize, tick_hz: u32, steps_per_turn: u32) -> Settings {
 }
 
 /// Highest tick rate, Hz, that the board accepts.
-fn most_hz(board: AnyBoard, axes: usize, steps_per_turn: u32) -> u32 {
+fn max_hz(board: AnyBoard, axes: usize, steps_per_turn: u32) -> u32 {
     match (board.check)(&steppers(axes, 10_000, steps_per_turn)) {
         Ok(()) => 10_000,
         Err(Unfit::TickTooShort {
             tick_hz: 10_000,
             axes: given,
-            most_hz,
-        }) if given == axes => most_hz,
+            max_hz,
+        }) if given == axes => max_hz,
         Err(other) => panic!("{}, {axes} axes: {other}", board.name),
     }
 }
@@ -77,13 +77,13 @@ fn most_hz(board: AnyBoard, axes: usize, steps_per_turn: u32) -> u32 {
 #[test]
 fn the_message_names_the_highest_accepted_tick_rate() {
     for board in boards() {
-        for axes in 1..=board.most_axes {
+        for axes in 1..=board.max_axes {
             for steps_per_turn in STEPS_PER_TURN {
-                let most = most_hz(board, axes, steps_per_turn);
+                let max = max_hz(board, axes, steps_per_turn);
                 for hz in rates() {
                     let accepted = (board.check)(&steppers(axes, hz, steps_per_turn)).is_ok();
-                    let said = format!("{}, {axes} axes, {hz} of {most} Hz", board.name);
-                    assert_eq!(accepted, hz <= most, "{said}");
+                    let said = format!("{}, {axes} axes, {hz} of {max} Hz", board.name);
+                    assert_eq!(accepted, hz <= max, "{said}");
                 }
             }
         }
@@ -94,17 +94,17 @@ fn the_message_names_the_highest_accepted_tick_rate() {
 #[test]
 fn more_axes_or_steps_lower_the_highest_tick_rate() {
     for board in boards() {
-        let most = |axes, steps_per_turn| most_hz(board, axes, steps_per_turn);
-        for axes in 1..=board.most_axes {
-            let rates_hz = STEPS_PER_TURN.map(|steps_per_turn| most(axes, steps_per_turn));
+        let max = |axes, steps_per_turn| max_hz(board, axes, steps_per_turn);
+        for axes in 1..=board.max_axes {
+            let rates_hz = STEPS_PER_TURN.map(|steps_per_turn| max(axes, steps_per_turn));
             assert!(rates_hz.is_sorted_by(|less, more| less >= more));
-            assert!(most(axes, 3200) >= 2000, "{}, {axes} axes", board.name);
+            assert!(max(axes, 3200) >= 2000, "{}, {axes} axes", board.name);
             for steps_per_turn in STEPS_PER_TURN.into_iter().filter(|_| axes > 1) {
-                assert!(most(axes, steps_per_turn) <= most(axes - 1, steps_per_turn));
+                assert!(max(axes, steps_per_turn) <= max(axes - 1, steps_per_turn));
             }
         }
-        let (last, steps) = (board.most_axes, STEPS_PER_TURN[2]);
-        assert!(most(last, steps) < most(1, steps), "{}", board.name);
+        let (last, steps) = (board.max_axes, STEPS_PER_TURN[2]);
+        assert!(max(last, steps) < max(1, steps), "{}", board.name);
     }
 }
 
@@ -158,7 +158,7 @@ fn the_first_axis_that_the_board_cannot_run_is_named() {
     for board in boards() {
         for drive in [DriveKind::Stepper, DriveKind::PulseServo, DriveKind::Servo] {
             for encoder in [false, true] {
-                let axes = board.most_axes;
+                let axes = board.max_axes;
                 let with = |numbers: Range<usize>| {
                     let mut settings = steppers(axes, 500, 200);
                     for axis in &mut settings.axes[numbers] {
@@ -184,11 +184,11 @@ fn the_first_axis_that_the_board_cannot_run_is_named() {
 #[test]
 fn too_many_axes_are_refused() {
     for board in boards() {
-        let most = board.most_axes;
-        assert_eq!((board.check)(&steppers(most, 500, 200)), Ok(()));
-        if let axes @ ..=MAX_AXES = most + 1 {
+        let max = board.max_axes;
+        assert_eq!((board.check)(&steppers(max, 500, 200)), Ok(()));
+        if let axes @ ..=MAX_AXES = max + 1 {
             let refused = (board.check)(&steppers(axes, 500, 200));
-            assert_eq!(refused, Err(Unfit::TooManyAxes { axes, most }));
+            assert_eq!(refused, Err(Unfit::TooManyAxes { axes, max }));
         }
     }
 }

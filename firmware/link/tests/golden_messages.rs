@@ -77,14 +77,14 @@ fn refusals() -> Vec<Refusal> {
         Refusal::StopActive,
         Refusal::State { state: 2 },
         Refusal::OutOfRange {
-            least: 1,
-            most: 10_000,
+            min: 1,
+            max: 10_000,
         },
         Refusal::Offset { expected: 384 },
         Refusal::NotWriting,
         Refusal::TooLong {
             length: 100_000,
-            most: 9000,
+            max: 9000,
         },
         Refusal::FileCrc { found: 0x1234_5678 },
         Refusal::Rejected(text.clone()),

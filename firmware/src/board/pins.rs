@@ -7,7 +7,7 @@
 use cophase_link::board::{Board as _, Rp2040};
 
 /// Greatest number of axes.
-pub const AXES: usize = Rp2040::MOST_AXES;
+pub const AXES: usize = Rp2040::MAX_AXES;
 
 /// STEP of each axis.
 pub const STEP: [u8; AXES] = [0, 2, 4, 6, 8, 23];

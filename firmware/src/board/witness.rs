@@ -27,7 +27,7 @@ use super::{CYCLES_PER_US, from_ram, lines, now_us, systick};
 #[cold]
 pub fn set_up() {
     systick::set_up();
-    while set_least_difference().is_none() {}
+    while set_min_difference().is_none() {}
 }
 
 /// Compares what can be compared within a few cycles. `levels` were read before `inputs` were taken from them.
@@ -81,13 +81,13 @@ const MAX_DIFFERENCE_US: u32 = 8;
 /// The same in cycles.
 const MAX_DIFFERENCE: u32 = MAX_DIFFERENCE_US * CYCLES_PER_US;
 
-const _: () = assert!(MAX_DIFFERENCE_US < Rp2040::LEAST_LEAD_US);
+const _: () = assert!(MAX_DIFFERENCE_US < Rp2040::MIN_LEAD_US);
 
 /// Longest reading of both clocks, cycles. If something came between, the reading says nothing.
 const MAX_READING: u32 = 64;
 
 /// Least difference between timer and step hardware: that at power-up, less the greatest change.
-static LEAST: AtomicU32 = AtomicU32::new(0);
+static MIN: AtomicU32 = AtomicU32::new(0);
 
 /// Time of the timer, in cycles, less the cycles of the step hardware. It is constant modulo the period of SysTick, which counts down.
 #[inline(always)]
@@ -100,9 +100,9 @@ fn difference() -> Option<u32> {
 }
 
 #[cold]
-fn set_least_difference() -> Option<()> {
-    let least = difference()?.wrapping_sub(MAX_DIFFERENCE);
-    LEAST.store(least, Ordering::Relaxed);
+fn set_min_difference() -> Option<()> {
+    let min = difference()?.wrapping_sub(MAX_DIFFERENCE);
+    MIN.store(min, Ordering::Relaxed);
     Some(())
 }
 
@@ -112,7 +112,7 @@ fn clock() {
     let Some(now) = difference() else {
         return;
     };
-    let above = now.wrapping_sub(LEAST.load(Ordering::Relaxed));
+    let above = now.wrapping_sub(MIN.load(Ordering::Relaxed));
     if above & systick::COUNT > 2 * MAX_DIFFERENCE {
         fail(Failure::Clock);
     }

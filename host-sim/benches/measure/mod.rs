@@ -23,7 +23,7 @@ pub struct Figure {
     /// Unit of its work.
     pub unit: &'static str,
     /// Least units per load, which are asserted. Leave a wide margin: processors differ in their strengths.
-    pub least_per_load: f64,
+    pub min_per_load: f64,
     /// Sets the work up. The time for this does not count.
     pub set_up: fn() -> Work,
 }
@@ -64,10 +64,10 @@ pub fn run(figures: &[Figure]) {
         let Figure { name, unit, .. } = figure;
         println!("{name} {per_s:.0} {unit}/s");
         println!("{name}-per-load {per_load:.1} {unit}/load");
-        if !is_test && per_load < figure.least_per_load {
+        if !is_test && per_load < figure.min_per_load {
             too_slow.push(format!(
                 "{name} does {per_load:.1} {unit} per load; {} are asserted",
-                figure.least_per_load
+                figure.min_per_load
             ));
         }
     }
@@ -80,7 +80,7 @@ struct Measured {
 }
 
 fn measure(figure: &Figure, is_test: bool) -> Measured {
-    let (least_rounds, all_work_s, work_s, load_s) = if is_test {
+    let (min_rounds, all_work_s, work_s, load_s) = if is_test {
         (1, 0.0, 0.0, 0.0)
     } else {
         (ROUNDS, ALL_WORK_S, WORK_S, LOAD_S)
@@ -91,7 +91,7 @@ fn measure(figure: &Figure, is_test: bool) -> Measured {
     }
     let (mut per_s, mut per_load) = (Vec::new(), Vec::new());
     let mut elapsed_s = 0.0;
-    while per_s.len() < least_rounds || elapsed_s < all_work_s {
+    while per_s.len() < min_rounds || elapsed_s < all_work_s {
         let before = Sample::of(&mut load, load_s);
         let worked = Sample::of(&mut work, work_s);
         let after = Sample::of(&mut load, load_s);
@@ -113,13 +113,13 @@ struct Sample {
 
 impl Sample {
     /// Does the work for at least this time.
-    fn of(work: &mut dyn FnMut() -> u64, least_s: f64) -> Self {
+    fn of(work: &mut dyn FnMut() -> u64, min_s: f64) -> Self {
         let clock = CpuClock::start();
         let mut units = 0;
         loop {
             units += work();
             let cpu_s = clock.elapsed_s();
-            if cpu_s >= least_s && cpu_s > 0.0 {
+            if cpu_s >= min_s && cpu_s > 0.0 {
                 return Self { units, cpu_s };
             }
         }

@@ -197,8 +197,8 @@ fn each_method_has_six_steps_above_the_reference_uncertainty() {
         assert!(methods >= 6, "{problem}: {methods} methods");
     }
     for problem in cophase_lab::chart::methods::problems::all().unwrap() {
-        let (least, most) = problem.shown();
-        assert!(least >= 10.0 * problem.uncertainty && most > 100.0 * least);
+        let (min, max) = problem.shown();
+        assert!(min >= 10.0 * problem.uncertainty && max > 100.0 * min);
     }
     assert!(drawn.svg.contains("(default where thick)"));
 }

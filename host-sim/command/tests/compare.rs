@@ -135,8 +135,8 @@ fn the_first_difference_is_where_the_programs_differ() {
         (found_s - expected_s).abs() <= 0.0010,
         "{found_s} for {expected_s}"
     );
-    let most = column("amax_requested_mps2")["largest"].as_f64().unwrap();
-    assert!((most - STANDARD_GRAVITY_MPS2).abs() < 1e-3, "{most}");
+    let max = column("amax_requested_mps2")["largest"].as_f64().unwrap();
+    assert!((max - STANDARD_GRAVITY_MPS2).abs() < 1e-3, "{max}");
     // Nothing differs before the second ramp.
     let part_s = compared["parts"]["at_s"].as_f64().unwrap();
     assert!(part_s > run_s + 0.4 && part_s <= found_s, "{part_s}");

@@ -359,8 +359,8 @@ fn a_tick_rate_that_no_board_keeps_is_refused_and_the_named_one_is_accepted() {
     assert_eq!(run.status.code(), Some(2), "{run:?}");
     assert!(!dir.path().join("out").exists());
     let (_, named) = line.split_once("give at most ").unwrap();
-    let most_hz = named.split(' ').next().unwrap();
-    let rate = format!("tick_hz = {most_hz}");
+    let max_hz = named.split(' ').next().unwrap();
+    let rate = format!("tick_hz = {max_hz}");
     fs::write(&file, SCENE.replace("tick_hz = 8000", &rate)).unwrap();
     let output = settings(dir.path(), &["scene.toml"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");

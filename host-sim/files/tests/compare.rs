@@ -88,12 +88,12 @@ fn judged(
         }
     }
     let count = differences.len();
-    let largest = differences.iter().map(|(_, d)| d.abs()).reduce(f64::max)?;
+    let max = differences.iter().map(|(_, d)| d.abs()).reduce(f64::max)?;
     let mean_square = differences.iter().map(|(_, d)| d * d).sum::<f64>() / count as f64;
     let exceeds = differences.iter().find(|(_, d)| d.abs() > tolerance);
     Some((
         count,
-        largest,
+        max,
         mean_square.sqrt(),
         exceeds.map(|(t_s, _)| t_s.clone()),
     ))
@@ -122,11 +122,11 @@ proptest! {
         let comparison = compared(&first, &second, Origin::PowerUp, &tolerances);
         let mut parts = Vec::new();
         for (name, column, tolerance) in [("accel_mps2", 3, tolerance), ("steps_0", 4, 0.0)] {
-            let (count, largest, rms, exceeds) = judged(&first, &second, column, tolerance).unwrap();
+            let (count, max, rms, exceeds) = judged(&first, &second, column, tolerance).unwrap();
             let found = comparison.columns.iter().find(|found| found.name == name).unwrap();
             prop_assert_eq!(comparison.matching, Matching::CommonRows);
             prop_assert_eq!(found.compared, count);
-            prop_assert!((found.largest.unwrap().abs() - largest).abs() <= 1e-12);
+            prop_assert!((found.max.unwrap().abs() - max).abs() <= 1e-12);
             prop_assert!((found.rms.unwrap() - rms).abs() <= 1e-12);
             let exceeds = exceeds.map(|t_s| t_s.parse::<f64>().unwrap());
             prop_assert_eq!(found.exceeds_at_s.is_some(), exceeds.is_some());
@@ -262,10 +262,8 @@ fn integers_are_not_interpolated_between_rows() {
     // With a delay of a quarter of a tick, a slope of 1 a tick gives a quarter less. The last whole number is one
     // less.
     let accel = column("accel_mps2");
-    assert!(
-        (accel.largest.unwrap() + 0.25).abs() < 1e-9 && (accel.rms.unwrap() - 0.25).abs() < 1e-9
-    );
-    assert_eq!(column("steps_0").largest, Some(-1.0));
+    assert!((accel.max.unwrap() + 0.25).abs() < 1e-9 && (accel.rms.unwrap() - 0.25).abs() < 1e-9);
+    assert_eq!(column("steps_0").max, Some(-1.0));
     // At only one row, A is in the run state and B is not yet.
     assert_eq!(column("state").beyond, 1);
     assert_eq!(column("state").compared, 39);
@@ -289,7 +287,7 @@ fn not_a_number_differs_from_a_number_and_not_from_itself() {
     assert_eq!(at_power_up(&with("inf"), &with("inf")).parts, None);
     for other in ["5", "inf"] {
         let comparison = at_power_up(&with("NaN"), &with(other));
-        assert_eq!(comparison.columns[2].largest, Some(f64::INFINITY));
+        assert_eq!(comparison.columns[2].max, Some(f64::INFINITY));
         assert!(comparison.parts.is_some());
     }
 }

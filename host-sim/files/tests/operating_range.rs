@@ -57,8 +57,8 @@ fn limits_of_the_step_rate_are_where_settings_are_refused() {
     let range = range(&level(10.0, ""));
     // Slow drifts of phase offsets, 1 degree a second on each of three axes, count towards the limit, too.
     let offset_hz = 3.0 / 360.0;
-    let most_hz = range.planner_step_hz().expect("a timing");
-    let steps = most_hz / (30.0 + offset_hz);
+    let max_hz = range.planner_step_hz().expect("a timing");
+    let steps = max_hz / (30.0 + offset_hz);
     let accepts = |steps_per_turn: u32| {
         let text = "fidelity = \"kinematic\"\nname = \"steps\"\n[machine]\ncrank_radius_mm = 12\nlambda = 0.3\nload_kg = 9\n\
                     [limits]\nspeed_hz = 30\nacceleration_hz_per_s = 3\njerk_hz_per_s2 = 60\n[[program]]\namax_g = 2\nhold_s = 1\n";

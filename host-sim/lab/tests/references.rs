@@ -124,12 +124,12 @@ fn reference_answers_are_as_accurate_as_stated() {
             problem.name,
             &dop853[..compared]
         );
-        let most = between.max(one).max(other);
+        let max = between.max(one).max(other);
         // The stated uncertainty is at least the measured one. It is at most 20 times larger, because otherwise the chart
         // hides visible errors.
-        if most > problem.uncertainty || most < 0.05 * problem.uncertainty {
+        if max > problem.uncertainty || max < 0.05 * problem.uncertainty {
             wrong.push(format!(
-                "{}: {most:e}, not {:e}",
+                "{}: {max:e}, not {:e}",
                 problem.name, problem.uncertainty
             ));
         }

@@ -226,11 +226,11 @@ impl<R: Rule> Step<'_, R> {
     ) -> Result<(f64, [f64; MAX_CONTACTS]), StepError> {
         let mut before = (0.0, self.slack(contacts, t_s, start));
         let mut after = (h, slack);
-        let most = slack.map(|slack| LOCATE_PART * slack);
+        let max = slack.map(|slack| LOCATE_PART * slack);
         for iteration in 0..LOCATE_LIMIT {
             let width = after.0 - before.0;
-            let mut ends = after.1.iter().zip(&most);
-            if width <= LOCATE_PART * h || ends.all(|(slack, most)| *slack >= most.min(0.0)) {
+            let mut ends = after.1.iter().zip(&max);
+            if width <= LOCATE_PART * h || ends.all(|(slack, max)| *slack >= max.min(0.0)) {
                 break;
             }
             // Straight lines between both ends; every third time the middle, so that the interval shrinks from both sides.

@@ -22,18 +22,18 @@ use crate::problems::Oscillator;
 use crate::{Equations, NotMeasured, Refused, Scheme};
 
 /// Largest hω that is examined. A method that is stable up to here counts as having no limit.
-pub const LARGEST_H_OMEGA: f64 = 1e6;
+pub const MAX_H_OMEGA: f64 = 1e6;
 
 /// Relative error of a limit, from bisection.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
 
 /// Growth per step that counts as rounding, per radian of the step: 16 ε (1 + hω). (The exponential of a matrix loses one ε per
 /// radian.) A method that is unstable at any step, but grows by less than this in a step of
-/// [`SMALLEST_H_OMEGA`], would count as stable; explicit Euler grows by 100 times as much.
+/// [`MIN_H_OMEGA`], would count as stable; explicit Euler grows by 100 times as much.
 pub const GROWTH: f64 = 16.0 * f64::EPSILON;
 
 /// Smallest hω that is examined. A method that is unstable here counts as unstable at any step.
-pub const SMALLEST_H_OMEGA: f64 = 1e-6;
+pub const MIN_H_OMEGA: f64 = 1e-6;
 
 /// Growth per step that counts as rounding for the state of a machine. Its units spread the entries of the step matrix over
 /// many powers of ten.
@@ -147,7 +147,7 @@ impl Scheme {
     }
 
     /// Returns the largest stable hω for an oscillation of damping ratio `zeta`; `None` if there is no limit up to
-    /// [`LARGEST_H_OMEGA`], `Some(0.0)` if no step is stable.
+    /// [`MAX_H_OMEGA`], `Some(0.0)` if no step is stable.
     ///
     /// The search goes up in steps of 5 % to the first unstable hω, and bisects to [`LIMIT_TOLERANCE`]. A machine is created several
     /// times before it runs, and needs the same limits each time. So each thread keeps its last results.
@@ -163,7 +163,7 @@ impl Scheme {
             if let Some(&(_, _, limit)) = known {
                 return limit;
             }
-            let limit = first_edge(SMALLEST_H_OMEGA, LARGEST_H_OMEGA, |h_omega| {
+            let limit = first_edge(MIN_H_OMEGA, MAX_H_OMEGA, |h_omega| {
                 self.growth(h_omega, zeta) <= 1.0 + GROWTH * (1.0 + h_omega)
             });
             found.truncate(LIMITS_KEPT - 1);

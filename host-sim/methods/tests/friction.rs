@@ -26,13 +26,13 @@ fn the_steady_motion_has_den_hartogs_amplitude() {
         let (mut y, steps) = ([0.0; 2], 2000);
         let step_s = period_s / f64::from(steps);
         let mut method = scheme.prepare(&machine, step_s).unwrap();
-        let mut most: f64 = 0.0;
+        let mut max: f64 = 0.0;
         for step in 0..60 * steps {
             method
                 .step(&machine, f64::from(step) * step_s, &mut y)
                 .unwrap();
             if step >= 55 * steps {
-                most = most.max(y[0].abs());
+                max = max.max(y[0].abs());
             }
         }
         // Methods of order 1 are off by their step, and the start by e to the number of periods.
@@ -41,8 +41,8 @@ fn the_steady_motion_has_den_hartogs_amplitude() {
         } else {
             2e-5
         };
-        let off = (most / published - 1.0).abs();
-        assert!(off < allowed, "{scheme}: {most} for {published}");
+        let off = (max / published - 1.0).abs();
+        assert!(off < allowed, "{scheme}: {max} for {published}");
     }
 }
 
@@ -100,8 +100,8 @@ fn every_method_keeps_its_order_through_stick_and_slip() {
             "{scheme}: order {order:.2}, errors {:.1e} and {:.1e} m",
             off[0], off[1]
         );
-        let least = f64::from(scheme.facts().order) - 0.3;
-        assert!(order > least, "{scheme}: {order}, {off:?}");
+        let min = f64::from(scheme.facts().order) - 0.3;
+        assert!(order > min, "{scheme}: {order}, {off:?}");
     }
 }
 
@@ -213,18 +213,18 @@ proptest! {
         let inertia = machine.mobility.clone().try_inverse().unwrap();
         let acts = inertia * DVector::from_column_slice(&rates) - &machine.force;
         for (i, contact) in contacts.iter().enumerate() {
-            let most = machine.friction[i];
+            let max = machine.friction[i];
             match contact {
                 Contact::Sticks => {
                     prop_assert_eq!(rates[i], 0.0);
-                    prop_assert!(acts[i].abs() <= most + 1e-9, "{} of {most}", acts[i]);
+                    prop_assert!(acts[i].abs() <= max + 1e-9, "{} of {max}", acts[i]);
                 }
                 Contact::Forwards => {
-                    prop_assert!(rates[i] >= 0.0 && (acts[i] + most).abs() < 1e-9);
+                    prop_assert!(rates[i] >= 0.0 && (acts[i] + max).abs() < 1e-9);
                 }
                 Contact::Free(_) => prop_assert!(false, "no contact is free"),
                 Contact::Backwards => {
-                    prop_assert!(rates[i] <= 0.0 && (acts[i] - most).abs() < 1e-9);
+                    prop_assert!(rates[i] <= 0.0 && (acts[i] - max).abs() < 1e-9);
                 }
             }
         }

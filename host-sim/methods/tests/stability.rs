@@ -6,7 +6,7 @@
 
 use crate::support::play;
 use cophase_methods::problems::Oscillator;
-use cophase_methods::stability::{GROWTH, LARGEST_H_OMEGA};
+use cophase_methods::stability::{GROWTH, MAX_H_OMEGA};
 use cophase_methods::{Scheme, Unstable};
 use num_complex::Complex;
 
@@ -95,7 +95,7 @@ fn stability_limits_match_theory_at_strong_damping() {
 fn runs_diverge_just_outside_the_limit_only() {
     // At 1.01 times its limit, explicit Euler grows by √(1 + 0.01 (2ζ)²) per step. At ζ = 0.1 this is e²⁰ in all.
     const STEPS: u32 = 100_000;
-    let largest = |scheme: Scheme, h_omega: f64, zeta: f64| {
+    let max = |scheme: Scheme, h_omega: f64, zeta: f64| {
         let machine = Oscillator::free(1.0, zeta);
         match play(
             scheme,
@@ -112,17 +112,17 @@ fn runs_diverge_just_outside_the_limit_only() {
         for scheme in Scheme::ALL {
             match theory(scheme, zeta) {
                 // The state grows by 1 + x²/2 per step at any x.
-                Some(0.0) => assert!(largest(scheme, 0.05, zeta) > 1e6, "{scheme}"),
+                Some(0.0) => assert!(max(scheme, 0.05, zeta) > 1e6, "{scheme}"),
                 Some(limit) => {
                     // Just inside 2, the undamped ellipse is 1/√(1 − x²/4) = 7 times as long as wide.
-                    let inside = largest(scheme, 0.99 * limit, zeta);
+                    let inside = max(scheme, 0.99 * limit, zeta);
                     assert!(inside < 10.0, "{scheme}, ζ = {zeta}: {inside} inside");
-                    let outside = largest(scheme, 1.01 * limit, zeta);
+                    let outside = max(scheme, 1.01 * limit, zeta);
                     assert!(outside > 1e6, "{scheme}, ζ = {zeta}: {outside} outside");
                 }
                 None => {
                     for h_omega in [1.0, 10.0, 1e3, 1e6] {
-                        let at = largest(scheme, h_omega, zeta);
+                        let at = max(scheme, h_omega, zeta);
                         assert!(at < 1.01, "{scheme}, hω = {h_omega}: {at}");
                     }
                 }
@@ -149,7 +149,7 @@ fn sdirk4_damps_unresolved_modes_and_midpoint_rings() {
         let exact = Scheme::Exact.growth(h_omega, zeta);
         assert!((exact - (-zeta * h_omega).exp()).abs() < GROWTH * (1.0 + h_omega));
     }
-    assert!(Scheme::Exact.growth(LARGEST_H_OMEGA, 0.0) < 1.0 + 1e-8);
+    assert!(Scheme::Exact.growth(MAX_H_OMEGA, 0.0) < 1.0 + 1e-8);
 }
 
 /// If this fails, the check or its message is wrong. A user then gets a run that diverges, or does not learn which step or method to

@@ -8,7 +8,7 @@ use super::file::Machine;
 use super::{entry, range};
 
 /// Limit of errors that are reported together. With more, it is probably the wrong file.
-const MOST: usize = 10;
+const MAX: usize = 10;
 
 /// Error of a scene: the file, the key, the problem, and the fix.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl SceneError {
     pub fn together(mut errors: Vec<Self>) -> Option<Self> {
         // Errors without a line, such as missing keys, come last.
         errors.sort_by_key(|error| error.line.unwrap_or(usize::MAX));
-        errors.truncate(MOST);
+        errors.truncate(MAX);
         let others = errors.split_off(errors.len().min(1));
         let first = errors.pop()?;
         Some(Self { others, ..first })

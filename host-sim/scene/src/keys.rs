@@ -170,10 +170,10 @@ fn form(row: &Key, kind: &Kind) -> Value {
     match kind {
         Kind::Number if row.is_open() => json!({ "type": "number" }),
         Kind::Number => json!({ "type": "number", "minimum": row.low, "maximum": row.high }),
-        Kind::Whole(least, most) => json!({
+        Kind::Whole(min, max) => json!({
             "type": "integer",
-            "minimum": (row.low as i64).max(*least),
-            "maximum": (row.high as i64).min(*most),
+            "minimum": (row.low as i64).max(*min),
+            "maximum": (row.high as i64).min(*max),
         }),
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Text => json!({ "type": "string" }),

@@ -9,7 +9,7 @@ use crate::file::{self, Segment};
 use crate::units::STANDARD_GRAVITY_MPS2;
 
 /// Greatest nesting of blocks, which is still readable.
-const MOST_NESTING: usize = 8;
+const MAX_NESTING: usize = 8;
 
 /// Entry, and its key path in the file.
 pub type Placed = (EntrySettings, String);
@@ -30,10 +30,10 @@ fn append(
     path: &str,
     depth: usize,
 ) -> Result<(), SceneError> {
-    if depth > MOST_NESTING {
+    if depth > MAX_NESTING {
         return Err(SceneError::at(
             path,
-            format!("blocks are nested more than {MOST_NESTING} deep; write some of them out"),
+            format!("blocks are nested more than {MAX_NESTING} deep; write some of them out"),
         ));
     }
     for (i, entry) in entries.iter().enumerate() {
@@ -86,7 +86,7 @@ fn in_g(key: String, problem: Problem) -> SceneError {
             requested_mps2,
             needed_hz,
             limit_hz,
-            most_mps2,
+            max_mps2,
         } => SceneError::at(
             key,
             format!(
@@ -94,7 +94,7 @@ fn in_g(key: String, problem: Problem) -> SceneError {
                  give at most {} g, or raise limits.speed_hz",
                 hundredths(g(requested_mps2), f64::round),
                 // Rounded down, so that the suggested value is accepted.
-                hundredths(g(most_mps2), f64::floor)
+                hundredths(g(max_mps2), f64::floor)
             ),
         ),
         other => SceneError::of(key, other),

@@ -210,14 +210,14 @@ impl SimulatedAxis {
         if !self.drive.kind().is_open_loop() {
             return needed;
         }
-        let most = self.pull_out.torque_nm(speed_hz * self.ratio);
-        let used = needed.abs() / most;
+        let max = self.pull_out.torque_nm(speed_hz * self.ratio);
+        let used = needed.abs() / max;
         if self.torque_used.is_none_or(|(worst, _)| used > worst) {
             self.torque_used = Some((used, speed_hz * self.ratio));
         }
-        self.overload = if needed > most {
+        self.overload = if needed > max {
             Overload::Driving
-        } else if needed < -most {
+        } else if needed < -max {
             Overload::Driven
         } else {
             Overload::None

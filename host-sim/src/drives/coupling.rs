@@ -30,9 +30,9 @@ pub struct Plant {
     /// Servo drives.
     pub servo: ServoDrive,
     /// Inertia of a rotor alone, kg·m².
-    pub least_kgm2: f64,
+    pub min_kgm2: f64,
     /// Inertia of a rotor with its largest load, kg·m².
-    pub most_kgm2: f64,
+    pub max_kgm2: f64,
     /// Control ticks per second.
     pub tick_hz: f64,
 }
@@ -78,7 +78,7 @@ impl Plant {
 
     /// Returns the least distance of the open loop from −1 over all frequencies.
     fn apart(&self, proportional: f64, per_s: f64) -> f64 {
-        let inertias = [self.least_kgm2, self.most_kgm2];
+        let inertias = [self.min_kgm2, self.max_kgm2];
         let all = inertias.iter().flat_map(|&inertia| {
             self.frequencies().map(move |omega| {
                 (self.open_loop(proportional, per_s, inertia, omega) + 1.0).norm()
@@ -90,7 +90,7 @@ impl Plant {
     /// Returns the factor on both gains at which the open loop passes −1.
     fn gain_margin(&self, proportional: f64, per_s: f64) -> f64 {
         let mut margin = f64::INFINITY;
-        for inertia in [self.least_kgm2, self.most_kgm2] {
+        for inertia in [self.min_kgm2, self.max_kgm2] {
             let mut before: Option<Complex<f64>> = None;
             for omega in self.frequencies() {
                 let now = self.open_loop(proportional, per_s, inertia, omega);

@@ -11,7 +11,7 @@ use super::Stream;
 
 /// Divisor of a tick that limits how far noise may put a line ahead of its flag: one quarter. The filter reports a pulse no
 /// further back than that.
-const MOST_OF_TICK: u32 = 4;
+const MAX_TICK_SHARE: u32 = 4;
 
 /// Events at a sensor in a tick, with their times in cycles from the beginning of the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -222,7 +222,7 @@ impl IndexSensor {
         let noise = self.time.as_ref().map_or(0.0, |time| time.draw(self.edges));
         self.edges += 1;
         let at = i64::from(cycle) + self.delay_cycles + noise.round() as i64;
-        at.max(-i64::from(cycles / MOST_OF_TICK))
+        at.max(-i64::from(cycles / MAX_TICK_SHARE))
     }
 }
 

@@ -80,7 +80,7 @@ impl TorqueLaw for Induction {
         (stiffness, stiffness)
     }
 
-    fn most_nm(&self, _: f64) -> f64 {
+    fn max_nm(&self, _: f64) -> f64 {
         self.breakdown_nm
     }
 }

@@ -48,7 +48,7 @@ pub trait TorqueLaw {
     }
 
     /// Largest torque at a speed, N·m.
-    fn most_nm(&self, omega_rad_s: f64) -> f64;
+    fn max_nm(&self, omega_rad_s: f64) -> f64;
 }
 
 /// Makes [`Motor`] from the list of all torque laws.

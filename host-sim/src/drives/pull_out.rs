@@ -4,7 +4,7 @@ use cophase_core::problem::Problem;
 use cophase_scene::{SceneError, range};
 
 /// Greatest speed of a point, rev/s. No motor turns faster: it was meant in another unit.
-const MOST_HZ: f64 = 600.0;
+const MAX_HZ: f64 = 600.0;
 
 /// Torque against speed, linear between points. It is constant below the first point, and zero above
 /// the last.
@@ -23,12 +23,12 @@ impl PullOut {
         for (i, &(speed_hz, torque_nm)) in points.iter().enumerate() {
             let wrong =
                 |problem: String| Err(SceneError::at(format!("axes.pull_out[{i}]"), problem));
-            for (column, value, most) in [
-                ("speed_hz", speed_hz, MOST_HZ),
+            for (column, value, max) in [
+                ("speed_hz", speed_hz, MAX_HZ),
                 ("torque_nm", torque_nm, 1e5),
             ] {
-                if !(0.0..=most).contains(&value) {
-                    let problem = Problem::out_of_range(value, 0.0, most);
+                if !(0.0..=max).contains(&value) {
+                    let problem = Problem::out_of_range(value, 0.0, max);
                     return wrong(range::sentence(column, problem, None));
                 }
             }
@@ -66,9 +66,9 @@ impl PullOut {
     }
 
     /// Largest torque at any speed, N·m.
-    pub fn greatest_nm(&self) -> f64 {
-        let most = self.points.iter().map(|&(_, nm)| nm).reduce(f64::max);
-        most.unwrap_or(f64::INFINITY)
+    pub fn max_nm(&self) -> f64 {
+        let max = self.points.iter().map(|&(_, nm)| nm).reduce(f64::max);
+        max.unwrap_or(f64::INFINITY)
     }
 
     /// Torque at a speed, N·m.

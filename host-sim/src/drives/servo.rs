@@ -86,7 +86,7 @@ impl TorqueLaw for Servo {
         (1.0 - self.velocity_feed_forward) * omega_rad_s / self.position_gain_per_s
     }
 
-    fn most_nm(&self, _: f64) -> f64 {
+    fn max_nm(&self, _: f64) -> f64 {
         self.limit_nm
     }
 }

@@ -76,7 +76,7 @@ impl TorqueLaw for Stepper {
     fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64, _: f64) -> f64 {
         let ahead_rad = self.cycles_per_turn * (field.alpha_rad - alpha_rad);
         let ([sine], _) = sin_cos(&[ahead_rad]);
-        self.most_nm(omega_rad_s) * sine + self.damping_nms * (field.omega_rad_s - omega_rad_s)
+        self.max_nm(omega_rad_s) * sine + self.damping_nms * (field.omega_rad_s - omega_rad_s)
     }
 
     fn damping_nms(&self) -> f64 {
@@ -84,15 +84,15 @@ impl TorqueLaw for Stepper {
     }
 
     fn stiffness_nm(&self, omega_rad_s: f64) -> (f64, f64) {
-        let stiffness = self.cycles_per_turn * self.most_nm(omega_rad_s);
+        let stiffness = self.cycles_per_turn * self.max_nm(omega_rad_s);
         (stiffness, stiffness)
     }
 
     fn stiffest_nm(&self) -> f64 {
-        self.cycles_per_turn * self.pull_out.greatest_nm()
+        self.cycles_per_turn * self.pull_out.max_nm()
     }
 
-    fn most_nm(&self, omega_rad_s: f64) -> f64 {
+    fn max_nm(&self, omega_rad_s: f64) -> f64 {
         self.pull_out.torque_nm(omega_rad_s.abs() / TAU)
     }
 }

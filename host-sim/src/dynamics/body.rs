@@ -118,7 +118,7 @@ impl Body {
     /// Upper bound of a crank's lever, m.
     pub fn longest_lever_m(&self) -> f64 {
         let mechanism = &self.mechanism;
-        mechanism.crank_radius_m() * mechanism.greatest_h().max(mechanism.greatest_s())
+        mechanism.crank_radius_m() * mechanism.max_h().max(mechanism.max_s())
     }
 
     /// Weight of the load, N.

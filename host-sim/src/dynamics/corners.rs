@@ -1,7 +1,7 @@
 //! Positions of the corners around the circle, and the plane through them.
 
 /// Largest number of axes.
-pub const MOST: usize = 6;
+pub const MAX: usize = 6;
 
 /// Degrees of freedom of a plane, and of a platform that lies in it: heave and two tilts.
 pub const FREEDOMS: usize = 3;
@@ -14,19 +14,19 @@ pub const FREEDOMS: usize = 3;
 pub struct Corners {
     count: usize,
     /// Contribution of a metre at corner i to each freedom.
-    share: [[f64; FREEDOMS]; MOST],
+    share: [[f64; FREEDOMS]; MAX],
     /// Contribution of each freedom to the height of corner i.
-    height: [[f64; FREEDOMS]; MOST],
+    height: [[f64; FREEDOMS]; MAX],
 }
 
 impl Corners {
     /// Creates `count` corners, 1 to 6, on a circle of `radius_m`.
     pub fn new(count: usize, radius_m: f64) -> Self {
-        assert!((1..=MOST).contains(&count), "1 to {MOST} corners");
+        assert!((1..=MAX).contains(&count), "1 to {MAX} corners");
         let mut corners = Self {
             count,
-            share: [[0.0; FREEDOMS]; MOST],
-            height: [[0.0; FREEDOMS]; MOST],
+            share: [[0.0; FREEDOMS]; MAX],
+            height: [[0.0; FREEDOMS]; MAX],
         };
         let share = if count == 2 { 0.5 } else { 2.0 / count as f64 };
         for i in 0..count {
@@ -97,7 +97,7 @@ mod tests {
     /// If this fails, corners in one plane appear warped, or warped corners appear to lie in one plane.
     #[test]
     fn corner_heights_of_a_plane_return_the_plane() {
-        for count in 2..=MOST {
+        for count in 2..=MAX {
             let corners = Corners::new(count, 0.25);
             let slope_y = if count == 2 { 0.0 } else { -0.02 };
             let plane = [0.1, 0.03, slope_y];
@@ -111,7 +111,7 @@ mod tests {
     /// If this fails, the fitted plane is not the closest one: the residual heights must be orthogonal to every plane.
     #[test]
     fn residual_heights_contain_no_plane() {
-        for count in 4..=MOST {
+        for count in 4..=MAX {
             let corners = Corners::new(count, 0.25);
             let heights: Vec<f64> = (0..count)
                 .map(|i| ((7 * i * i) % 11) as f64 * 1e-3)

@@ -6,7 +6,7 @@
 use cophase_methods::Equations;
 use cophase_methods::friction::{self, Contact, Contacts, DryFriction};
 
-use super::corners::{FREEDOMS, MOST};
+use super::corners::{FREEDOMS, MAX};
 use super::modes::{Bound, Mode};
 use super::{Body, Dynamics, Frame, FrameMotion};
 use crate::drives::{Field, Motor};
@@ -20,13 +20,13 @@ pub struct Driven {
     /// Number of positions in the state.
     positions: usize,
     /// For each motor, the index of its angle among the positions.
-    angles: [usize; MOST],
+    angles: [usize; MAX],
     /// For each motor, the index of the first motor that is equal to it and has the same angle.
-    equal_to: [usize; MOST],
+    equal_to: [usize; MAX],
     /// Index and integral time, s, of each motor that integrates, in the order of the state.
     integrals: Vec<(usize, f64)>,
     /// Rotors that are locked, whatever torque acts on them.
-    locked: [bool; MOST],
+    locked: [bool; MAX],
     /// Components of the state that are speeds with dry friction, in the order of the angles.
     sliding: Vec<usize>,
     /// Dry friction at each of them, N·m.
@@ -36,7 +36,7 @@ pub struct Driven {
     /// Angle of each field at the start of the tick, and its speed during the tick.
     pub fields: Vec<Field>,
     /// Load torque on each crank in addition to its share of the machine, N·m. Positive against forward rotation.
-    pub loads_nm: [f64; MOST],
+    pub loads_nm: [f64; MAX],
     /// True if the drives are on. Without them only friction and the load act.
     pub energised: bool,
 }
@@ -45,7 +45,7 @@ impl Driven {
     /// Creates a machine with one motor per axis and the drives off.
     pub fn new(machine: Box<dyn Dynamics>, motors: Vec<Motor>) -> Self {
         let integral = |(i, motor): (usize, &Motor)| Some((i, motor.integral_s()?));
-        let angles: [usize; MOST] = std::array::from_fn(|i| machine.angle(i));
+        let angles: [usize; MAX] = std::array::from_fn(|i| machine.angle(i));
         let is_equal =
             |j: usize, i: usize| angles[j] == angles[i] && motors.get(j) == motors.get(i);
         let first = |i: usize| (0..i).find(|&j| is_equal(j, i)).unwrap_or(i);
@@ -54,14 +54,14 @@ impl Driven {
             equal_to: std::array::from_fn(first),
             positions: machine.positions(),
             angles,
-            locked: [false; MOST],
-            sliding: Vec::with_capacity(MOST),
-            friction_nm: Vec::with_capacity(MOST),
+            locked: [false; MAX],
+            sliding: Vec::with_capacity(MAX),
+            friction_nm: Vec::with_capacity(MAX),
             resists: false,
             integrals: motors.iter().enumerate().filter_map(integral).collect(),
             machine,
             motors,
-            loads_nm: [0.0; MOST],
+            loads_nm: [0.0; MAX],
             energised: false,
         };
         assert_eq!(
@@ -171,8 +171,8 @@ impl Driven {
     }
 
     /// Torque of each motor, N·m, in a state at a time.
-    pub fn torques_nm(&self, t_s: f64, state: &[f64]) -> [f64; MOST] {
-        let mut torques = [0.0; MOST];
+    pub fn torques_nm(&self, t_s: f64, state: &[f64]) -> [f64; MAX] {
+        let mut torques = [0.0; MAX];
         if !self.energised {
             return torques;
         }
@@ -180,7 +180,7 @@ impl Driven {
             return law_nm;
         }
         let positions = self.positions();
-        let mut integral_nm = [0.0; MOST];
+        let mut integral_nm = [0.0; MAX];
         for (&(i, _), &integral) in self.integrals.iter().zip(&state[2 * positions..]) {
             integral_nm[i] = integral;
         }
@@ -209,13 +209,7 @@ impl Driven {
     }
 
     /// Returns the rates of a state in which the motors give these torques, N·m. See [`Equations::rates`].
-    pub fn rates_under(
-        &self,
-        torques_nm: &[f64; MOST],
-        t_s: f64,
-        state: &[f64],
-        rates: &mut [f64],
-    ) {
+    pub fn rates_under(&self, torques_nm: &[f64; MAX], t_s: f64, state: &[f64], rates: &mut [f64]) {
         let contacts = Contacts::at(self, t_s, state, rates);
         self.rates_of(torques_nm, &contacts, state, rates);
     }
@@ -223,7 +217,7 @@ impl Driven {
     /// Computes the rates of a state under these torques of the motors, with these contacts.
     fn rates_of(
         &self,
-        torques_nm: &[f64; MOST],
+        torques_nm: &[f64; MAX],
         contacts: &[Contact],
         state: &[f64],
         rates: &mut [f64],

@@ -5,7 +5,7 @@
 //! crank is loaded with that force times −dhᵢ/dα, and the frame with the opposite force. The oscillation that
 //! [`super::Phased`] neglects by quasi-static rods occurs here, at √(N k / m) in heave and √(N k ρ² / 2I) in tilt.
 
-use super::corners::{Corners, FREEDOMS, MOST};
+use super::corners::{Corners, FREEDOMS, MAX};
 use super::{Body, Frame, PlaneMotion};
 use crate::dynamics::Dynamics;
 use crate::dynamics::modes::Bound;
@@ -116,7 +116,7 @@ impl Dynamics for Elastic {
         q: &[f64],
         v: &[f64],
         torque: &[f64],
-        held: &[bool; MOST],
+        held: &[bool; MAX],
         out: &mut [f64],
     ) {
         let body = &self.body;

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use super::corners::{FREEDOMS, MOST};
+use super::corners::{FREEDOMS, MAX};
 use super::modes::Bound;
 use super::{Body, Frame};
 use crate::drives::Field;
@@ -46,7 +46,7 @@ pub trait Dynamics: CloneDynamics + Debug {
         q: &[f64],
         v: &[f64],
         torques_nm: &[f64],
-        held: &[bool; MOST],
+        held: &[bool; MAX],
         a: &mut [f64],
     );
 
@@ -86,7 +86,7 @@ pub trait Dynamics: CloneDynamics + Debug {
     fn begin_tick(&mut self, _fields: Option<&[Field]>, _q: &[f64], _v: &[f64], _tick_s: f64) {}
 
     /// Torques of the machine's own drive law in this tick, N·m. They replace those of the motors. `None` if it has none.
-    fn law_nm(&self) -> Option<[f64; MOST]> {
+    fn law_nm(&self) -> Option<[f64; MAX]> {
         None
     }
 }

@@ -30,7 +30,7 @@ mod rigid;
 pub mod step;
 
 pub use body::{Body, Crank, PlaneMotion, RotorParts};
-pub use corners::{Corners, FREEDOMS, MOST};
+pub use corners::{Corners, FREEDOMS, MAX};
 pub use driven::Driven;
 pub use elastic::Elastic;
 pub use equations::{CloneDynamics, Dynamics};
@@ -38,7 +38,7 @@ pub use frame::{Frame, FrameMotion, Layer};
 pub use modes::Mode;
 pub use phased::Phased;
 pub use rigid::Rigid;
-pub use step::{Chosen, MOST_STEPS, RESOLUTION, scheme};
+pub use step::{Chosen, MAX_STEPS, RESOLUTION, scheme};
 
 #[cfg(test)]
 mod tests;

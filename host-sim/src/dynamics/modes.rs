@@ -29,8 +29,8 @@ impl Bound {
     /// Bound of motors on their rotors.
     pub(super) fn of_rotors(motors: &[Motor], rotors_kgm2: &[f64]) -> Self {
         let each = motors.iter().zip(rotors_kgm2);
-        each.fold(Self::default(), |most, (motor, rotor)| {
-            most.or(Self {
+        each.fold(Self::default(), |max, (motor, rotor)| {
+            max.or(Self {
                 stiff: motor.stiffest_nm() / rotor,
                 damped: motor.damping_nms() / rotor,
             })
@@ -85,8 +85,8 @@ impl Bound {
             let (a, d) = (upper / above, (upper + pick(foundation)[f]) / below);
             0.5 * (a + d + ((a - d) * (a - d) + 4.0 * upper * upper / (above * below)).sqrt())
         };
-        (0..FREEDOMS).fold(Self::default(), |most, f| {
-            most.or(Self {
+        (0..FREEDOMS).fold(Self::default(), |max, f| {
+            max.or(Self {
                 stiff: of(f, |layer| layer.stiffness),
                 damped: of(f, |layer| layer.damping),
             })

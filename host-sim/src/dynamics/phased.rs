@@ -17,7 +17,7 @@
 //! least deformation, and corner i is loaded with k times its distance from that plane. The rods' own oscillation, at
 //! √(k / m) and above, is not modelled ([`super::Elastic`] does so).
 
-use super::corners::{Corners, FREEDOMS, MOST};
+use super::corners::{Corners, FREEDOMS, MAX};
 use super::{Body, Crank, Frame, PlaneMotion};
 use crate::axes::{Axes, per_axis};
 use crate::dynamics::Dynamics;
@@ -33,14 +33,14 @@ pub struct Phased {
     /// M_p⁻¹, M_p⁻¹ + M_f⁻¹ and J⁻¹.
     platform_mobility: [f64; FREEDOMS],
     mobility: [f64; FREEDOMS],
-    rotor_mobility: [f64; MOST],
+    rotor_mobility: [f64; MAX],
 }
 
 impl Phased {
     /// Creates a machine of a body, on a fixed frame.
     pub fn new(body: Body) -> Self {
         let platform_mobility = body.masses().map(f64::recip);
-        let mut rotor_mobility = [0.0; MOST];
+        let mut rotor_mobility = [0.0; MAX];
         for (mobility, rotor) in rotor_mobility.iter_mut().zip(&body.rotors_kgm2) {
             *mobility = rotor.recip();
         }
@@ -79,7 +79,7 @@ impl Phased {
         q: &[f64],
         v: &[f64],
         torque: &[f64],
-        held: &[bool; MOST],
+        held: &[bool; MAX],
         out: &mut [f64],
     ) {
         const ONE_EACH: &str = "an angle for each crank";
@@ -202,7 +202,7 @@ impl Dynamics for Phased {
         q: &[f64],
         v: &[f64],
         torque: &[f64],
-        held: &[bool; MOST],
+        held: &[bool; MAX],
         out: &mut [f64],
     ) {
         match self.body.axes() {
@@ -211,7 +211,7 @@ impl Dynamics for Phased {
             3 => self.accelerations_of::<3>(q, v, torque, held, out),
             4 => self.accelerations_of::<4>(q, v, torque, held, out),
             5 => self.accelerations_of::<5>(q, v, torque, held, out),
-            _ => self.accelerations_of::<MOST>(q, v, torque, held, out),
+            _ => self.accelerations_of::<MAX>(q, v, torque, held, out),
         }
     }
 
@@ -246,7 +246,7 @@ impl Dynamics for Phased {
     fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
         let body = &self.body;
         let n = body.axes();
-        let motion = self.plane(q, v, &[0.0; MOST + 2 * FREEDOMS]);
+        let motion = self.plane(q, v, &[0.0; MAX + 2 * FREEDOMS]);
         let rotors = body.rotors_kgm2.iter().zip(v);
         let rotors: f64 = rotors.map(|(rotor, omega)| rotor * omega * omega).sum();
         let masses = body.masses();

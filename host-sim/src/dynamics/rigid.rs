@@ -4,7 +4,7 @@
 //! J α″ + ½ J′ ω² + dV/dα = torque, where J′ = 2 m R² s h. A moving platform returns to the shaft at one angle the energy that
 //! it takes at another.
 
-use super::corners::MOST;
+use super::corners::MAX;
 use super::modes::Bound;
 use super::{Body, Dynamics};
 
@@ -70,7 +70,7 @@ impl Dynamics for Rigid {
         q: &[f64],
         v: &[f64],
         torques_nm: &[f64],
-        held: &[bool; MOST],
+        held: &[bool; MAX],
         a: &mut [f64],
     ) {
         a[0] = if held[0] {

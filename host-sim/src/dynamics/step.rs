@@ -11,10 +11,10 @@ pub const RESOLUTION: f64 = 3e-4;
 
 /// Smallest damping ratio that the choice of the step relies on. With less damping an oscillation rings for more than 1/2ζ =
 /// 100 radians, after which its phase no longer has a visible effect.
-const LEAST_ZETA: f64 = 0.005;
+const MIN_ZETA: f64 = 0.005;
 
 /// Largest number of steps per tick: above it, a scene takes longer to run than is practical.
-pub const MOST_STEPS: u32 = cophase_scene::file::Method::MOST_STEPS;
+pub const MAX_STEPS: u32 = cophase_scene::file::Method::MAX_STEPS;
 
 /// Method and step of a scene. Those that the scene leaves open are chosen here.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +61,7 @@ fn step_rad(scheme: Scheme, zeta: f64, resolution: f64) -> f64 {
         .stability_limit(zeta)
         .map_or(f64::INFINITY, |limit| 0.5 * limit);
     let below_critical = zeta.min(0.99);
-    let error_a_radian = resolution * 2.0 * zeta.max(LEAST_ZETA);
+    let error_a_radian = resolution * 2.0 * zeta.max(MIN_ZETA);
     scheme.step_for(below_critical, error_a_radian).min(stable)
 }
 
@@ -96,12 +96,12 @@ pub fn steps_for(scheme: Scheme, mode: Mode, tick_s: f64, resolution: f64) -> Re
     let steps = (mode.omega_rad_s * tick_s / step_rad(scheme, mode.zeta, resolution))
         .ceil()
         .max(1.0);
-    if steps <= f64::from(MOST_STEPS) {
+    if steps <= f64::from(MAX_STEPS) {
         return Ok(steps as u32);
     }
     Err(format!(
         "{scheme} would take {} steps a tick for the fastest mode, {:.3e} rad/s at a damping ratio of {:.3}; at \
-         most {MOST_STEPS} are made: give rotors more inertia, softer rods and motors, or another method.name",
+         most {MAX_STEPS} are made: give rotors more inertia, softer rods and motors, or another method.name",
         in_words(steps),
         mode.omega_rad_s,
         mode.zeta

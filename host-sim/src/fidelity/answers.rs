@@ -79,7 +79,7 @@ impl Answers {
     }
 
     /// Adds a value: a sample one step after the last one, or at the same moment.
-    fn most(&mut self, output: Output, value: f64, jumps: bool) {
+    fn max(&mut self, output: Output, value: f64, jumps: bool) {
         let peak = self.peaks[output as usize].get_or_insert_default();
         if jumps && peak.count > 0 {
             peak.jump(value);
@@ -95,15 +95,15 @@ impl Answers {
             low = low.min(error * 360.0);
             high = high.max(error * 360.0);
         }
-        self.most(Output::Lag, high.max(-low), jumps);
-        self.most(Output::Spread, high - low, jumps);
+        self.max(Output::Lag, high.max(-low), jumps);
+        self.max(Output::Spread, high - low, jumps);
     }
 
     /// Adds tilt and acceleration of the platform.
     fn posed(&mut self, pose: &Pose, jumps: bool) {
         let tilt_mrad = pose.tilt_x_mrad.hypot(pose.tilt_y_mrad);
-        self.most(Output::Tilt, tilt_mrad, jumps);
-        self.most(Output::Amax, pose.accel_mps2.abs(), jumps);
+        self.max(Output::Tilt, tilt_mrad, jumps);
+        self.max(Output::Amax, pose.accel_mps2.abs(), jumps);
     }
 
     /// Adds the values at the end of a tick.
@@ -113,11 +113,11 @@ impl Answers {
         self.errors(moment.errors(), jumps);
         self.posed(moment.pose(), jumps);
         if let Some(frame) = moment.machine.frame() {
-            self.most(Output::Ground, frame.ground_n.abs(), jumps);
+            self.max(Output::Ground, frame.ground_n.abs(), jumps);
         }
         let torques = (0..moment.axis_count()).filter_map(|i| moment.machine.motor_torque_nm(i));
         if let Some(torque) = torques.map(f64::abs).max_by(f64::total_cmp) {
-            self.most(Output::Torque, torque, jumps);
+            self.max(Output::Torque, torque, jumps);
         }
     }
 
@@ -125,7 +125,7 @@ impl Answers {
     fn within(&mut self, moment: &Moment<'_>) {
         let machine = moment.machine;
         for accel_mps2 in machine.follower().within_mps2() {
-            self.most(Output::Amax, accel_mps2.abs(), true);
+            self.max(Output::Amax, accel_mps2.abs(), true);
         }
         let Some(rotors) = machine.rotors() else {
             return;
@@ -145,10 +145,10 @@ impl Answers {
             let errors = turns.iter().zip(&aims).map(|(turns, aim)| turns - aim);
             self.errors(errors, jumps);
             let forces = instant.forces();
-            self.most(Output::Torque, forces.torque_nm, jumps);
+            self.max(Output::Torque, forces.torque_nm, jumps);
             self.posed(&machine.pose_within(&turns, &aims, &forces), jumps);
             if let Some(frame) = instant.frame() {
-                self.most(Output::Ground, frame.ground_n.abs(), jumps);
+                self.max(Output::Ground, frame.ground_n.abs(), jumps);
             }
         }
     }
@@ -166,7 +166,7 @@ impl Observer for Answers {
             .map(|(i, _)| 1_u64 << i)
             .sum::<u64>();
         let before = self.of(Output::Slips).unwrap_or(0.0) as u64;
-        self.most(Output::Slips, (before | overloaded) as f64, true);
+        self.max(Output::Slips, (before | overloaded) as f64, true);
         self.is_broken |= machine.broken().is_some();
         if moves {
             self.within(moment);

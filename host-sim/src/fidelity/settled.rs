@@ -15,7 +15,7 @@ use crate::output::Output;
 use crate::simulated_machine::SimulatedMachine;
 
 /// Limit of halvings. A change that remains after that does not come from the step.
-const MOST_HALVINGS: u32 = 6;
+const MAX_HALVINGS: u32 = 6;
 
 /// Factor from the change by half a step to the error of the step. It is 2 for a method of order 1, and less for higher orders.
 const OF_HALF_A_STEP: f64 = 2.0;
@@ -65,13 +65,13 @@ impl Settled {
     /// Returns answers that stand with at most the scene's own number of steps. `None` if there are none, or if a motor slips: the step may
     /// decide which one does.
     fn coarse(checked: &Checked, questions: &Questions) -> Result<Option<Self>, SceneError> {
-        let Some((scheme, most)) = SimulatedMachine::new(checked)?.method() else {
+        let Some((scheme, max)) = SimulatedMachine::new(checked)?.method() else {
             return Ok(None);
         };
         let mut longer: Option<Answers> = None;
         for steps in (0..)
             .map(|doubled| 1 << doubled)
-            .take_while(|steps| *steps <= most)
+            .take_while(|steps| *steps <= max)
         {
             let mut coarse = checked.clone();
             coarse.scene.method.steps_per_tick = Some(steps);
@@ -128,7 +128,7 @@ impl Settled {
             self.is_regular &= finer.is_regular();
             self.finer = Some(finer);
             self.is_short = is_imposed || self.is_short_for(questions);
-            if self.is_short || self.halvings() == MOST_HALVINGS {
+            if self.is_short || self.halvings() == MAX_HALVINGS {
                 return Ok(self);
             }
             self.checked = half;

@@ -6,7 +6,7 @@ use crate::sim::{Moment, Observer};
 
 /// Largest lag of the simulation behind the wall clock. Beyond it, both clocks are aligned again. This
 /// happens if the computer slept or is too slow.
-const MOST_BEHIND: Duration = Duration::from_millis(200);
+const MAX_BEHIND: Duration = Duration::from_millis(200);
 
 /// Delays a simulation, so that it is not ahead of the wall clock. As an observer, it delays a run.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ impl WallClock {
         let wall_now = Instant::now();
         match due.checked_duration_since(wall_now) {
             Some(early) => std::thread::sleep(early),
-            None if wall_now - due > MOST_BEHIND => self.began = (wall_now, now),
+            None if wall_now - due > MAX_BEHIND => self.began = (wall_now, now),
             None => {}
         }
     }

@@ -98,12 +98,12 @@ macro_rules! any {
                 match self { $(Self::$Name(mechanism) => mechanism.s_and_h(alpha_rad),)* }
             }
 
-            fn greatest_s(&self) -> f64 {
-                match self { $(Self::$Name(mechanism) => mechanism.greatest_s(),)* }
+            fn max_s(&self) -> f64 {
+                match self { $(Self::$Name(mechanism) => mechanism.max_s(),)* }
             }
 
-            fn greatest_h(&self) -> f64 {
-                match self { $(Self::$Name(mechanism) => mechanism.greatest_h(),)* }
+            fn max_h(&self) -> f64 {
+                match self { $(Self::$Name(mechanism) => mechanism.max_h(),)* }
             }
 
             fn peak_sharpness(&self) -> f64 {

@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 use cophase_core::mechanism::{Mechanism as _, MechanismSettings};
 use cophase_core::units::{Amax, Turns};
 
-use super::turn_search::largest_over_turn;
+use super::turn_search::max_over_turn;
 use super::{AnyMechanism, Configured, Load, Mechanism, Platform};
 
 /// Close to 1 m, so that errors in metres and relative to R are similar.
@@ -86,21 +86,18 @@ fn the_platform_is_farthest_at_angle_0_and_returns() {
 /// If this fails, speeds computed for an amplitude are wrong. Or bounds on tilt, on torque and on values between two ticks
 /// are too low.
 #[test]
-fn greatest_coefficients_bound_the_turn() {
+fn max_coefficients_bound_the_turn() {
     for (settings, mechanism) in all() {
-        let greatest_h = mechanism.greatest_h();
-        let peak = largest_over_turn(|alpha| mechanism.h(alpha).abs());
+        let max_h = mechanism.max_h();
+        let peak = max_over_turn(|alpha| mechanism.h(alpha).abs());
         let h = peak.value;
-        assert!((h - greatest_h).abs() < 1e-12, "{settings:?}: {h}");
-        let greatest_s = mechanism.greatest_s();
-        let s = largest_over_turn(|alpha| mechanism.s(alpha).abs()).value;
-        assert!(
-            s <= greatest_s && greatest_s < 1.25 * s,
-            "{settings:?}: {s}"
-        );
+        assert!((h - max_h).abs() < 1e-12, "{settings:?}: {h}");
+        let max_s = mechanism.max_s();
+        let s = max_over_turn(|alpha| mechanism.s(alpha).abs()).value;
+        assert!(s <= max_s && max_s < 1.25 * s, "{settings:?}: {s}");
         let sharpness = mechanism.peak_sharpness();
         for beside in (-60..=60).map(|k| 0.01 * f64::from(k)) {
-            let lost = 1.0 - mechanism.h(peak.alpha_rad + beside).abs() / greatest_h;
+            let lost = 1.0 - mechanism.h(peak.alpha_rad + beside).abs() / max_h;
             let bound = sharpness * beside * beside / 2.0 + 1e-12;
             assert!(lost <= bound, "{settings:?} {beside}: {lost} > {bound}");
             assert!(
@@ -123,11 +120,8 @@ fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
             let beside = mechanism.x_m(alpha + d) + mechanism.x_m(alpha - d);
             (beside - 2.0 * mechanism.x_m(alpha)) * (omega / d) * (omega / d)
         };
-        let greatest = largest_over_turn(|alpha| second(alpha).abs()).value;
-        assert!(
-            (greatest / amax_mps2 - 1.0).abs() < 1e-6,
-            "{settings:?}: {greatest}"
-        );
+        let max = max_over_turn(|alpha| second(alpha).abs()).value;
+        assert!((max / amax_mps2 - 1.0).abs() < 1e-6, "{settings:?}: {max}");
         let back = mechanism.amax_mps2(omega);
         assert!(
             (back / amax_mps2 - 1.0).abs() < 1e-14,

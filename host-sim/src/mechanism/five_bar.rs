@@ -75,14 +75,14 @@ impl FiveBar {
     pub fn joints(&self, x_m: f64, y_m: f64) -> Result<[Joints; 2], Unreachable> {
         let (l1, l4) = (self.l1_m, self.l4_m);
         let reach = x_m.hypot(y_m);
-        let most = l1 + l4;
-        if reach > most * (1.0 + ROUNDING) {
+        let max = l1 + l4;
+        if reach > max * (1.0 + ROUNDING) {
             return Err(Unreachable::Beyond(reach));
         }
-        if reach < (l1 - l4).abs() - most * ROUNDING {
+        if reach < (l1 - l4).abs() - max * ROUNDING {
             return Err(Unreachable::Within(reach));
         }
-        if reach <= most * ROUNDING {
+        if reach <= max * ROUNDING {
             return Err(Unreachable::OnAxis);
         }
         let direction = y_m.atan2(x_m);

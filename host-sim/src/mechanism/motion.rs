@@ -125,10 +125,10 @@ pub trait Mechanism: Copy {
     }
 
     /// Upper bound of |s| over the turn.
-    fn greatest_s(&self) -> f64;
+    fn max_s(&self) -> f64;
 
     /// Largest |h| of the turn, exact: amax = R ω² times this.
-    fn greatest_h(&self) -> f64;
+    fn max_h(&self) -> f64;
 
     /// Upper bound of −h″/h at the peak of |h|, 1/rad². At an angle δ from the peak the acceleration is at least
     /// amax (1 − this · δ²/2).
@@ -183,7 +183,7 @@ pub trait Mechanism: Copy {
     fn law(&self) -> SquareLaw {
         SquareLaw {
             radius_m: self.crank_radius_m(),
-            sharpest: self.greatest_h(),
+            sharpest: self.max_h(),
         }
     }
 

@@ -51,11 +51,11 @@ impl Mechanism for ScotchYoke {
         })
     }
 
-    fn greatest_s(&self) -> f64 {
+    fn max_s(&self) -> f64 {
         1.0
     }
 
-    fn greatest_h(&self) -> f64 {
+    fn max_h(&self) -> f64 {
         1.0
     }
 
@@ -103,8 +103,8 @@ mod tests {
                     "{lambda} {degree}°"
                 );
                 let travel_m = limit.x_m - rod_m;
-                let most_m = 0.501 * lambda * YOKE.crank_radius_m + 1e-15 * rod_m;
-                assert!((yoke.x_m - travel_m).abs() <= most_m, "{lambda} {degree}°");
+                let max_m = 0.501 * lambda * YOKE.crank_radius_m + 1e-15 * rod_m;
+                assert!((yoke.x_m - travel_m).abs() <= max_m, "{lambda} {degree}°");
                 let load = Load {
                     mass_kg: 6.0,
                     gravity_mps2: 9.8,

@@ -39,8 +39,8 @@ pub struct TurnPeak {
 /// let peak = largest_over_turn(|alpha| 5.0 * (alpha - 1.0).cos());
 /// assert!((peak.alpha_rad - 1.0).abs() < 1e-7 && (peak.value - 5.0).abs() < 1e-12);
 /// ```
-pub fn largest_over_turn(curve: impl Fn(f64) -> f64) -> TurnPeak {
-    largest_of_samples(|i| curve(angle(i)), &curve)
+pub fn max_over_turn(curve: impl Fn(f64) -> f64) -> TurnPeak {
+    max_of_samples(|i| curve(angle(i)), &curve)
 }
 
 /// Angles of the samples, rad.
@@ -52,8 +52,8 @@ fn angle(sample: u32) -> f64 {
     f64::from(sample) * STEP
 }
 
-/// Finds the largest value of `curve`, whose values at [`sample_angles`] are those of `sample`. See [`largest_over_turn`].
-pub fn largest_of_samples(sample: impl Fn(u32) -> f64, curve: impl Fn(f64) -> f64) -> TurnPeak {
+/// Finds the largest value of `curve`, whose values at [`sample_angles`] are those of `sample`. See [`max_over_turn`].
+pub fn max_of_samples(sample: impl Fn(u32) -> f64, curve: impl Fn(f64) -> f64) -> TurnPeak {
     let at = |i: u32| sample(i % SAMPLES);
     let mut best: Option<TurnPeak> = None;
     let (mut before, mut here) = (at(SAMPLES - 1), at(0));
@@ -109,7 +109,7 @@ mod tests {
     fn the_search_finds_a_maximum_higher_by_a_millionth() {
         for k in [0_u32, 11, 23, 39] {
             let favourite = TAU * f64::from(k) / 40.0;
-            let peak = largest_over_turn(|a| (40.0 * a).cos() + 1e-6 * (a - favourite).cos());
+            let peak = max_over_turn(|a| (40.0 * a).cos() + 1e-6 * (a - favourite).cos());
             let away = (peak.alpha_rad - favourite + 1.0).rem_euclid(TAU) - 1.0;
             assert!(away.abs() < 1e-7, "hill {k}: off by {away}");
             assert!((peak.value - 1.000_001).abs() < 1e-13);
@@ -121,7 +121,7 @@ mod tests {
     fn maxima_between_samples_and_at_turn_ends_are_found() {
         for k in 0..1000 {
             let top = TAU * f64::from(k) / 1000.0;
-            let peak = largest_over_turn(|a| 3.0 * (a - top).cos());
+            let peak = max_over_turn(|a| 3.0 * (a - top).cos());
             assert!((peak.value - 3.0).abs() < 1e-13);
             let away = (peak.alpha_rad - top + 1.0).rem_euclid(TAU) - 1.0;
             assert!(away.abs() < 1e-7, "top {top}: off by {away}");

@@ -112,10 +112,10 @@ fn duty(top: &Checked) -> Result<Duty<'static>, SceneError> {
         let own = top.scene.resolved(i).own;
         (own.start_deg + own.trim_deg).to_radians()
     });
-    let (least, most) = standing.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), rad| {
-        (least.min(rad), most.max(rad))
+    let (min, max) = standing.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), rad| {
+        (min.min(rad), max.max(rad))
     });
-    let load = OperatingRange::new(top)?.and_then(|range| range.greatest_load());
+    let load = OperatingRange::new(top)?.and_then(|range| range.max_load());
     Ok(Duty {
         level: top.fidelity,
         driven: None,
@@ -127,7 +127,7 @@ fn duty(top: &Checked) -> Result<Duty<'static>, SceneError> {
         ratios: settings
             .axes
             .iter()
-            .map(|axis| axis.follower.most_ratio(&settings.cams))
+            .map(|axis| axis.follower.max_ratio(&settings.cams))
             .collect(),
         offsets: settings.axes.iter().map(|axis| axis.offset_turns).collect(),
         has_feed_forward: settings
@@ -135,7 +135,7 @@ fn duty(top: &Checked) -> Result<Duty<'static>, SceneError> {
             .iter()
             .map(|axis| !axis.drive.takes_pulses())
             .collect(),
-        standing_apart_rad: most - least,
+        standing_apart_rad: max - min,
         leads_apart: matches!(top.cranks_apart(), Some("ratio" | "offset_deg")),
         steady_load: load.map_or(0.0, |load| load.ratio),
     })

@@ -18,7 +18,7 @@ use cophase_scene::file::Fidelity;
 use crate::axes::{Axes, per_axis};
 use crate::checked::Checked;
 use crate::drives::{AtCrank, Motor};
-use crate::mechanism::turn_search::{largest_of_samples, sample_angles};
+use crate::mechanism::turn_search::{max_of_samples, sample_angles};
 use crate::mechanism::{LoadAtAngle, SquareLaw};
 use crate::simulated_machine::SimulatedMachine;
 
@@ -95,14 +95,14 @@ impl OperatingRange {
         if range.motors.iter().all(Option::is_none) {
             return Ok(None);
         }
-        Ok(range.greatest_load_at(range.acceleration_limit_hz_per_s()))
+        Ok(range.max_load_at(range.acceleration_limit_hz_per_s()))
     }
 
     fn of_any(checked: &Checked) -> Result<Self, SceneError> {
         let settings = &checked.settings;
         let motors: Vec<_> = (0..settings.axes.len())
             .map(|i| {
-                AtCrank::motor(&checked.scene, i).filter(|motor| motor.most_nm(0.0).is_finite())
+                AtCrank::motor(&checked.scene, i).filter(|motor| motor.max_nm(0.0).is_finite())
             })
             .collect();
         // Motors are not sized for faults and noise of the load, and some of these cannot occur on this model level.
@@ -174,13 +174,13 @@ impl OperatingRange {
         let count = self.offsets.len();
         let sample = |i: u32| required(&self.sampled[i as usize * count..][..count]);
         let curve = |alpha_rad| required(&loads_at(&self.machine, &self.offsets, alpha_rad));
-        largest_of_samples(sample, curve).value
+        max_of_samples(sample, curve).value
     }
 
     /// Greatest torque of a motor at a speed of its crank, N·m at the motor; `None` if it is not known.
     pub fn available_nm(&self, axis: usize, speed_hz: f64) -> Option<f64> {
         let motor = self.motors[axis].as_ref()?;
-        let at_crank_nm = motor.most_nm(speed_hz * TAU);
+        let at_crank_nm = motor.max_nm(speed_hz * TAU);
         Some(at_crank_nm / self.settings.axes[axis].gear.ratio())
     }
 
@@ -208,7 +208,7 @@ impl OperatingRange {
             ..
         } = &self.settings;
         let timing = PulseTiming::new(pulse, *clock_hz, *tick_hz).ok()?;
-        Some(timing.most_step_hz(*tick_hz))
+        Some(timing.max_step_hz(*tick_hz))
     }
 
     /// Greatest speed at which the [RP2040](Rp2040) makes the steps of all axes within a tick, rev/s. `None` if it does so at every
@@ -265,11 +265,11 @@ impl OperatingRange {
 
     /// Motor with the greatest ratio of required to available torque at a steady speed up to the program's greatest. `None` if the
     /// torque of no motor is known.
-    pub fn greatest_load(&self) -> Option<Load> {
-        self.greatest_load_at(0.0)
+    pub fn max_load(&self) -> Option<Load> {
+        self.max_load_at(0.0)
     }
 
-    fn greatest_load_at(&self, acceleration_hz_per_s: f64) -> Option<Load> {
+    fn max_load_at(&self, acceleration_hz_per_s: f64) -> Option<Load> {
         const SPEEDS: u32 = 64;
         let kinds: Vec<usize> = self.load_kinds().iter().map(|axes| axes[0]).collect();
         let speeds = (1..=SPEEDS).map(|i| self.top_hz * f64::from(i) / f64::from(SPEEDS));
@@ -284,7 +284,7 @@ impl OperatingRange {
                 })
             })
         });
-        loads.reduce(|most, load| if load.ratio > most.ratio { load } else { most })
+        loads.reduce(|max, load| if load.ratio > max.ratio { load } else { max })
     }
 }
 

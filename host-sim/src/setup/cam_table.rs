@@ -12,7 +12,7 @@ use crate::machines::Table;
 use crate::machines::cam::{Points, law_at, off_law_of};
 
 /// Largest difference of a table's acceleration from that of its law, relative to the law's peak.
-const MOST_OFF_LAW: f64 = 0.15;
+const MAX_OFF_LAW: f64 = 0.15;
 
 /// Returns the tables of a scene for the core.
 pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAMS>, SceneError> {
@@ -112,7 +112,7 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
         }
     }
     let (points, off) = best.unwrap_or_default();
-    if off <= MOST_OFF_LAW {
+    if off <= MAX_OFF_LAW {
         return Ok(points);
     }
     // The segment of the largest acceleration is the shortest for its travel.
@@ -128,7 +128,7 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
              and {:.0} % is the most; extend the segment over a larger angle",
             points.len(),
             1e2 * off,
-            1e2 * MOST_OFF_LAW,
+            1e2 * MAX_OFF_LAW,
         ),
     ))
 }

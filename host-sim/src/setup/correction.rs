@@ -59,12 +59,12 @@ pub fn servos(scene: &Scene, machine: &dyn Machine) -> Result<Plant, SceneError>
     }
     // In terms of the motors, the load of a shaft is divided by the squared turns of its motor per shaft turn.
     let gears = (0..axes.count).map(|number| scene.resolved(number).gear.ratio());
-    let least_turns = gears.fold(f64::INFINITY, f64::min);
-    let load_kgm2 = machine.carried_kgm2().unwrap_or(0.0) / (least_turns * least_turns);
+    let min_turns = gears.fold(f64::INFINITY, f64::min);
+    let load_kgm2 = machine.carried_kgm2().unwrap_or(0.0) / (min_turns * min_turns);
     Ok(Plant {
         servo,
-        least_kgm2: axes.rotor_inertia_kgm2,
-        most_kgm2: axes.rotor_inertia_kgm2 + load_kgm2,
+        min_kgm2: axes.rotor_inertia_kgm2,
+        max_kgm2: axes.rotor_inertia_kgm2 + load_kgm2,
         tick_hz: f64::from(scene.control.tick_hz),
     })
 }

@@ -108,12 +108,12 @@ fn check_count(table: &dyn Table, count: usize) -> Result<(), SceneError> {
     if counts.contains(&count) {
         return Ok(());
     }
-    let (least, most) = counts.into_inner();
+    let (min, max) = counts.into_inner();
     let reason = format!("the motors that {} has", table.machine_name());
-    let problem = if least == most {
-        format!("{count} is not {least}, {reason}; give {least}")
+    let problem = if min == max {
+        format!("{count} is not {min}, {reason}; give {min}")
     } else {
-        let problem = Problem::out_of_range(count as f64, least as f64, most as f64);
+        let problem = Problem::out_of_range(count as f64, min as f64, max as f64);
         range::sentence("axes.count", problem, Some(&reason))
     };
     Err(SceneError::at("axes.count", problem))

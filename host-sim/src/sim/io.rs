@@ -89,7 +89,7 @@ pub struct SimulatedIo {
 /// Time for which a run continues after its end, s, so that traces show the machine at rest.
 pub const TAIL_S: f64 = STANDS_S;
 /// Longest such time, s, if cranks still move.
-const MOST_TAIL_S: f64 = 5.0;
+const MAX_TAIL_S: f64 = 5.0;
 
 /// Ticks between two reports of progress.
 const PROGRESS_TICKS: u64 = 8192;
@@ -295,7 +295,7 @@ impl SimulatedIo {
     fn is_at_rest(&self) -> bool {
         let recorder = &self.recorder;
         let moves = recorder.coast.is_on() || recorder.fault_hold.moves(self.tail_ticks);
-        self.quiet > self.tail_ticks && (!moves || self.quiet > ticks_in(MOST_TAIL_S, self.tick_hz))
+        self.quiet > self.tail_ticks && (!moves || self.quiet > ticks_in(MAX_TAIL_S, self.tick_hz))
     }
 
     /// Records the faults that have begun up to a time.

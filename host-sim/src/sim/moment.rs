@@ -109,14 +109,14 @@ impl Moment<'_> {
         self.actual_turns.iter().all(|&turns| turns == first)
     }
 
-    /// Raises `most_mrad` to the tilt of the moved part at the end of the tick, if that is larger.
-    pub fn raise_tilt(&self, most_mrad: &mut f64) {
+    /// Raises `max_mrad` to the tilt of the moved part at the end of the tick, if that is larger.
+    pub fn raise_tilt(&self, max_mrad: &mut f64) {
         if self.is_level() {
             return;
         }
         let is_known = self.tilt_mrad.get().is_some();
-        if is_known || self.machine.may_tilt_beyond(*most_mrad, self.actual_turns) {
-            *most_mrad = most_mrad.max(self.tilt_mrad().unwrap_or(0.0));
+        if is_known || self.machine.may_tilt_beyond(*max_mrad, self.actual_turns) {
+            *max_mrad = max_mrad.max(self.tilt_mrad().unwrap_or(0.0));
         }
     }
 

@@ -84,9 +84,9 @@ impl RunRecorder {
     }
 }
 
-/// Raises `most` to `value`, unless that is NaN. `f64::max` does the same in more instructions.
-pub(super) fn raise<T: PartialOrd>(most: &mut T, value: T) {
-    if value > *most {
-        *most = value;
+/// Raises `max` to `value`, unless that is NaN. `f64::max` does the same in more instructions.
+pub(super) fn raise<T: PartialOrd>(max: &mut T, value: T) {
+    if value > *max {
+        *max = value;
     }
 }

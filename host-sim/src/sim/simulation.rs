@@ -18,22 +18,22 @@ pub struct Simulation {
     controller: Controller,
     io: SimulatedIo,
     lateness: Lateness,
-    most_ticks: u64,
+    max_ticks: u64,
 }
 
 impl Simulation {
-    /// Creates the simulation of a scene at power-up, for at most `most_ticks` ticks.
+    /// Creates the simulation of a scene at power-up, for at most `max_ticks` ticks.
     ///
     /// # Errors
     /// Fails like [`super::simulate`].
-    pub fn new(most_ticks: u64, checked: &Checked) -> Result<Self, SceneError> {
+    pub fn new(max_ticks: u64, checked: &Checked) -> Result<Self, SceneError> {
         let controller = checked.controller()?;
-        let schedule = schedule_of(checked, &controller, most_ticks);
+        let schedule = schedule_of(checked, &controller, max_ticks);
         Ok(Self {
             lateness: schedule.lateness(),
             io: SimulatedIo::new(checked, schedule)?,
             controller,
-            most_ticks,
+            max_ticks,
         })
     }
 
@@ -83,7 +83,7 @@ impl Simulation {
     /// Continues in a scene that differs from the present one only in its faults. None of its faults may begin before the time up to which
     /// the simulation has run. A scene that has ended also continues, unless its machine diverged.
     pub fn go_on_in(&mut self, checked: &Checked) {
-        let schedule = schedule_of(checked, &self.controller, self.most_ticks);
+        let schedule = schedule_of(checked, &self.controller, self.max_ticks);
         self.lateness = schedule.lateness().after(&self.lateness);
         self.io.go_on_with(schedule, Faults::new(checked));
     }
@@ -95,8 +95,8 @@ impl Simulation {
 }
 
 /// Returns the commands, inputs and late deadlines of a scene.
-fn schedule_of(checked: &Checked, controller: &Controller, most_ticks: u64) -> Schedule {
-    let end_us = most_ticks.saturating_mul(tick_us(checked));
+fn schedule_of(checked: &Checked, controller: &Controller, max_ticks: u64) -> Schedule {
+    let end_us = max_ticks.saturating_mul(tick_us(checked));
     Schedule::new(checked, controller.program().0.duration()).ending_by(end_us)
 }
 
@@ -176,8 +176,8 @@ mod tests {
         scene.noise.index_deg = 0.05;
         let tick_us = 1_000_000.0 / f64::from(scene.control.tick_hz);
         let at_s = 2.0;
-        let most_ticks = 5 * u64::from(scene.control.tick_hz);
-        let start = |checked: &Checked| Simulation::new(most_ticks, checked).expect("runs");
+        let max_ticks = 5 * u64::from(scene.control.tick_hz);
+        let start = |checked: &Checked| Simulation::new(max_ticks, checked).expect("runs");
         scene.late = vec![LateAt {
             at_s: at_s - 2e-6 * tick_us,
             by_us: (2.5 * tick_us).round(),

@@ -87,7 +87,7 @@ impl SimulatedMachine {
             let drive = AxisDrive::new(own.drive, own.cycle_steps, window_turns);
             let start_turns = axis.own.start_deg / 360.0;
             let home_turns = settings.home_turns(own);
-            let ratio = own.follower.most_ratio(&settings.cams);
+            let ratio = own.follower.max_ratio(&settings.cams);
             SimulatedAxis::new(
                 own,
                 home_turns,

@@ -54,7 +54,7 @@ pub struct Rotors {
 #[derive(Clone, Copy, Debug)]
 pub struct SpeedLimit {
     /// Largest speed of a shaft, rad/s.
-    pub most_rad_s: f64,
+    pub max_rad_s: f64,
     /// Part that an axis turns, in a word.
     pub axis_noun: &'static str,
     /// Causes of a large torque on a shaft besides its drive, in words.
@@ -63,7 +63,7 @@ pub struct SpeedLimit {
 
 impl SpeedLimit {
     const NONE: Self = Self {
-        most_rad_s: f64::INFINITY,
+        max_rad_s: f64::INFINITY,
         axis_noun: "shaft",
         causes_of_torque: "",
     };
@@ -242,7 +242,7 @@ impl Rotors {
         let speeds = &self.state[from..from + self.driven.angles()];
         let axis = speeds
             .iter()
-            .position(|omega| omega.abs() > self.limit.most_rad_s)?;
+            .position(|omega| omega.abs() > self.limit.max_rad_s)?;
         Some(Broken::RanAway {
             t_s: self.ticks as f64 * self.tick_s,
             noun: self.limit.axis_noun,

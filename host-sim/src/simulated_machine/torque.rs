@@ -52,11 +52,11 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
         ));
     }
     let ratios = settings.axes.iter();
-    let ratios = ratios.map(|axis| axis.follower.most_ratio(&settings.cams));
+    let ratios = ratios.map(|axis| axis.follower.max_ratio(&settings.cams));
     let fastest_hz = settings.limits.speed_hz * ratios.fold(1.0, f64::max);
     let beyond_hz = BEYOND * fastest_hz + COASTING_HZ;
     let limit = SpeedLimit {
-        most_rad_s: beyond_hz * std::f64::consts::TAU,
+        max_rad_s: beyond_hz * std::f64::consts::TAU,
         axis_noun: checked.machine.axis_noun(),
         causes_of_torque: checked.machine.causes_of_torque(),
     };

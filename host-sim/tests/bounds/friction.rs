@@ -36,7 +36,7 @@ struct Tally {
     implicit: u32,
     /// Answers compared, and the largest of their differences, as a part of the printed error.
     answers: u32,
-    largest_part: f64,
+    max_part: f64,
     wrong: Vec<String>,
 }
 
@@ -72,7 +72,7 @@ fn machines_with_friction_run_and_agree_within_the_printed_step_error() {
         tally.refused,
         tally.implicit,
         tally.answers,
-        tally.largest_part,
+        tally.max_part,
         tally.wrong.len()
     );
     assert!(tally.wrong.is_empty(), "{}", tally.wrong.join("\n"));
@@ -156,7 +156,7 @@ fn compare(
         let off = judged.output.difference(found, right);
         let allowed = printed + ROUNDING;
         tally.answers += 1;
-        tally.largest_part = tally.largest_part.max(off / allowed);
+        tally.max_part = tally.max_part.max(off / allowed);
         if off > allowed {
             let _ = writeln!(
                 wrong,

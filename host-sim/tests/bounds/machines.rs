@@ -398,7 +398,7 @@ fn write_rubbing(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Res
             }
         })
         .collect();
-    let most_nm = frictions
+    let max_nm = frictions
         .iter()
         .copied()
         .fold(peak_nm, |sum, friction| sum.max(peak_nm + friction));
@@ -410,7 +410,7 @@ fn write_rubbing(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Res
     )?;
     match draw.0.random_range(0..3_usize) {
         0 => {
-            let torque = most_nm * draw.scale(1.5, 6.0);
+            let torque = max_nm * draw.scale(1.5, 6.0);
             writeln!(
                 text,
                 "drive = \"stepper\"\ndamping_nms = {:.4}\npull_out = [[0, {torque:.3}], [{:.3}, {:.3}]]",
@@ -420,7 +420,7 @@ fn write_rubbing(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Res
             )?;
         }
         1 => {
-            let rated_nm = most_nm * draw.scale(1.0, 20.0);
+            let rated_nm = max_nm * draw.scale(1.0, 20.0);
             writeln!(
                 text,
                 "drive = \"induction\"\nindex = false\ninduction = {{ rated_nm = {rated_nm:.3}, rated_slip_hz = {:.3}, breakdown_ratio = {:.3}, position_gain_per_s = {:.2} }}",

@@ -16,7 +16,7 @@ use cophase_scene::file::{Fidelity, MethodName, Questions};
 use cophase_scene::load;
 use host_sim::checked::Checked;
 use host_sim::checked::Choice;
-use host_sim::dynamics::MOST_STEPS;
+use host_sim::dynamics::MAX_STEPS;
 use host_sim::fidelity::{Answers, answered, check};
 use host_sim::model_level::{Bounds, available, questions};
 use host_sim::output::Output;
@@ -309,7 +309,7 @@ fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<
             return Some(now);
         }
         steps *= 2;
-        if steps > MOST_STEPS {
+        if steps > MAX_STEPS {
             return None;
         }
         before = Some(now);

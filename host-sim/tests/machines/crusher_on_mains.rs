@@ -36,11 +36,11 @@ fn fitted(shape: Shape) -> (OnMains, Speeds) {
 fn equivalent_inertia_has_the_published_range() {
     let crusher = OnMains::SOURCE;
     let turn = (0..3600).map(|i| crusher.inertia_kgm2(TAU * f64::from(i) / 3600.0).0);
-    let (least, most) = turn.fold((f64::MAX, f64::MIN), |(least, most), inertia| {
-        (least.min(inertia), most.max(inertia))
+    let (min, max) = turn.fold((f64::MAX, f64::MIN), |(min, max), inertia| {
+        (min.min(inertia), max.max(inertia))
     });
-    assert_near("least", least, 40.828, 5e-4);
-    assert_near("largest", most, 40.940, 5e-4);
+    assert_near("least", min, 40.828, 5e-4);
+    assert_near("largest", max, 40.940, 5e-4);
     for shape in Shape::ALL {
         let (with_jaw, speeds) = fitted(shape);
         let without = OnMains {
@@ -216,12 +216,12 @@ fn extremes_are_not_where_the_torques_are_equal() {
         assert!(off_nm.abs() <= change_nm[0].max(change_nm[1]), "{off_nm}");
     }
     assert!(extremes >= 2, "{extremes} extremes");
-    let largest_nm = speeds
+    let max_nm = speeds
         .nodes
         .iter()
         .map(|node| crusher.inertia_torque_nm(node[0], node[1]).abs())
         .fold(0.0, f64::max);
-    assert_near("largest distance from Md = Mr", largest_nm, 42.0, 3.0);
+    assert_near("largest distance from Md = Mr", max_nm, 42.0, 3.0);
 }
 
 /// If this fails, a crusher with more rock than motor and flywheel can break continues to turn, or the message does not state what to

@@ -194,7 +194,7 @@ fn the_lift_range_is_weight_plus_or_minus_reserve() {
         assert!((weight - weight_n).abs() < 1e-9, "{weight} N");
     }
     // Torque that each joint has to hold at a lift: J^T of the missing lift.
-    let greatest_nm = |lift_n: f64| {
+    let max_nm = |lift_n: f64| {
         (0..=100_u32)
             .map(|k| {
                 let y_m = 0.1 * f64::from(k) / 100.0;
@@ -209,10 +209,10 @@ fn the_lift_range_is_weight_plus_or_minus_reserve() {
             })
             .fold(0.0, f64::max)
     };
-    let limit_nm = greatest_nm(weight_n - reserve_n);
-    assert!((greatest_nm(weight_n + reserve_n) / limit_nm - 1.0).abs() < 1e-9);
-    assert!(greatest_nm(5.0) > limit_nm && greatest_nm(16.7) > limit_nm);
-    assert!(greatest_nm(10.0) < 0.2 * limit_nm);
+    let limit_nm = max_nm(weight_n - reserve_n);
+    assert!((max_nm(weight_n + reserve_n) / limit_nm - 1.0).abs() < 1e-9);
+    assert!(max_nm(5.0) > limit_nm && max_nm(16.7) > limit_nm);
+    assert!(max_nm(10.0) < 0.2 * limit_nm);
 }
 
 /// A hand that grinds along a line.
@@ -293,8 +293,8 @@ fn grind(hand_kg: f64, load: Load, friction_nm: f64) -> (f64, f64) {
         load,
         friction_nm,
     });
-    errors.iter().fold((0.0_f64, 0.0_f64), |most, error| {
-        (most.0.max(error.0.abs()), most.1.max(error.1.abs()))
+    errors.iter().fold((0.0_f64, 0.0_f64), |max, error| {
+        (max.0.max(error.0.abs()), max.1.max(error.1.abs()))
     })
 }
 

@@ -1,7 +1,7 @@
 //! Design of the self-centring screen, against the figures of its source and independently computed figures.
 
 use host_sim::design::screen::drive::{
-    bearing_life_h, belt_mm, belt_mps, greatest_moment, stress_kgf_per_cm2,
+    bearing_life_h, belt_mm, belt_mps, max_moment, stress_kgf_per_cm2,
 };
 use host_sim::design::screen::{Design, Requirement, Spring, design};
 
@@ -120,7 +120,7 @@ fn bearing_life() {
 /// the source's. It prints 1.118106e6 kgf mm and 658 kgf/cm², which do not follow from them. W = 170 cm³ is printed to three digits.
 #[test]
 fn shaft_moment() {
-    let (moment, at_mm) = greatest_moment(531_520.0, 5696.0 - 1964.0, 7499.0 / 510.0);
+    let (moment, at_mm) = max_moment(531_520.0, 5696.0 - 1964.0, 7499.0 / 510.0);
     assert_near("greatest moment", moment, 1.00513e6, 50.0);
     assert_near("its place", at_mm, 254.0, 0.5);
     assert_near("stress", stress_kgf_per_cm2(moment, 170.0), 592.0, 1.0);

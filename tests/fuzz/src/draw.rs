@@ -195,10 +195,10 @@ pub fn controller(settings: &Settings, script: &mut Script<'_>) -> Option<Contro
     settings.check().ok()?;
     let mut settings = settings.clone();
     let top = Turns::from_num(settings.limits.speed_hz / f64::from(settings.tick_hz));
-    let most = settings.mechanism().amax(top).to_num::<f64>();
+    let max = settings.mechanism().amax(top).to_num::<f64>();
     for _ in 0..=script.below(3) {
         let segment = SegmentSettings {
-            amax_mps2: most * 0.98 * f64::from(script.byte()) / 255.0,
+            amax_mps2: max * 0.98 * f64::from(script.byte()) / 255.0,
             ramp_s: f64::from(script.byte()) / 256.0,
             hold_s: f64::from(script.byte()) / 128.0,
             shape: if script.one_in(2) {

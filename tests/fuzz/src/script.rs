@@ -48,9 +48,9 @@ impl<'a> Script<'a> {
         self.word().cast_signed() >> shift
     }
 
-    /// Below `most`, which is above 0.
-    pub fn below(&mut self, most: usize) -> usize {
-        usize::from(self.byte()) % most
+    /// Below `max`, which is above 0.
+    pub fn below(&mut self, max: usize) -> usize {
+        usize::from(self.byte()) % max
     }
 
     /// True one time in `times`.

@@ -20,13 +20,13 @@ pub struct Reached {
 
 /// The limits in units of 2⁻⁴⁸ turn and one tick, and the state of the previous tick.
 pub struct Watch {
-    speed_most: f64,
+    max_speed: f64,
     /// Usual limits, and those in a fault's stop.
-    acceleration_most: [f64; 2],
-    jerk_most: [f64; 2],
-    offset_most: Vec<i64>,
+    max_acceleration: [f64; 2],
+    max_jerk: [f64; 2],
+    max_offset: Vec<i64>,
     /// Greatest phase offset of an axis in a slot, and one step.
-    slot_most: Vec<i64>,
+    max_slot: Vec<i64>,
     /// Axes that turn once with the master: their phases are those of the master, except for their
     /// offsets.
     plain: Vec<Option<Turns>>,
@@ -57,14 +57,14 @@ impl Watch {
         let jerks = [limits.jerk_hz_per_s2, limits.stop_jerk_hz_per_s2];
         let axes = &settings.axes;
         Self {
-            speed_most: limits.speed_hz / hz * turn,
-            acceleration_most: accelerations.map(|a| a / (hz * hz) * turn),
-            jerk_most: jerks.map(|j| j / (hz * hz * hz) * turn),
-            offset_most: axes
+            max_speed: limits.speed_hz / hz * turn,
+            max_acceleration: accelerations.map(|a| a / (hz * hz) * turn),
+            max_jerk: jerks.map(|j| j / (hz * hz * hz) * turn),
+            max_offset: axes
                 .iter()
                 .map(|axis| (axis.trim_limit_turns * turn) as i64)
                 .collect(),
-            slot_most: axes
+            max_slot: axes
                 .iter()
                 .map(|axis| {
                     let tick = axis.trim_rate_hz * axes.len() as f64 / hz;
@@ -196,20 +196,20 @@ impl Watch {
         let (acceleration, jerk) = (speed - self.speed, speed - self.speed - self.acceleration);
         if drives {
             let fault = usize::from(output.telemetry.fault.is_some() || self.stops_now);
-            let most = (self.acceleration_most[fault], self.jerk_most[fault]);
+            let max = (self.max_acceleration[fault], self.max_jerk[fault]);
             assert!(
-                speed >= 0 && speed as f64 <= self.speed_most,
+                speed >= 0 && speed as f64 <= self.max_speed,
                 "speed {speed}"
             );
             assert!(
-                acceleration.unsigned_abs() as f64 <= most.0,
+                acceleration.unsigned_abs() as f64 <= max.0,
                 "acceleration {acceleration} over {}",
-                most.0
+                max.0
             );
             assert!(
-                jerk.unsigned_abs() as f64 <= most.1,
+                jerk.unsigned_abs() as f64 <= max.1,
                 "jerk {jerk} over {}",
-                most.1
+                max.1
             );
             self.acceleration = acceleration;
         } else {
@@ -224,14 +224,14 @@ impl Watch {
         let corrections = &telemetry.correction;
         // Axes move one after the other, each by the steps of one slot, and are rounded to whole steps.
         let sum: i64 = corrections.iter().map(|turns| turns.to_bits()).sum();
-        let slots: i64 = self.slot_most.iter().sum();
+        let slots: i64 = self.max_slot.iter().sum();
         assert!(sum.abs() <= 2 * slots, "corrections {corrections:?}");
         let untouched = self.corrects || corrections.iter().all(|&turns| turns == 0);
         assert!(
             untouched || telemetry.state != State::Run,
             "runs with {corrections:?}, and nothing is to be corrected",
         );
-        for (i, most) in self.offset_most.iter().enumerate() {
+        for (i, max) in self.max_offset.iter().enumerate() {
             if let Some(offset) = self.plain[i] {
                 let by = telemetry
                     .axis_phase(i)
@@ -240,7 +240,7 @@ impl Watch {
                     .to_bits()
                     .abs();
                 // An offset is rounded once, and the limit may be rounded too.
-                assert!(by <= most + 2, "axis {i}: phase offset {by} over {most}");
+                assert!(by <= max + 2, "axis {i}: phase offset {by} over {max}");
             }
         }
     }

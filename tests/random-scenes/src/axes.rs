@@ -119,8 +119,8 @@ fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> 
     };
     let motor_hz = fastest_hz * basis.motor_turns();
     // Per turn of the crank there are at least as many.
-    let least = (STEPS.0 / basis.motor_turns()).max(STEPS.0).ceil();
-    let most = (STEPS.1 / basis.motor_turns()).min(STEPS.1).max(least);
+    let min = (STEPS.0 / basis.motor_turns()).max(STEPS.0).ceil();
+    let max = (STEPS.1 / basis.motor_turns()).min(STEPS.1).max(min);
     let timing = PulseTiming::new(&settings, Rp2040::CLOCK_HZ, basis.tick_hz);
     let has_pulses = [Some(basis.drive), basis.other_drive]
         .into_iter()
@@ -133,10 +133,10 @@ fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> 
             .is_ok_and(|timing| timing.check_rate(steps, motor_hz, basis.tick_hz).is_ok());
         counts && (pulses || !has_pulses)
     };
-    let mut steps = source.usual((400.0, 20_000.0), (least, most)) as u32;
-    let least = least as u32;
-    while !fits(steps) && steps > least {
-        steps = (steps * 2 / 3).max(least);
+    let mut steps = source.usual((400.0, 20_000.0), (min, max)) as u32;
+    let min = min as u32;
+    while !fits(steps) && steps > min {
+        steps = (steps * 2 / 3).max(min);
     }
     if !basis.uses("axes.full_steps_per_turn") {
         return (full_steps, steps);

@@ -82,7 +82,7 @@ impl Basis {
     }
 
     /// Greatest acceleration at the greatest speed, m/s².
-    pub(crate) fn most_amax_mps2(&self) -> f64 {
+    pub(crate) fn max_amax_mps2(&self) -> f64 {
         self.mechanism
             .amax_mps2(self.speed_hz * std::f64::consts::TAU)
     }

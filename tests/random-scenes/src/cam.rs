@@ -1,6 +1,6 @@
 //! `[cam]` and `[[cam_table]]`.
 
-use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
+use cophase_core::axes::{MAX_CAM_POINTS, MIN_CAM_POINTS};
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 use cophase_scene::file::{CamSegment, CamShaft, CamTable, Damper, LawName};
 use host_sim::machines::cam::cam_of;
@@ -31,7 +31,7 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
     };
     let has_zeta = source.percent(50);
     // An oscillation makes some radians a tick at most, except in a few scenes.
-    let most_n_per_mm = (10.0 * f64::from(tick_hz)).powi(2) * 1e-3;
+    let max_n_per_mm = (10.0 * f64::from(tick_hz)).powi(2) * 1e-3;
     let mut shaft = CamShaft {
         law: source.one_of(&LAWS),
         rise_mm: 0.0,
@@ -41,7 +41,7 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
         screw_lead_mm: is_on_screws.then(|| source.usual((2.0, 50.0), (0.1, 1000.0))),
         masses_kg: has_links.then(|| three(source, (0.05, 5.0), (1e-4, 1000.0))),
         stiffness_n_per_mm: has_links
-            .then(|| three(source, (0.01 * most_n_per_mm, most_n_per_mm), (0.1, 1e7))),
+            .then(|| three(source, (0.01 * max_n_per_mm, max_n_per_mm), (0.1, 1e7))),
         dampers_ns_per_m: (has_links && !has_zeta).then(|| three(source, (1.0, 1e3), (0.0, 1e7))),
         zeta: (has_links && has_zeta).then(|| source.usual((0.01, 0.5), (0.0, 2.0))),
         damper: source.one_of(&[Damper::Cam, Damper::Ground]),
@@ -125,9 +125,9 @@ fn from_segments(source: &mut Source, name: &str, shaft: Option<&CamShaft>) -> C
 /// A table that rises by one turn everywhere. The wave on it is flat enough for that.
 fn from_file(source: &mut Source) -> (CamTable, String) {
     let count = if source.percent(50) {
-        source.one_of(&[LEAST_CAM_POINTS, MAX_CAM_POINTS])
+        source.one_of(&[MIN_CAM_POINTS, MAX_CAM_POINTS])
     } else {
-        LEAST_CAM_POINTS + source.below(MAX_CAM_POINTS - LEAST_CAM_POINTS)
+        MIN_CAM_POINTS + source.below(MAX_CAM_POINTS - MIN_CAM_POINTS)
     };
     let wave = source.between(0.0, 0.1);
     let position = |i: usize| {

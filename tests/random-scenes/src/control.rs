@@ -17,18 +17,18 @@ pub fn tick_hz(source: &mut Source) -> u32 {
     if source.percent(40) {
         return 2000;
     }
-    let most_hz = if source.percent(80) { 2500 } else { 10_000 };
-    let whole: Vec<u32> = (500..=most_hz).filter(|hz| 1_000_000 % hz == 0).collect();
+    let max_hz = if source.percent(80) { 2500 } else { 10_000 };
+    let whole: Vec<u32> = (500..=max_hz).filter(|hz| 1_000_000 % hz == 0).collect();
     source.one_of(&whole)
 }
 
 /// Greatest speed. In most scenes a program can request the platform's acceleration at that speed.
 pub fn speed_hz(source: &mut Source, mechanism: &AnyMechanism, tick_hz: u32) -> f64 {
-    const MOST_AMAX_MPS2: f64 = 10_000.0;
-    let most = mechanism.speed_for_amax_rad_s(MOST_AMAX_MPS2) / TAU;
-    let usual = (0.02 * most.min(60.0), most.min(60.0));
-    let most_hz = (0.4 * f64::from(tick_hz)).min(200.0);
-    source.usual(usual, (0.1, most_hz))
+    const MAX_AMAX_MPS2: f64 = 10_000.0;
+    let max = mechanism.speed_for_amax_rad_s(MAX_AMAX_MPS2) / TAU;
+    let usual = (0.02 * max.min(60.0), max.min(60.0));
+    let max_hz = (0.4 * f64::from(tick_hz)).min(200.0);
+    source.usual(usual, (0.1, max_hz))
 }
 
 /// Time to the greatest speed, s.
@@ -38,11 +38,11 @@ pub fn ramp_s(source: &mut Source, tick_hz: u32) -> f64 {
 
 /// Homing speed. A turn at the least one takes 100 s.
 pub fn homing_hz(source: &mut Source, speed_hz: f64) -> f64 {
-    let most_hz = speed_hz.min(10.0);
+    let max_hz = speed_hz.min(10.0);
     if source.percent(2) {
-        return source.log_between(0.05, most_hz.max(0.06)).min(speed_hz);
+        return source.log_between(0.05, max_hz.max(0.06)).min(speed_hz);
     }
-    source.usual((0.8, most_hz), (0.3 * most_hz, most_hz))
+    source.usual((0.8, max_hz), (0.3 * max_hz, max_hz))
 }
 
 pub fn control(source: &mut Source, tick_hz: u32) -> Control {
@@ -144,21 +144,21 @@ fn bands(source: &mut Source, basis: &Basis) -> Vec<Band> {
 
 pub fn pulse(source: &mut Source, tick_hz: u32) -> Pulse {
     // A change of direction takes about the sum of these times, and has a quarter of a tick.
-    let most_ns = 0.05 * 1e9 / f64::from(tick_hz);
+    let max_ns = 0.05 * 1e9 / f64::from(tick_hz);
     if source.percent(60) {
         return Pulse::default();
     }
     Pulse {
-        width_ns: source.usual((100.0, 3000.0), (8.0, most_ns)),
-        dir_setup_ns: source.usual((100.0, 5000.0), (0.0, most_ns)),
-        dir_hold_ns: source.usual((100.0, 5000.0), (0.0, most_ns)),
+        width_ns: source.usual((100.0, 3000.0), (8.0, max_ns)),
+        dir_setup_ns: source.usual((100.0, 5000.0), (0.0, max_ns)),
+        dir_hold_ns: source.usual((100.0, 5000.0), (0.0, max_ns)),
     }
 }
 
 pub fn index(source: &mut Source, tick_hz: u32) -> Index {
-    let most_us = (0.25e6 / f64::from(tick_hz)).min(100.0);
+    let max_us = (0.25e6 / f64::from(tick_hz)).min(100.0);
     Index {
-        width_us: source.or_default(2.0, 0.1, most_us),
+        width_us: source.or_default(2.0, 0.1, max_us),
     }
 }
 

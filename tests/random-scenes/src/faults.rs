@@ -89,8 +89,8 @@ impl Machine<'_> {
             FaultName::Overrun | FaultName::EnableLoss | FaultName::StopInput
         );
         let axis = self.axis(source, kind)?;
-        let signed = |source: &mut Source, usual: (f64, f64), most: f64| {
-            let size = source.usual(usual, (1e-3 * most, most));
+        let signed = |source: &mut Source, usual: (f64, f64), max: f64| {
+            let size = source.usual(usual, (1e-3 * max, max));
             if source.percent(50) { size } else { -size }
         };
         let mut fault = FaultAt::new(basis.time_s(source), kind);
@@ -104,8 +104,8 @@ impl Machine<'_> {
                 fault.rate_deg_per_s = Some(signed(source, (1.0, 360.0), 36_000.0));
             }
             FaultName::Runaway => {
-                let most_hz = (1.5 * basis.speed_hz).min(200.0);
-                fault.speed_hz = Some(signed(source, (0.1 * most_hz, most_hz), 200.0));
+                let max_hz = (1.5 * basis.speed_hz).min(200.0);
+                fault.speed_hz = Some(signed(source, (0.1 * max_hz, max_hz), 200.0));
             }
             FaultName::IndexMissing | FaultName::IndexExtra => {
                 let count = source.usual((1.0, 5.0), (1.0, 1e6)) as u32;

@@ -39,7 +39,7 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
     let disc_kgm2 = load_kg * (mount_radius_mm * 1e-3).powi(2) / 4.0;
     let rods = source.one_of(&[Rods::QuasiStatic, Rods::QuasiStatic, Rods::Elastic]);
     // An oscillation on the rods is as slow as some ticks allow, except in a few scenes.
-    let (least, most) = (source.log_between(0.01, 0.3), source.log_between(0.3, 3.0));
+    let (min, max) = (source.log_between(0.01, 0.3), source.log_between(0.3, 3.0));
     let stiffness = |ticks: f64| load_kg * (ticks * f64::from(tick_hz)).powi(2) * 1e-6;
     let mut machine = crate::plain::scene().machine.expect("it has one");
     machine.mechanism = mechanism;
@@ -58,7 +58,7 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
     machine.tilt_inertia_kgm2 = source.maybe(40, |source| {
         source.usual((0.3 * disc_kgm2, 3.0 * disc_kgm2), (1e-6, 1000.0))
     });
-    machine.rod_n_per_um = source.usual((stiffness(least), stiffness(most)), (0.01, 10_000.0));
+    machine.rod_n_per_um = source.usual((stiffness(min), stiffness(max)), (0.01, 10_000.0));
     machine.rods = rods;
     machine.rod_zeta = source.or_default(0.02, 0.0, 2.0);
     machine.allow_commanded_tilt = source.percent(50);
@@ -87,11 +87,11 @@ pub fn rods(source: &mut Source, basis: &Basis, axes: &Axes, machine: Machine) -
     if axes.rotor_inertia_kgm2 == 0.0 || source.percent(5) {
         return machine;
     }
-    let lever_m = basis.mechanism.crank_radius_m() * basis.mechanism.greatest_s();
+    let lever_m = basis.mechanism.crank_radius_m() * basis.mechanism.max_s();
     let fastest_rad_s = source.log_between(0.1, 1.0) * f64::from(basis.tick_hz);
-    let most = axes.rotor_inertia_kgm2 * (fastest_rad_s / lever_m).powi(2) * 1e-6;
+    let max = axes.rotor_inertia_kgm2 * (fastest_rad_s / lever_m).powi(2) * 1e-6;
     Machine {
-        rod_n_per_um: at_most(machine.rod_n_per_um.min(most)).max(0.01),
+        rod_n_per_um: at_most(machine.rod_n_per_um.min(max)).max(0.01),
         ..machine
     }
 }

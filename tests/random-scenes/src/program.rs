@@ -10,15 +10,15 @@ use crate::basis::Basis;
 use crate::source::{Source, at_most};
 
 /// Greatest level that a program can ask for, m/s².
-const MOST_MPS2: f64 = 10_000.0;
+const MAX_MPS2: f64 = 10_000.0;
 
 /// Longest time of a usual program, s, and of a long one.
 const USUAL_S: f64 = 3.0;
 const LONG_S: f64 = 40.0;
 
 pub fn program(source: &mut Source, basis: &Basis) -> Vec<Segment> {
-    let most_s = if source.percent(2) { LONG_S } else { USUAL_S };
-    let whole_s = source.log_between(0.1, most_s);
+    let max_s = if source.percent(2) { LONG_S } else { USUAL_S };
+    let whole_s = source.log_between(0.1, max_s);
     let count = 1 + source.below(4);
     let each_s = whole_s / count as f64;
     (0..count)
@@ -28,8 +28,8 @@ pub fn program(source: &mut Source, basis: &Basis) -> Vec<Segment> {
 
 /// A level, or in some cases a block, which takes about `takes_s`.
 fn entry(source: &mut Source, basis: &Basis, takes_s: f64, depth: usize) -> Segment {
-    const MOST_DEPTH: usize = 3;
-    if depth == MOST_DEPTH || !source.percent(15) {
+    const MAX_DEPTH: usize = 3;
+    if depth == MAX_DEPTH || !source.percent(15) {
         return level(source, basis, takes_s);
     }
     let repeat = 1 + source.below(4);
@@ -53,11 +53,11 @@ fn level(source: &mut Source, basis: &Basis, takes_s: f64) -> Segment {
     } else {
         part
     };
-    let most_mps2 = basis.most_amax_mps2().min(MOST_MPS2);
+    let max_mps2 = basis.max_amax_mps2().min(MAX_MPS2);
     let amax_mps2 = basis
         .mechanism
         .amax_mps2(part * basis.speed_hz * TAU)
-        .min(most_mps2);
+        .min(max_mps2);
     let ramp_s = takes_s * source.between(0.1, 0.9);
     let (ramp_s, hold_s) = match source.below(12) {
         0 => (None, Some(takes_s)),

@@ -58,8 +58,8 @@ impl Source {
             return high;
         }
         if low < 0.0 {
-            let most = if self.percent(50) { low } else { high };
-            return most.signum() * self.log_between(1e-6 * most.abs(), most.abs());
+            let max = if self.percent(50) { low } else { high };
+            return max.signum() * self.log_between(1e-6 * max.abs(), max.abs());
         }
         self.log_between(low.max(1e-6 * high), high)
     }

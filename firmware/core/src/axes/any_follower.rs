@@ -55,8 +55,8 @@ macro_rules! followers {
 
             /// Upper bound on the turns of the axis per turn of the master. It needs little memory, and may be some percent too high.
             #[cold]
-            pub fn most_ratio(&self, cams: &[CamSettings]) -> f64 {
-                match self { $(Self::$Name(own) => own.most_ratio(cams),)* }
+            pub fn max_ratio(&self, cams: &[CamSettings]) -> f64 {
+                match self { $(Self::$Name(own) => own.max_ratio(cams),)* }
             }
         }
 

@@ -8,17 +8,17 @@ use core::hash::{Hash, Hasher};
 use super::bounds::Bounds;
 use super::cams::Cams;
 use super::follower::Follower;
-use super::spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};
+use super::spline::{MAX_CAM_POINTS, MIN_CAM_POINTS, Spline};
 use crate::problem::{Problem, SettingsError};
 use crate::units::{ONE_TURN, Phase, Turns};
 use cophase_motion::settings::key::{Key, or};
 use cophase_motion::settings::{self as motion, inside, turns};
 
 /// Greatest position and net travel of a table, turns, and greatest slope.
-const MOST_TURNS: f64 = 1000.0;
+const MAX_TURNS: f64 = 1000.0;
 
 /// `cam_table.net_turns`
-pub const NET_TURNS: Key = or(0.0).from(-MOST_TURNS, MOST_TURNS);
+pub const NET_TURNS: Key = or(0.0).from(-MAX_TURNS, MAX_TURNS);
 /// `cam_table.max_speed_hz`: no usual motor of a positioning drive turns faster than the default.
 pub const MAX_SPEED_HZ: Key = or(100.0).from(1e-3, 1e3);
 /// `cam_table.max_acceleration_hz_per_s`: a usual servo motor reaches twice the default without a load.
@@ -27,7 +27,7 @@ pub const MAX_ACCELERATION_HZ_PER_S: Key = or(10_000.0).from(1e-3, 1e9);
 pub const CAM_SHIFT_DEG: Key = or(0.0).from(-360.0, 360.0);
 
 /// Greatest second derivative, turns per turn²: 48 fraction bits and a sign leave 15 bits.
-const MOST_BEND: f64 = 30_000.0;
+const MAX_BEND: f64 = 30_000.0;
 /// Roughness of a closing step that is a jump, over that of the table without it.
 const JUMP: f64 = 3.0;
 /// Roughness that a table has by the rounding of its points to six decimals, turns.
@@ -61,12 +61,12 @@ impl CamSettings {
     #[cold]
     pub fn check(&self, master: &Bounds) -> Result<(), SettingsError> {
         let count = self.points_turns.len() as f64;
-        let (least, most) = (LEAST_CAM_POINTS as f64, MAX_CAM_POINTS as f64);
-        inside("cam_table.points", count, least, most)?;
+        let (min, max) = (MIN_CAM_POINTS as f64, MAX_CAM_POINTS as f64);
+        inside("cam_table.points", count, min, max)?;
         let net_turns = f64::from(self.net_turns);
         NET_TURNS.check("cam_table.net_turns", net_turns)?;
         for &point in &self.points_turns {
-            inside("cam_table.points", point, -MOST_TURNS, MOST_TURNS)?;
+            inside("cam_table.points", point, -MAX_TURNS, MAX_TURNS)?;
         }
         MAX_SPEED_HZ.check("cam_table.max_speed_hz", self.max_speed_hz)?;
         MAX_ACCELERATION_HZ_PER_S.check(
@@ -75,7 +75,7 @@ impl CamSettings {
         )?;
         self.check_closing()?;
         let (slope, bend) = self.steepest();
-        if slope > MOST_TURNS || bend > MOST_BEND {
+        if slope > MAX_TURNS || bend > MAX_BEND {
             return Err(SettingsError::new(
                 "cam_table.points",
                 Problem::CamTooSteep { slope, bend },
@@ -205,27 +205,27 @@ impl CamTableSettings {
     /// `master_hz` that of the master, rev/s.
     #[cold]
     pub fn too_fast(&self, error: SettingsError, master_hz: f64, speed_hz: f64) -> SettingsError {
-        let most_hz = match error.problem {
+        let max_hz = match error.problem {
             Problem::Motion(motion::Problem::StepRate {
-                rate_hz, most_hz, ..
+                rate_hz, max_hz, ..
             })
             | Problem::Motion(motion::Problem::CountRate {
-                rate_hz, most_hz, ..
-            }) => speed_hz * most_hz / rate_hz,
+                rate_hz, max_hz, ..
+            }) => speed_hz * max_hz / rate_hz,
             Problem::TooFastForTick { turns_per_tick } => 0.5 * speed_hz / turns_per_tick,
             _ => return error,
         };
         let problem = Problem::CamTooFast {
             master_hz,
             speed_hz,
-            most_hz,
+            max_hz,
         };
         SettingsError::new("axes.cam", problem)
     }
 
     /// Upper bound on the turns of the axis per turn of the master, without a fit.
     #[cold]
-    pub fn most_ratio(&self, cams: &[CamSettings]) -> f64 {
+    pub fn max_ratio(&self, cams: &[CamSettings]) -> f64 {
         let table = cams.get(usize::from(self.table));
         table.map_or(0.0, |table| table.steepest().0)
     }
@@ -311,6 +311,6 @@ impl Follower for CamTable {
     #[cold]
     fn allows_index(&self, cams: &Cams) -> bool {
         let curve = self.curve(cams);
-        curve.net() == ONE_TURN && curve.extremes().least_slope > 0.0
+        curve.net() == ONE_TURN && curve.extremes().min_slope > 0.0
     }
 }

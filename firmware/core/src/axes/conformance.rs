@@ -187,7 +187,7 @@ fn bounds_hold_and_accelerations_are_second_differences() {
     for mut case in all() {
         let mut speed = ONE_TURN / 20_000;
         let mut acceleration = 0_i64;
-        let mut most = Bounds::ZERO;
+        let mut max = Bounds::ZERO;
         let mut positions: Vec<i64> = Vec::new();
         let mut given: Vec<f64> = Vec::new();
         let mut position = 0;
@@ -201,13 +201,13 @@ fn bounds_hold_and_accelerations_are_second_differences() {
                 .acceleration(turns(speed), turns(acceleration), &case.cams);
             given.push(now.to_num());
             let of = |bits: i64| (bits as f64 / ONE_TURN as f64).abs();
-            most = most.or(&Bounds {
+            max = max.or(&Bounds {
                 speed: of(speed),
                 acceleration: of(acceleration),
                 jerk: of(jerk(tick)),
             });
         }
-        let bounds = case.follower.bounds(&most, &case.cams);
+        let bounds = case.follower.bounds(&max, &case.cams);
         let differences = |of: &[i64]| of.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>();
         let float = |bits: i64| bits as f64 / ONE_TURN as f64;
         let velocity = differences(&positions);
@@ -215,15 +215,11 @@ fn bounds_hold_and_accelerations_are_second_differences() {
         let jerks = differences(&accelerations);
         // A third difference has eight times the rounding of a position.
         let rounding = 8.0 * case.rounding();
-        let greatest = |of: &[i64]| of.iter().map(|&bits| float(bits).abs()).fold(0.0, f64::max);
+        let max = |of: &[i64]| of.iter().map(|&bits| float(bits).abs()).fold(0.0, f64::max);
         for (what, actual, bound) in [
-            ("speed", greatest(&velocity), bounds.speed),
-            (
-                "acceleration",
-                greatest(&accelerations),
-                bounds.acceleration,
-            ),
-            ("jerk", greatest(&jerks), bounds.jerk),
+            ("speed", max(&velocity), bounds.speed),
+            ("acceleration", max(&accelerations), bounds.acceleration),
+            ("jerk", max(&jerks), bounds.jerk),
         ] {
             assert!(
                 actual <= bound + rounding,

@@ -50,7 +50,7 @@ impl GearSettings {
     }
 
     /// Turns of the axis per turn of the master.
-    pub fn most_ratio(&self, _: &[CamSettings]) -> f64 {
+    pub fn max_ratio(&self, _: &[CamSettings]) -> f64 {
         self.ratio()
     }
 }

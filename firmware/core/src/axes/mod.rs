@@ -24,4 +24,4 @@ pub use cam_table::{
 pub use cams::{Cams, MAX_CAMS, NO_CAMS};
 pub use follower::Follower;
 pub use gear::{Gear, GearSettings, RATIO};
-pub use spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};
+pub use spline::{MAX_CAM_POINTS, MIN_CAM_POINTS, Spline};

@@ -23,7 +23,7 @@ use crate::units::{FRACTION_BITS, ONE_TURN, Turns};
 /// Greatest number of points of a curve.
 pub const MAX_CAM_POINTS: usize = 96;
 /// Least number of points of a curve.
-pub const LEAST_CAM_POINTS: usize = 4;
+pub const MIN_CAM_POINTS: usize = 4;
 
 /// Sweeps after which the error is below a unit of the last place: 4⁻³² of the first guess.
 const SWEEPS: u32 = 32;
@@ -44,9 +44,9 @@ pub struct Spline {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extremes {
     /// Least y′, turns of the axis per turn of the master.
-    pub least_slope: f64,
+    pub min_slope: f64,
     /// Greatest |y′|, |y″| and |y‴|: turns of the axis per turn, turn² and turn³ of the master.
-    pub greatest: Bounds,
+    pub max: Bounds,
 }
 
 /// Segment of a curve, and the place in it.
@@ -84,8 +84,8 @@ impl Spline {
         }
         let count = self.segments();
         // No bend exceeds half of the largest second difference.
-        let largest = (0..count).map(|i| self.second_difference(i).unsigned_abs());
-        let bits = u64::BITS - (largest.max().unwrap_or(0) / 2).leading_zeros();
+        let max = (0..count).map(|i| self.second_difference(i).unsigned_abs());
+        let bits = u64::BITS - (max.max().unwrap_or(0) / 2).leading_zeros();
         self.scale = bits.saturating_sub(BEND_BITS);
         for _ in 0..SWEEPS {
             for i in 0..count {
@@ -216,7 +216,7 @@ impl Spline {
     /// Applies the chain rule: v = y′ ω, a = y′ α + y″ ω², j = y′ J + 3 y″ ω α + y‴ ω³.
     #[cold]
     pub(super) fn bounds(&self, master: &Bounds) -> Bounds {
-        let curve = self.extremes().greatest;
+        let curve = self.extremes().max;
         let Bounds {
             speed,
             acceleration,
@@ -237,8 +237,8 @@ impl Spline {
         let count = self.segments() as f64;
         let turns = |bits: i64| bits as f64 / ONE_TURN as f64;
         let mut extremes = Extremes {
-            least_slope: f64::INFINITY,
-            greatest: Bounds::ZERO,
+            min_slope: f64::INFINITY,
+            max: Bounds::ZERO,
         };
         let steps = self.positions.windows(2).zip(self.bends.windows(2));
         for (positions, bends) in steps {
@@ -255,8 +255,8 @@ impl Spline {
                 let sum = 2.0 * bend + next + u * change;
                 let sag = (1.0 - 2.0 * u) * sum + u * (1.0 - u) * change;
                 let slope = count * (turns(to - from) - sag);
-                extremes.least_slope = extremes.least_slope.min(slope);
-                extremes.greatest = extremes.greatest.or(&Bounds {
+                extremes.min_slope = extremes.min_slope.min(slope);
+                extremes.max = extremes.max.or(&Bounds {
                     speed: slope.abs(),
                     acceleration: (6.0 * count * count * (bend + u * change)).abs(),
                     jerk: (6.0 * count * count * count * change).abs(),
@@ -376,10 +376,10 @@ mod tests {
             spline.fit(&points, net_turns);
             assert_eq!(spline.net(), i64::from(net_turns) * ONE_TURN);
             let Extremes {
-                least_slope,
-                greatest: steepest,
+                min_slope,
+                max: steepest,
             } = spline.extremes();
-            assert_eq!(least_slope, f64::from(net_turns));
+            assert_eq!(min_slope, f64::from(net_turns));
             assert_eq!(steepest.speed, f64::from(net_turns.abs()));
             assert_eq!(steepest.acceleration, 0.0);
             for i in 0..1000 {
@@ -401,11 +401,11 @@ mod tests {
         // Points rise, but the curve overshoots after the steep part.
         let points = [0.0, 0.01, 0.02, 0.03, 0.5, 0.97, 0.98, 0.99];
         spline.fit(&points, 1);
-        assert!(spline.extremes().least_slope < 0.0);
-        let least = (0..8000).map(|i| {
+        assert!(spline.extremes().min_slope < 0.0);
+        let min = (0..8000).map(|i| {
             let at = |i: i32| spline.position(phase(f64::from(i) / 8001.0));
             at(i + 1) - at(i)
         });
-        assert!(least.min().unwrap() < 0);
+        assert!(min.min().unwrap() < 0);
     }
 }

@@ -29,7 +29,7 @@ const SWINGS_FOR: u64 = 10;
 #[derive(Clone, Debug)]
 pub(super) struct HoldWatch {
     /// Smallest phase error of each encoder, without sign.
-    least: PerAxis<Turns>,
+    min: PerAxis<Turns>,
     /// Index pulses of each axis without an encoder.
     pulses: PerAxis<u8>,
 }
@@ -38,19 +38,19 @@ impl HoldWatch {
     /// Watch at the beginning of a hold.
     pub(super) const fn new() -> Self {
         Self {
-            least: [Turns::MAX; MAX_AXES],
+            min: [Turns::MAX; MAX_AXES],
             pulses: [0; MAX_AXES],
         }
     }
 
     /// Records the phase error of an encoder. Returns true if the crank has moved away by more than `alone`.
     fn has_moved_away(&mut self, axis: usize, error: Turns, alone: Turns) -> bool {
-        let Some(least) = self.least.get_mut(axis) else {
+        let Some(min) = self.min.get_mut(axis) else {
             return false;
         };
         let off = error.wrapping_abs();
-        *least = off.min(*least);
-        off.saturating_sub(*least) > alone
+        *min = off.min(*min);
+        off.saturating_sub(*min) > alone
     }
 
     /// Counts an index pulse. Returns true if the axis has made over `tolerated` pulses more than the axis of `all` with the fewest.

@@ -122,7 +122,7 @@ impl LoopState {
 }
 
 /// Number of busy ticks in a row after which work is no longer postponed. The pulses of all axes and a correction take fewer.
-const MOST_BUSY_TICKS: u8 = MAX_AXES as u8 + 12;
+const MAX_BUSY_TICKS: u8 = MAX_AXES as u8 + 12;
 
 impl Controller {
     /// Number of axes.
@@ -216,7 +216,7 @@ impl Controller {
 
     /// True if work that can wait may be done in this tick: the tick is not busy, or too many busy ones came before.
     const fn has_time(&self) -> bool {
-        !self.state.is_busy || self.state.busy_ticks >= MOST_BUSY_TICKS
+        !self.state.is_busy || self.state.busy_ticks >= MAX_BUSY_TICKS
     }
 
     /// Phase of the master plus the home offset: the phase at which the cranks are.

@@ -1,7 +1,7 @@
 //! Limit on missed deadlines.
 
 /// Largest number of deadlines missed at once that is no fault.
-const MOST_AT_ONCE: u32 = 2;
+const MAX_AT_ONCE: u32 = 2;
 
 /// Number of ticks after which a missed deadline no longer counts.
 const FORGIVEN_AFTER: u32 = 8;
@@ -28,13 +28,13 @@ impl Punctuality {
 
     /// Counts missed deadlines. Returns true if there are too many.
     pub(super) const fn missed(&mut self, deadlines: u32) -> bool {
-        const MOST: u32 = MOST_AT_ONCE * FORGIVEN_AFTER;
+        const MAX: u32 = MAX_AT_ONCE * FORGIVEN_AFTER;
         let debt = deadlines
             .saturating_mul(FORGIVEN_AFTER)
             .saturating_add(self.debt);
         // The ceiling lets the machine start again soon after the loop is back, however long it was away.
-        const CEILING: u32 = MOST + FORGIVEN_AFTER;
+        const CEILING: u32 = MAX + FORGIVEN_AFTER;
         self.debt = if debt < CEILING { debt } else { CEILING };
-        debt > MOST
+        debt > MAX
     }
 }

@@ -33,9 +33,9 @@ pub(super) fn wiring_patterns(
             || !settings.allows_apart(pattern)
             || !settings.allows_apart(&pattern.map(|level| -level))
         {
-            let most = pattern.iter().map(|level| level.abs()).max();
+            let max = pattern.iter().map(|level| level.abs()).max();
             let problem = Problem::WiringPattern {
-                deg: most.unwrap_or_default().to_num::<f64>() * 360.0,
+                deg: max.unwrap_or_default().to_num::<f64>() * 360.0,
             };
             return Err(SettingsError::new("correction.prove_wiring", problem));
         }
@@ -57,8 +57,8 @@ fn patterns(count: usize, tolerance: Turns) -> [PerAxis<Turns>; 2] {
         libm::fabs(a - c).max(libm::fabs(b - d))
     };
     let pairs = (0..count).flat_map(|i| (0..i).map(move |j| apart(i, j)));
-    let least = pairs.fold(f64::INFINITY, f64::min);
-    let amplitude = tolerance.to_num::<f64>() * APART as f64 / least;
+    let min = pairs.fold(f64::INFINITY, f64::min);
+    let amplitude = tolerance.to_num::<f64>() * APART as f64 / min;
     core::array::from_fn(|tilt| {
         let mut levels = PerAxis::default();
         let mut rest = Turns::ZERO;

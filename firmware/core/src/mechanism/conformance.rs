@@ -54,11 +54,11 @@ fn the_platform_comes_back_after_a_turn() {
 fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
     for (settings, mechanism) in all() {
         let curvatures = (0..3600).map(|i| at(&mechanism, f64::from(i) / 3600.0).1.abs());
-        let greatest = curvatures.fold(0.0, f64::max);
+        let max = curvatures.fold(0.0, f64::max);
         for amax_mps2 in [1.0, 98.1, 981.0] {
             let speed = mechanism.speed(Amax::from_num(amax_mps2));
             let omega = speed.to_num::<f64>() * f64::from(TICK_HZ) * core::f64::consts::TAU;
-            let actual = RADIUS_M * greatest * omega * omega;
+            let actual = RADIUS_M * max * omega * omega;
             assert!(
                 (actual / amax_mps2 - 1.0).abs() < 1e-5,
                 "{settings:?}: {actual} m/s² for {amax_mps2}"
@@ -78,7 +78,7 @@ fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
 fn the_greatest_slope_matches_a_fine_search() {
     for (settings, mechanism) in all() {
         let slopes = (0..100_000).map(|i| at(&mechanism, f64::from(i) / 100_000.0).0.abs());
-        let error = slopes.fold(0.0, f64::max) - mechanism.greatest_slope();
+        let error = slopes.fold(0.0, f64::max) - mechanism.max_slope();
         assert!((-1e-6..1e-4).contains(&error), "{settings:?}: {error:e}");
     }
 }

@@ -47,10 +47,10 @@ pub struct CrankRockerSettings {
 const ONE: i64 = 1 << 28;
 
 /// Greatest sine of a pressure angle: 70°. Closer to a branch point the linkage jams, and the fixed-point error grows.
-const GREATEST_PRESSURE_SINE: f64 = 0.94;
+const MAX_PRESSURE_SINE: f64 = 0.94;
 
 /// Least distance of the crank's pin from the rocker's pivot, over the rocker.
-const LEAST_DIAGONAL: f64 = 0.25;
+const MIN_DIAGONAL: f64 = 0.25;
 
 /// Range of the greatest curvature: [`Kinematics`] end at 2, and below 0.1 the rocker hardly moves.
 const CURVATURES: (f64, f64) = (0.1, 1.95);
@@ -95,16 +95,16 @@ impl CrankRockerSettings {
         };
         let [nearest, farthest] = [self.ground - self.crank, self.ground + self.crank];
         let pressure = sine(nearest).abs().max(sine(farthest).abs());
-        if pressure > GREATEST_PRESSURE_SINE || nearest < LEAST_DIAGONAL {
+        if pressure > MAX_PRESSURE_SINE || nearest < MIN_DIAGONAL {
             return refuse(Problem::Jams);
         }
-        let curvature = Geometry::new(self).greatest(|motion| motion.curvature);
-        let (least, most) = CURVATURES;
-        if !(least..=most).contains(&curvature) {
+        let curvature = Geometry::new(self).max(|motion| motion.curvature);
+        let (min, max) = CURVATURES;
+        if !(min..=max).contains(&curvature) {
             return refuse(Problem::RockerCurvature {
                 curvature,
-                least,
-                most,
+                min,
+                max,
             });
         }
         Ok(())
@@ -123,7 +123,7 @@ impl CrankRocker {
     #[cold]
     pub fn new(settings: &CrankRockerSettings, unit_m: f64, tick_hz: u32) -> Self {
         let geometry = Geometry::new(settings);
-        let curvature = geometry.greatest(|motion| motion.curvature);
+        let curvature = geometry.max(|motion| motion.curvature);
         Self {
             law: SquareLaw::new(unit_m * curvature, tick_hz),
             geometry,
@@ -269,7 +269,7 @@ impl Geometry {
     ///
     /// Samples every 0.35° bracket the maximum. A ternary search of the bracket ends where the fixed-point error hides the rest.
     #[cold]
-    fn greatest(&self, of: fn(Motion) -> i64) -> f64 {
+    fn max(&self, of: fn(Motion) -> i64) -> f64 {
         const STEP: u32 = 1 << 22;
         let size = |angle: u32| of(self.at(angle)).unsigned_abs();
         let angles = (0..1024_u32).map(|i| i << 22);

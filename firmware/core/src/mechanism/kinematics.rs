@@ -29,7 +29,7 @@ pub trait Mechanism: Copy {
 
     /// Greatest slope over a turn: the travel of the platform's edge per phase error of a crank. The error is below 1e-4.
     #[cold]
-    fn greatest_slope(&self) -> f64 {
+    fn max_slope(&self) -> f64 {
         // The slope is smooth, with one maximum in each half turn, so half a degree is fine enough.
         let angles = (0..720_u64).map(|half_degree| ((half_degree << 32) / 720) as u32);
         let slopes = angles.map(|angle| self.kinematics(angle).slope.unsigned_abs());

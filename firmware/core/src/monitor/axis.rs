@@ -9,7 +9,7 @@ use super::config::AxisConfig;
 use super::counts::Counts;
 use super::encoder::{Encoder, Read, Tracking};
 use super::evaluate::Tick;
-use super::index::{Index, MOST_LATE, Passage, Pulse};
+use super::index::{Index, MAX_LATE, Passage, Pulse};
 use super::names::{Events, may_be_fast};
 use super::pulses::IndexPulse;
 use super::steady_drift::SteadyDrift;
@@ -20,7 +20,7 @@ use crate::supervisor::FaultKind;
 use crate::units::{AxisSet, PerAxis, Phase, Turns, nearest};
 
 /// Missing index pulses in a row that are tolerated on an axis with an encoder.
-const MOST_MISSED: u8 = 2;
+const MAX_MISSED: u8 = 2;
 
 /// Time at which a phase error is measured, on an axis whose encoder shows it all the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -195,7 +195,7 @@ impl Axis {
         // A missing pulse is no evidence against an encoder, except before the first pulse.
         let late = self.index.late(now);
         if late > self.config.gate && !(self.config.has_encoder && self.index.is_known()) {
-            shown.is_late(late.min(MOST_LATE));
+            shown.is_late(late.min(MAX_LATE));
         }
     }
 
@@ -341,10 +341,10 @@ impl Axis {
         // jump, the index shows only a part of it.
         let observed = of_angle(by);
         let same_sense = jump != 0 && (observed < 0) == (jump < 0);
-        let most = of_angle(angle(jump))
+        let max = of_angle(angle(jump))
             .wrapping_abs()
             .saturating_add(self.config.gate);
-        if same_sense && observed.wrapping_abs() <= most {
+        if same_sense && observed.wrapping_abs() <= max {
             self.confirm(jump, observed, false);
             return angle(jump);
         }
@@ -385,7 +385,7 @@ impl Axis {
             // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
             return (FaultKind::Slip, self.config.alone.wrapping_neg(), false);
         }
-        let within_limits = self.index.missed <= MOST_MISSED;
+        let within_limits = self.index.missed <= MAX_MISSED;
         (FaultKind::IndexMissing, Turns::ZERO, within_limits)
     }
 

@@ -185,12 +185,12 @@ fn gate(tolerance: Turns, cycle: Turns) -> Turns {
     // If steps are so coarse that this is below the largest difference of two readings, the gate is half a cycle. Behind a gear, a cycle
     // may be too short to be distinguished from that difference at all.
     let (sure, differ) = (half - tolerance, 2 * tolerance);
-    let most = if sure < differ {
+    let max = if sure < differ {
         half.max(differ)
     } else {
         sure
     };
-    widest.min(Turns::from_bits(most))
+    widest.min(Turns::from_bits(max))
 }
 
 /// Greatest speed, in tolerances per second, of a rotor that swings by one tolerance at 16 Hz: 2π · 16. Motors with their loads swing at

@@ -133,10 +133,10 @@ impl Encoder {
     /// time. When that is released, it may spring back, and swing once to either side.
     pub(super) fn has_gone_back(&self, config: &AxisConfig) -> bool {
         let behind = self.phase_error.wrapping_neg();
-        let most = config.swing().saturating_add(config.swing());
+        let max = config.swing().saturating_add(config.swing());
         // The travel must be large against the noise.
         let is_sure = behind > 0 && self.back > about(config.jump());
-        is_sure && (self.back > Turns::from_bits(behind.to_bits() >> 2) || self.back > most)
+        is_sure && (self.back > Turns::from_bits(behind.to_bits() >> 2) || self.back > max)
     }
 
     /// Processes a reading at the end of a tick. A deviation from the command by more than `jump` in a tick is held back. Returns the

@@ -2,7 +2,7 @@
 
 use super::angles::{angle, in_common, middle, of_angle};
 use super::axis::{Axis, Motion, Report, Shown};
-use super::index::MOST_LATE;
+use super::index::MAX_LATE;
 use super::{Angle, DriftMonitor, Measured, Modes, Sensed};
 use crate::commanded::{Recent, TickClock, TickPhase};
 use crate::supervisor::{Fault, FaultKind};
@@ -117,7 +117,7 @@ impl DriftMonitor {
                 self.report(axis, (kind, of_angle(by), false), shown, sensed);
             } else if self
                 .moved
-                .is_none_or(|(_, most)| of_angle(by).abs() > most.abs())
+                .is_none_or(|(_, max)| of_angle(by).abs() > max.abs())
             {
                 self.moved = Some((axis, of_angle(by)));
             }
@@ -205,12 +205,12 @@ impl DriftMonitor {
         let axes = self.axes.iter().zip(&shown.late_by);
         for (error, (axis, &late)) in errors.iter_mut().zip(axes) {
             if late != 0 {
-                let least = if self.is_homing {
+                let min = if self.is_homing {
                     Turns::ZERO
                 } else {
                     axis.config.cycle
                 };
-                *error -= angle(late.max(least).min(MOST_LATE));
+                *error -= angle(late.max(min).min(MAX_LATE));
             }
         }
     }
@@ -304,7 +304,7 @@ impl DriftMonitor {
         // Limits may be so wide that no delay exceeds them. If all cranks are late together, only the common part of their errors changes.
         let mut watched = axes_of(self.watched());
         let is_overdue = shown.late != 0
-            && (shown.late_by.contains(&MOST_LATE)
+            && (shown.late_by.contains(&MAX_LATE)
                 || watched.all(|axis| shown.late_by.get(axis) > Some(&limits.common)));
         match exceeded.or(is_overdue.then_some(FaultKind::Tilt)) {
             None if !self.is_homing => limits.of_common(&self.modes, speed),
@@ -402,9 +402,9 @@ impl DriftMonitor {
     /// although flags at different places show it at different times. A crank that failed lags alone.
     #[inline(never)]
     fn all_lag_by(&self, lag: Turns, shown: &Shown, sensed: &Sensed<'_>) -> bool {
-        let least = lag.wrapping_sub(lag / 4);
+        let min = lag.wrapping_sub(lag / 4);
         let mut axes = axes_of(self.watched());
-        lag > 0 && axes.all(|axis| self.lag(axis, shown, sensed) >= least)
+        lag > 0 && axes.all(|axis| self.lag(axis, shown, sensed) >= min)
     }
 
     /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike. If the

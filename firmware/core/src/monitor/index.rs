@@ -28,7 +28,7 @@ const ONE_AND_HALF: Turns = Turns::from_bits(ONE_TURN + ONE_TURN / 2);
 
 /// Largest delay that an estimate contains. A pulse that is this late shows that its crank or its sensor has failed, whatever the limits
 /// are.
-pub(super) const MOST_LATE: Turns = Turns::from_bits(ONE_TURN / 4);
+pub(super) const MAX_LATE: Turns = Turns::from_bits(ONE_TURN / 4);
 
 /// Binary logarithm of the number of index pulses over which the difference of crank and encoder is averaged.
 const FILTER_SHIFT: u32 = 4;

@@ -128,7 +128,7 @@ impl DriftLimits {
     #[cold]
     pub(super) fn alone(&self, mount: &Mount, axis: usize, count: usize) -> Turns {
         let (tilt, warp) = mount.alone(axis);
-        let most = |limit: Turns, share: f64| {
+        let max = |limit: Turns, share: f64| {
             if share > 1e-6 {
                 limit.to_num::<f64>() / share
             } else {
@@ -136,10 +136,10 @@ impl DriftLimits {
             }
         };
         let limits = self.of_readings();
-        let least = most(limits.tilt, tilt).min(most(limits.warp, warp));
+        let min = max(limits.tilt, tilt).min(max(limits.warp, warp));
         // With one sensor, only the common lag is known.
         let common = self.common.to_num::<f64>() * count as f64;
-        turns(least.min(common).min(0.25))
+        turns(min.min(common).min(0.25))
     }
 }
 

@@ -406,7 +406,7 @@ impl DriftMonitor {
     #[inline(never)]
     pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
         self.findings.pass(sensed.speed);
-        self.margin = self.margin.wrapping_sub(sensed.history.most());
+        self.margin = self.margin.wrapping_sub(sensed.history.max());
         self.shown = 0;
         let arrived = self.pulsed_by_index(sensed.index);
         if arrived != 0 || self.margin < 0 || self.encoders() != 0 {

@@ -359,9 +359,9 @@ mod tests {
                         assert!(near(actual[0], (plane(a) + plane(b)) / 2.0));
                         let at = |i: usize| actual[1] * theta(i).cos() + actual[2] * theta(i).sin();
                         assert!(near(at(a) - at(b), plane(a) - plane(b)));
-                        let least = (plane(a) - plane(b)).abs();
+                        let min = (plane(a) - plane(b)).abs();
                         assert!(
-                            actual[1].hypot(actual[2]) <= least + 1e-6,
+                            actual[1].hypot(actual[2]) <= min + 1e-6,
                             "not the least tilt"
                         );
                     }

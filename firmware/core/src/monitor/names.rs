@@ -22,7 +22,7 @@ const EVENTS: usize = 4;
 const FORGOTTEN_AFTER: u32 = 8;
 
 /// Electrical cycles that a stepper may gain at once.
-const MOST_GAINED: i64 = 4;
+const MAX_GAINED: i64 = 4;
 
 /// Turns from an extra pulse to the one in its place, if a runaway may have made it. At more than twice the commanded speed, a crank passes
 /// its flag once between, and once in its place. Above ½ turn it would be slower. Below 1 − p, with p² + p = 1, the next pulse still shows
@@ -238,7 +238,7 @@ impl AxisConfig {
     /// stepper that gains more than a few cycles runs away.
     fn is_whole_in_two(&self, by: Turns) -> bool {
         self.is_whole(by)
-            && by.to_bits() <= MOST_GAINED * self.cycle.to_bits() + self.cycle.to_bits() / 2
+            && by.to_bits() <= MAX_GAINED * self.cycle.to_bits() + self.cycle.to_bits() / 2
     }
 
     /// True if a jump is one or more whole electrical cycles.

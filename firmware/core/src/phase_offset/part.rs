@@ -50,7 +50,7 @@ impl Part {
             let steps = length.unsigned_abs();
             let own = match lane.slot_steps {
                 1 => steps,
-                most => lane.per_slot.divide(u64::from(steps + most - 1)).0 as u32,
+                max => lane.per_slot.divide(u64::from(steps + max - 1)).0 as u32,
             };
             rounds = rounds.max(own);
         }
@@ -82,8 +82,8 @@ impl Part {
         } else {
             target - ahead
         };
-        let most = lane.slot_steps as i32;
-        let steps = (aim - *now).max(-most).min(most); // `clamp` may panic
+        let max = lane.slot_steps as i32;
+        let steps = (aim - *now).max(-max).min(max); // `clamp` may panic
         if steps == 0 {
             return None;
         }

@@ -116,15 +116,15 @@ fn one_axis_moves_at_a_time_within_its_rate() {
     }
     // No axis is faster than its rate, from any tick to the same place in the next round.
     let round = 6 * offsets.slot_ticks as usize;
-    let most = rate_hz / hz * 3200.0 * round as f64;
+    let max = rate_hz / hz * 3200.0 * round as f64;
     for (first, second) in positions.iter().zip(positions.iter().skip(round)) {
         for (first, second) in first.iter().zip(second) {
-            assert!((second - first).abs() <= most + 1e-9);
+            assert!((second - first).abs() <= max + 1e-9);
         }
     }
     let duration_s = positions.len() as f64 / hz;
-    let least_s = 0.02 / rate_hz;
-    assert!(duration_s < 1.3 * least_s, "{duration_s} s of {least_s} s");
+    let min_s = 0.02 / rate_hz;
+    assert!(duration_s < 1.3 * min_s, "{duration_s} s of {min_s} s");
     // All axes are on the straight line, within the steps of one or two slots.
     for (tick, position) in positions.iter().enumerate() {
         let part = tick as f64 / positions.len() as f64;

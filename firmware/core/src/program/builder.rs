@@ -8,12 +8,12 @@ use cophase_motion::settings::inside;
 use cophase_motion::settings::key::{Key, optional};
 
 /// Greatest level, m/s².
-const MOST_AMAX_MPS2: f64 = 10_000.0;
+const MAX_AMAX_MPS2: f64 = 10_000.0;
 
 /// `program.amax_g`, in tenths within the greatest level
 pub const AMAX_G: Key = optional("3").from(
     0.0,
-    (10.0 * MOST_AMAX_MPS2 / STANDARD_GRAVITY_MPS2) as u32 as f64 / 10.0,
+    (10.0 * MAX_AMAX_MPS2 / STANDARD_GRAVITY_MPS2) as u32 as f64 / 10.0,
 );
 /// `program.ramp_s`
 pub const RAMP_S: Key = optional("4").from(0.0, 100_000.0);
@@ -81,7 +81,7 @@ pub struct ProgramBuilder<'a> {
 }
 
 /// Length of the longest program: 10 years at 10 kHz, far below 64 bits of ticks.
-const MOST_TICKS: u64 = 10_000 * 86_400 * 3_653;
+const MAX_TICKS: u64 = 10_000 * 86_400 * 3_653;
 
 impl<'a> ProgramBuilder<'a> {
     /// Empties a program and rebuilds it, for a machine with this tick rate (Hz), mechanism and greatest speed (rev/s).
@@ -125,7 +125,7 @@ impl<'a> ProgramBuilder<'a> {
     #[cold]
     pub fn segment(&mut self, settings: SegmentSettings) -> Result<(), SettingsError> {
         let amax_mps2 = settings.amax_mps2;
-        inside("program.amax_mps2", amax_mps2, AMAX_G.low, MOST_AMAX_MPS2)?;
+        inside("program.amax_mps2", amax_mps2, AMAX_G.low, MAX_AMAX_MPS2)?;
         let ramp_s = RAMP_S.check("program.ramp_s", settings.ramp_s)?;
         let hold_s = HOLD_S.check("program.hold_s", settings.hold_s)?;
         let level = Amax::from_num(amax_mps2);
@@ -139,7 +139,7 @@ impl<'a> ProgramBuilder<'a> {
                     requested_mps2: amax_mps2,
                     needed_hz: needed.to_num::<f64>() * f64::from(self.tick_hz),
                     limit_hz,
-                    most_mps2: self.mechanism.amax(limit).to_num(),
+                    max_mps2: self.mechanism.amax(limit).to_num(),
                 },
             ));
         }
@@ -177,7 +177,7 @@ impl<'a> ProgramBuilder<'a> {
     #[cold]
     fn push(&mut self, entry: Entry, ticks: u64) -> Result<(), SettingsError> {
         let end = self.program.duration() + ticks;
-        if end > MOST_TICKS {
+        if end > MAX_TICKS {
             return Err(SettingsError::new(
                 "program.repeat",
                 Problem::ProgramEndless,

@@ -35,7 +35,7 @@ pub struct FeedForward {
 }
 
 /// Greatest torque of a setpoint, N·m, which leaves room for the sum of its parts.
-const MOST_NM: f64 = 30_000.0;
+const MAX_NM: f64 = 30_000.0;
 
 impl FeedForward {
     /// Coefficients for one of `motors` motors, whose rotor has `rotor_inertia_kgm2`, behind a `gear`. `speed` and `acceleration` are the
@@ -78,7 +78,7 @@ impl FeedForward {
         let rotor = rotor_inertia_kgm2 * gear.ratio() * full_acceleration;
         let gravity = share_kg * radius_m * gravity_mps2;
         // |h s| stays below 2, |s| below 1.2, over the range of λ.
-        if 2.0 * centripetal + 1.5 * tangential + rotor + 1.2 * gravity.abs() > MOST_NM {
+        if 2.0 * centripetal + 1.5 * tangential + rotor + 1.2 * gravity.abs() > MAX_NM {
             return Err(SettingsError::new(
                 "limits.speed_hz",
                 Problem::TorqueTooLarge,
@@ -133,8 +133,8 @@ impl FeedForward {
 }
 
 /// Right shift with which a number, and all smaller ones, fit 30 bits.
-fn shift_to_30_bits(most: Turns) -> u32 {
-    let bits = i64::BITS - most.to_bits().unsigned_abs().leading_zeros();
+fn shift_to_30_bits(max: Turns) -> u32 {
+    let bits = i64::BITS - max.to_bits().unsigned_abs().leading_zeros();
     bits.saturating_sub(30)
 }
 

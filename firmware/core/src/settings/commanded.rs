@@ -156,11 +156,11 @@ impl Settings {
             steps(&pair[0]) == steps(&pair[1])
                 && (steps_ahead - libm::round(steps_ahead)).abs() < ROUNDING
         });
-        let largest = self.axes.iter().map(|axis| steps(axis).turns_of(1.0));
+        let max = self.axes.iter().map(|axis| steps(axis).turns_of(1.0));
         if are_alike {
             0.0
         } else {
-            0.5 * largest.fold(0.0, f64::max)
+            0.5 * max.fold(0.0, f64::max)
         }
     }
 
@@ -274,7 +274,7 @@ impl Leads {
     fn tilt_mrad(&self, platform: &PlatformSettings, mechanism: AnyMechanism) -> f64 {
         let places = self.places();
         let mut corners = self.turns.map(|lead| Corner::ahead(mechanism, lead));
-        let mut largest = 0.0_f64;
+        let mut max = 0.0_f64;
         let [mut first, mut second] = [0.0; 2];
         // Three squared tilts in a row have each angle of a turn in their middle.
         for k in 0..ANGLES + 2 {
@@ -288,14 +288,14 @@ impl Leads {
                 } else {
                     0.0
                 };
-                largest = largest.max(second + rise);
+                max = max.max(second + rise);
             }
             (first, second) = (second, third);
             for corner in corners.iter_mut().take(self.count) {
                 corner.turn(mechanism, STEP);
             }
         }
-        1e3 * libm::sqrt(largest) * platform.crank_radius_m / platform.mount_radius_m
+        1e3 * libm::sqrt(max) * platform.crank_radius_m / platform.mount_radius_m
     }
 }
 
@@ -508,7 +508,7 @@ mod tests {
             let own = *own;
             let actual = Leads::new(leads.len(), |i| leads.get(i).copied().unwrap_or(0.0))
                 .tilt_mrad(&own, settings.mechanism());
-            let mut largest = 0.0_f64;
+            let mut max = 0.0_f64;
             for angle in 0..1000 {
                 let (mut x, mut y) = (0.0, 0.0);
                 for (i, lead) in leads.iter().enumerate() {
@@ -521,9 +521,9 @@ mod tests {
                 }
                 let part = if leads.len() == 2 { 0.5 } else { 2.0 / leads.len() as f64 };
                 if leads.len() == 2 { y = 0.0; }
-                largest = largest.max(part * x.hypot(y) / mount * 1e3);
+                max = max.max(part * x.hypot(y) / mount * 1e3);
             }
-            prop_assert!((actual - largest).abs() < 1e-4 * (80.0 + largest), "{actual} {largest}");
+            prop_assert!((actual - max).abs() < 1e-4 * (80.0 + max), "{actual} {max}");
         }
     }
 }

@@ -5,7 +5,7 @@ use super::key::{Key, or};
 use crate::problem::SettingsError;
 
 /// Shortest time after which a host counts as lost, s.
-const LEAST_S: f64 = 0.1;
+const MIN_S: f64 = 0.1;
 
 /// `link.timeout_s`: 0, or at least 0.1.
 pub const TIMEOUT_S: Key = or(0.0).from(0.0, 60.0);
@@ -44,7 +44,7 @@ impl HostLossSettings {
     #[cold]
     pub(super) fn check(&self) -> Result<(), SettingsError> {
         if self.timeout_s != 0.0 {
-            inside("link.timeout_s", self.timeout_s, LEAST_S, TIMEOUT_S.high)?;
+            inside("link.timeout_s", self.timeout_s, MIN_S, TIMEOUT_S.high)?;
         }
         Ok(())
     }

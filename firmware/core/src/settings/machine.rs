@@ -100,7 +100,7 @@ impl MachineSettings {
         self.platform().map_or(0.0, |platform| {
             1e3 * core::f64::consts::TAU
                 * platform.crank_radius_m
-                * self.mechanism(tick_hz).greatest_slope()
+                * self.mechanism(tick_hz).max_slope()
                 / platform.mount_radius_m
         })
     }

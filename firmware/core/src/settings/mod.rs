@@ -90,12 +90,12 @@ pub struct Settings {
 }
 
 /// Reciprocal of the greatest width of the index filter as a part of a tick: one fourth.
-pub const MOST_OF_TICK: u32 = 4;
+pub const MAX_TICK_SHARE: u32 = 4;
 
 /// `index.width_us`
 const INDEX_WIDTH_US: Key = or(2.0)
     .from(0.1, 100.0)
-    .at_most(1e6 / MOST_OF_TICK as f64, &[("control.tick_hz", -1)])
+    .at_most(1e6 / MAX_TICK_SHARE as f64, &[("control.tick_hz", -1)])
     .because("a quarter of a tick at most, so that a pulse is known in the next tick");
 
 keys! {

@@ -7,7 +7,7 @@ use crate::pulse::StepsPerTurn;
 use crate::units::STANDARD_GRAVITY_MPS2;
 
 const HALF_A_TURN: &str = "half a turn either way";
-const MOST_TRIM_DEG: f64 = 36.0;
+const MAX_TRIM_DEG: f64 = 36.0;
 
 /// `machine.crank_radius_mm`
 pub const CRANK_RADIUS_MM: Key = optional("20")
@@ -42,10 +42,10 @@ pub const INDEX_WIDTH_DEG: Key = or(0.0).from(0.0, 90.0);
 /// `axes.index_delay_us`
 pub const INDEX_DELAY_US: Key = or(0.0).from(0.0, 1000.0);
 /// `axes.trim_limit_deg`
-pub const TRIM_LIMIT_DEG: Key = or(5.0).from(0.0, MOST_TRIM_DEG);
+pub const TRIM_LIMIT_DEG: Key = or(5.0).from(0.0, MAX_TRIM_DEG);
 /// `axis.trim_deg`
 pub const TRIM_DEG: Key = or(0.0)
-    .from(-MOST_TRIM_DEG, MOST_TRIM_DEG)
+    .from(-MAX_TRIM_DEG, MAX_TRIM_DEG)
     .at_least(-1.0, &[("axes.trim_limit_deg", 1)])
     .at_most(1.0, &[("axes.trim_limit_deg", 1)]);
 /// `axes.trim_rate_deg_per_s`

@@ -40,6 +40,6 @@ pub(crate) fn slot_ticks(settings: &Settings) -> u32 {
         let steps = steps_per_tick * f64::from(*ticks);
         libm::floor(steps) >= 0.8 * steps
     };
-    let least = libm::ceil(1.0 / steps_per_tick).max(1.0) as u32;
-    (least..u32::MAX).find(is_used).unwrap_or(least)
+    let min = libm::ceil(1.0 / steps_per_tick).max(1.0) as u32;
+    (min..u32::MAX).find(is_used).unwrap_or(min)
 }

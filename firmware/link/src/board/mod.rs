@@ -25,10 +25,10 @@ pub trait Board {
     const CLOCK_HZ: u32;
 
     /// Greatest number of axes, 1 to [`MAX_AXES`].
-    const MOST_AXES: usize;
+    const MAX_AXES: usize;
 
     /// Time by which the loop must submit its output before it is due, µs.
-    const LEAST_LEAD_US: u32;
+    const MIN_LEAD_US: u32;
 
     /// Checks that the board has the hardware for an axis. `number` is the axis's place in the settings, counted from 0.
     ///
@@ -43,7 +43,7 @@ pub trait Board {
 
 /// Least share of a tick that is free beside the longest one. Link and log run in what the loop leaves, so they also go on if every tick
 /// is the longest.
-const LEAST_FREE: f64 = 0.05;
+const MIN_FREE: f64 = 0.05;
 
 /// Reason why a board cannot run settings that are valid in themselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -62,18 +62,18 @@ pub enum Unfit {
     Encoder(usize),
     /// The board has outputs for fewer axes.
     #[error(
-        "axes.count: the board has outputs for {most} axes, and the settings have {axes}; remove axes"
+        "axes.count: the board has outputs for {max} axes, and the settings have {axes}; remove axes"
     )]
     TooManyAxes {
         /// Number of axes of the settings.
         axes: usize,
         /// Greatest number of axes of the board.
-        most: usize,
+        max: usize,
     },
     /// The loop cannot finish its work within a tick.
     #[error(
         "control.tick_hz: at {tick_hz} Hz a tick is too short for the longest one of these {axes} axes; \
-         give at most {most_hz} Hz"
+         give at most {max_hz} Hz"
     )]
     TickTooShort {
         /// Tick rate of the settings, Hz.
@@ -81,7 +81,7 @@ pub enum Unfit {
         /// Number of axes.
         axes: usize,
         /// Highest tick rate that the board can run, Hz.
-        most_hz: u32,
+        max_hz: u32,
     },
 }
 
@@ -92,12 +92,12 @@ pub enum Unfit {
 pub fn check<B: Board>(settings: &Settings) -> Result<(), Unfit> {
     const {
         assert!(B::CLOCK_HZ > 0 && B::CLOCK_HZ.is_multiple_of(1_000_000));
-        assert!(B::MOST_AXES > 0 && B::MOST_AXES <= MAX_AXES);
+        assert!(B::MAX_AXES > 0 && B::MAX_AXES <= MAX_AXES);
     }
     let axes = settings.axes.len();
-    if axes > B::MOST_AXES {
-        let most = B::MOST_AXES;
-        return Err(Unfit::TooManyAxes { axes, most });
+    if axes > B::MAX_AXES {
+        let max = B::MAX_AXES;
+        return Err(Unfit::TooManyAxes { axes, max });
     }
     for (number, axis) in settings.axes.iter().enumerate() {
         B::check_axis(number, axis)?;
@@ -107,20 +107,20 @@ pub fn check<B: Board>(settings: &Settings) -> Result<(), Unfit> {
     }
     // A tick is a whole number of microseconds (`control.tick_hz`).
     let rates = (1..settings.tick_hz).rev();
-    let most_hz = rates
+    let max_hz = rates
         .filter(|hz| 1_000_000 % hz == 0)
         .find(|&hz| has_time::<B>(settings, hz));
     Err(Unfit::TickTooShort {
         tick_hz: settings.tick_hz,
         axes,
-        most_hz: most_hz.unwrap_or(1),
+        max_hz: max_hz.unwrap_or(1),
     })
 }
 
 fn has_time<B: Board>(settings: &Settings, tick_hz: u32) -> bool {
     let period = f64::from(B::CLOCK_HZ / tick_hz);
-    let lead_cycles = f64::from(B::LEAST_LEAD_US * (B::CLOCK_HZ / 1_000_000));
-    B::tick_cycles(settings, tick_hz) + lead_cycles.max(LEAST_FREE * period) <= period
+    let lead_cycles = f64::from(B::MIN_LEAD_US * (B::CLOCK_HZ / 1_000_000));
+    B::tick_cycles(settings, tick_hz) + lead_cycles.max(MIN_FREE * period) <= period
 }
 
 /// Checks that some board keeps the tick rate of settings. Settings for which no board has the hardware pass: their machine is run on the
@@ -147,8 +147,8 @@ pub struct AnyBoard {
     pub name: &'static str,
     /// [`Board::CLOCK_HZ`].
     pub clock_hz: u32,
-    /// [`Board::MOST_AXES`].
-    pub most_axes: usize,
+    /// [`Board::MAX_AXES`].
+    pub max_axes: usize,
     /// [`check()`] for this board.
     pub check: fn(&Settings) -> Result<(), Unfit>,
     /// [`Board::tick_cycles`].
@@ -161,7 +161,7 @@ impl AnyBoard {
         Self {
             name: B::NAME,
             clock_hz: B::CLOCK_HZ,
-            most_axes: B::MOST_AXES,
+            max_axes: B::MAX_AXES,
             check: check::<B>,
             tick_cycles: B::tick_cycles,
         }

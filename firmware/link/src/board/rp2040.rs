@@ -70,8 +70,8 @@ impl Board for Rp2040 {
     const NAME: &'static str = "RP2040";
     /// The step hardware runs at the core's clock: one cycle is 8 ns.
     const CLOCK_HZ: u32 = 125_000_000;
-    const MOST_AXES: usize = 6;
-    const LEAST_LEAD_US: u32 = 10;
+    const MAX_AXES: usize = 6;
+    const MIN_LEAD_US: u32 = 10;
 
     fn check_axis(number: usize, axis: &AxisSettings) -> Result<(), Unfit> {
         if !axis.drive.takes_pulses() {
@@ -108,7 +108,7 @@ impl Board for Rp2040 {
 /// moved joins its group again only at the same place within a step.
 fn plan_cycles(settings: &Settings, axis: &AxisSettings, tick_hz: u32) -> f64 {
     let steps_per_turn = axis.steps_per_crank_turn();
-    let follower_hz = settings.limits.speed_hz * axis.follower.most_ratio(&settings.cams);
+    let follower_hz = settings.limits.speed_hz * axis.follower.max_ratio(&settings.cams);
     // In its slot, a phase offset moves up to the number of axes times as fast as its rate.
     let offset_hz = axis.trim_rate_hz * settings.axes.len() as f64;
     let edges = 2.0 * (follower_hz + offset_hz) * steps_per_turn.to_f64() / f64::from(tick_hz);

@@ -231,8 +231,8 @@ fn within(value: u16, range: core::ops::RangeInclusive<u16>) -> Result<(), Refus
         Ok(())
     } else {
         Err(Refusal::OutOfRange {
-            least: (*range.start()).into(),
-            most: (*range.end()).into(),
+            min: (*range.start()).into(),
+            max: (*range.end()).into(),
         })
     }
 }

@@ -33,9 +33,9 @@ impl Upload {
         length: u32,
         crc: u32,
     ) -> Result<(), Refusal> {
-        let most = MAX_FILE_BYTES as u32;
-        if length > most {
-            return Err(Refusal::TooLong { length, most });
+        let max = MAX_FILE_BYTES as u32;
+        if length > max {
+            return Err(Refusal::TooLong { length, max });
         }
         self.bytes.clear();
         self.expected = Some(Expected {
@@ -62,12 +62,12 @@ impl Upload {
         if offset != expected {
             return Err(Refusal::Offset { expected });
         }
-        let most = length - expected;
-        if bytes.len() as u32 > most || self.bytes.extend_from_slice(bytes).is_err() {
+        let max = length - expected;
+        if bytes.len() as u32 > max || self.bytes.extend_from_slice(bytes).is_err() {
             let length = expected + bytes.len() as u32;
             return Err(Refusal::TooLong {
                 length,
-                most: expected + most,
+                max: expected + max,
             });
         }
         Ok(())

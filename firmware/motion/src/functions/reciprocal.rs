@@ -30,10 +30,10 @@ mod tests {
     /// The documented bounds, over both ends of the range, both ends of every upper half, and a sweep.
     #[test]
     fn error_is_within_its_bounds() {
-        const LEAST: u32 = 1 << 31;
-        let ends = (0..1 << 16).flat_map(|i| [LEAST + i, u32::MAX - i]);
-        let steps = (LEAST >> 16..1 << 16).flat_map(|high| [high << 16, high << 16 | 0xFFFF]);
-        let sweep = (LEAST..u32::MAX - 9973).step_by(9973);
+        const MIN: u32 = 1 << 31;
+        let ends = (0..1 << 16).flat_map(|i| [MIN + i, u32::MAX - i]);
+        let steps = (MIN >> 16..1 << 16).flat_map(|high| [high << 16, high << 16 | 0xFFFF]);
+        let sweep = (MIN..u32::MAX - 9973).step_by(9973);
         let (mut low, mut high) = (0.0_f64, 0.0_f64);
         for d in ends.chain(steps).chain(sweep) {
             let expected = 63.0_f64.exp2() / f64::from(d);

@@ -233,13 +233,13 @@ mod tests {
     /// it is far below, the root takes more time.
     #[test]
     fn reciprocal_root_is_a_close_lower_bound() {
-        let mut most_short = 0.0_f64;
+        let mut max_shortfall = 0.0_f64;
         for high in (1_u32 << 30..=u32::MAX).step_by(1_009).chain([u32::MAX]) {
             let short = 2_f64.powi(31) / f64::from(high).sqrt() - f64::from(reciprocal_root(high));
             assert!(short >= 0.0, "of {high}: over by {}", -short);
-            most_short = most_short.max(short);
+            max_shortfall = max_shortfall.max(short);
         }
-        assert!(most_short < 3.0, "{most_short}");
+        assert!(max_shortfall < 3.0, "{max_shortfall}");
     }
 
     /// The documented bound, over all sizes of argument.

@@ -31,33 +31,33 @@ const DIR_BIT: u32 = EDGE_BITS + CYCLE_BITS;
 
 impl Run {
     /// Least period, and least pause, in cycles: the time that the hardware needs to read a word.
-    pub const LEAST_CYCLES: u32 = 8;
+    pub const MIN_CYCLES: u32 = 8;
 
     /// Greatest period, and greatest pause, in cycles.
-    pub const MOST_CYCLES: u32 = Self::LEAST_CYCLES + (1 << CYCLE_BITS) - 1;
+    pub const MAX_CYCLES: u32 = Self::MIN_CYCLES + (1 << CYCLE_BITS) - 1;
 
     /// Greatest number of edges of one run.
-    pub const MOST_EDGES: u32 = (1 << EDGE_BITS) - 1;
+    pub const MAX_EDGES: u32 = (1 << EDGE_BITS) - 1;
 
     /// Cycles from the start of a pause until DIR has the level that the pause carries.
     pub const DIR_DELAY: u32 = 8;
 
-    /// Run of `edges` (1 to [`Self::MOST_EDGES`]) edges, each at the end of a `period` of [`Self::LEAST_CYCLES`] to
-    /// [`Self::MOST_CYCLES`] cycles. `forward` must be the present level of DIR.
+    /// Run of `edges` (1 to [`Self::MAX_EDGES`]) edges, each at the end of a `period` of [`Self::MIN_CYCLES`] to
+    /// [`Self::MAX_CYCLES`] cycles. `forward` must be the present level of DIR.
     pub const fn new(edges: u32, period: u32, forward: bool) -> Self {
-        debug_assert!(edges > 0 && edges <= Self::MOST_EDGES);
+        debug_assert!(edges > 0 && edges <= Self::MAX_EDGES);
         Self::word(edges, period, forward)
     }
 
-    /// Pause of `cycles` ([`Self::LEAST_CYCLES`] to [`Self::MOST_CYCLES`]) without edges; DIR has the level `forward`
+    /// Pause of `cycles` ([`Self::MIN_CYCLES`] to [`Self::MAX_CYCLES`]) without edges; DIR has the level `forward`
     /// from [`Self::DIR_DELAY`] on.
     pub const fn pause(cycles: u32, forward: bool) -> Self {
         Self::word(0, cycles, forward)
     }
 
     const fn word(edges: u32, cycles: u32, forward: bool) -> Self {
-        debug_assert!(cycles >= Self::LEAST_CYCLES && cycles <= Self::MOST_CYCLES);
-        let cycles = cycles.wrapping_sub(Self::LEAST_CYCLES) << EDGE_BITS;
+        debug_assert!(cycles >= Self::MIN_CYCLES && cycles <= Self::MAX_CYCLES);
+        let cycles = cycles.wrapping_sub(Self::MIN_CYCLES) << EDGE_BITS;
         Self(edges | cycles | (forward as u32) << DIR_BIT)
     }
 
@@ -70,7 +70,7 @@ impl Run {
     /// Extends this run by `edges`.
     #[inline(always)]
     pub(super) const fn lengthened(self, edges: u32) -> Self {
-        debug_assert!(!self.is_pause() && self.edges() + edges <= Self::MOST_EDGES);
+        debug_assert!(!self.is_pause() && self.edges() + edges <= Self::MAX_EDGES);
         Self(self.0 + edges)
     }
 
@@ -81,12 +81,12 @@ impl Run {
 
     /// Number of edges; 0 is a pause.
     pub const fn edges(self) -> u32 {
-        self.0 & Self::MOST_EDGES
+        self.0 & Self::MAX_EDGES
     }
 
     /// Cycles before each edge, or length of the pause in cycles.
     pub const fn period(self) -> u32 {
-        ((self.0 >> EDGE_BITS) & ((1 << CYCLE_BITS) - 1)) + Self::LEAST_CYCLES
+        ((self.0 >> EDGE_BITS) & ((1 << CYCLE_BITS) - 1)) + Self::MIN_CYCLES
     }
 
     /// Level of DIR: for a run the present level of the line, for a pause the new one.
@@ -115,7 +115,7 @@ pub(super) struct RunsOf(u32);
 impl RunsOf {
     #[inline(always)]
     pub(super) const fn new(forward: bool) -> Self {
-        Self(((forward as u32) << DIR_BIT).wrapping_sub(Run::LEAST_CYCLES << EDGE_BITS))
+        Self(((forward as u32) << DIR_BIT).wrapping_sub(Run::MIN_CYCLES << EDGE_BITS))
     }
 
     /// Makes a run as [`Run::new`] does, or without edges a pause as [`Run::pause`] does.
@@ -153,8 +153,8 @@ mod tests {
         /// If this fails, fields overlap or are too narrow, and do not return the values that were put in.
         #[test]
         fn run_fields_round_trip_through_the_word(
-            edges in 1..=Run::MOST_EDGES,
-            cycles in Run::LEAST_CYCLES..=Run::MOST_CYCLES,
+            edges in 1..=Run::MAX_EDGES,
+            cycles in Run::MIN_CYCLES..=Run::MAX_CYCLES,
             forward: bool,
         ) {
             let run = Run::new(edges, cycles, forward);

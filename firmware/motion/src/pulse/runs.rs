@@ -53,7 +53,7 @@ impl Runs {
     pub const fn new() -> Self {
         Self {
             used: 0,
-            room: [Run::pause(Run::LEAST_CYCLES, false); MAX_RUNS], // all zeros
+            room: [Run::pause(Run::MIN_CYCLES, false); MAX_RUNS], // all zeros
         }
     }
 
@@ -140,12 +140,12 @@ mod tests {
     fn a_buffer_holds_the_runs_that_were_added_last() {
         let mut runs = Runs::new();
         for n in 1..=MAX_RUNS {
-            assert!(runs.push(Run::new(n as u32, Run::LEAST_CYCLES, true)));
+            assert!(runs.push(Run::new(n as u32, Run::MIN_CYCLES, true)));
             assert_eq!(runs.len(), n);
         }
-        assert!(!runs.push(Run::pause(Run::LEAST_CYCLES, true)));
+        assert!(!runs.push(Run::pause(Run::MIN_CYCLES, true)));
         let mut other = Runs::new();
-        other.push(Run::pause(Run::LEAST_CYCLES, true));
+        other.push(Run::pause(Run::MIN_CYCLES, true));
         let mut copy = Runs::new();
         for runs in [&runs, &other, &runs] {
             copy.copy_from(runs);

@@ -5,7 +5,7 @@ use super::{MAX_EDGES, Run};
 use crate::settings::{Problem, PulseSettings, SettingsError, tick_cycles};
 
 /// Greatest number of counts of a servo axis in a tick: half of what 64 bits hold, as half-steps of 2⁻⁴⁸.
-const MOST_COUNTS: f64 = 8192.0;
+const MAX_COUNTS: f64 = 8192.0;
 
 /// Timing of the STEP and DIR lines for one tick rate, in cycles of the step clock.
 #[derive(Clone, Copy, Debug, Hash)]
@@ -37,13 +37,13 @@ impl PulseTiming {
         // DIR holds its level for this pause and changes DIR_DELAY after it.
         let before_turn = cycles(settings.dir_hold_ns)
             .saturating_sub(Run::DIR_DELAY)
-            .max(Run::LEAST_CYCLES);
+            .max(Run::MIN_CYCLES);
         // The next edge comes at least GUARD after the pause, which compensates DIR_DELAY. A change of direction follows
         // a falling edge, and STEP must also stay low for its width.
         const { assert!(GUARD >= Run::DIR_DELAY) };
         let turn = cycles(settings.dir_setup_ns)
             .max(width.saturating_sub(before_turn + GUARD))
-            .max(Run::LEAST_CYCLES);
+            .max(Run::MIN_CYCLES);
         let timing = Self {
             tick,
             width,
@@ -57,7 +57,7 @@ impl PulseTiming {
                 "pulse.dir_setup_ns",
                 Problem::SetupTooLong {
                     need_us: us(turn_round),
-                    most_us: us(timing.tick / 4),
+                    max_us: us(timing.tick / 4),
                 },
             ));
         }
@@ -68,7 +68,7 @@ impl PulseTiming {
     ///
     /// The pulse width must remain when an edge has moved by the guard, also in the three quarters of a tick that a
     /// change of direction leaves.
-    pub fn most_step_hz(&self, tick_hz: u32) -> f64 {
+    pub fn max_step_hz(&self, tick_hz: u32) -> f64 {
         let half_step = f64::from((self.width + GUARD + 2).max(2 * GUARD)) * 4.0 / 3.0;
         let clock_hz = f64::from(self.tick) * f64::from(tick_hz);
         let by_width = clock_hz / (2.0 * half_step);
@@ -88,14 +88,14 @@ impl PulseTiming {
         tick_hz: u32,
     ) -> Result<(), SettingsError> {
         let rate_hz = motor_speed_hz * f64::from(steps_per_turn);
-        let most_hz = self.most_step_hz(tick_hz);
-        if rate_hz > most_hz {
+        let max_hz = self.max_step_hz(tick_hz);
+        if rate_hz > max_hz {
             return Err(SettingsError::new(
                 "axes.steps_per_turn",
                 Problem::StepRate {
                     speed_hz: motor_speed_hz,
                     rate_hz,
-                    most_hz,
+                    max_hz,
                     edges: MAX_EDGES,
                 },
             ));
@@ -114,15 +114,15 @@ impl PulseTiming {
         tick_hz: u32,
     ) -> Result<(), SettingsError> {
         let rate_hz = motor_speed_hz * f64::from(steps_per_turn);
-        let most_hz = MOST_COUNTS * f64::from(tick_hz);
-        if rate_hz > most_hz {
+        let max_hz = MAX_COUNTS * f64::from(tick_hz);
+        if rate_hz > max_hz {
             return Err(SettingsError::new(
                 "axes.steps_per_turn",
                 Problem::CountRate {
                     speed_hz: motor_speed_hz,
                     rate_hz,
-                    most_hz,
-                    most_steps: (most_hz / motor_speed_hz) as u32,
+                    max_hz,
+                    max_steps: (max_hz / motor_speed_hz) as u32,
                 },
             ));
         }

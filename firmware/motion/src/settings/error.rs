@@ -32,14 +32,14 @@ pub enum Problem {
     )]
     RampTooLong { ramp_s: f64, turns: f64 },
     #[error(
-        "at {speed_hz:.2} rev/s a motor would have {rate_hz:.0} counts/s; at most {most_hz:.0} counts/s can be counted at \
-         this tick rate; give at most {most_steps} counts a turn, a lower limits.speed_hz, or a higher control.tick_hz"
+        "at {speed_hz:.2} rev/s a motor would have {rate_hz:.0} counts/s; at most {max_hz:.0} counts/s can be counted at \
+         this tick rate; give at most {max_steps} counts a turn, a lower limits.speed_hz, or a higher control.tick_hz"
     )]
     CountRate {
         speed_hz: f64,
         rate_hz: f64,
-        most_hz: f64,
-        most_steps: u32,
+        max_hz: f64,
+        max_steps: u32,
     },
     #[error(
         "the band's upper edge, {} rev/s, is not above its lower edge, {} rev/s; swap or part them", Number(*.1), Number(*.0)
@@ -58,27 +58,27 @@ pub enum Problem {
     )]
     BandCoversTop(f64, f64),
     #[error(
-        "at {speed_hz:.2} rev/s a motor would need {rate_hz:.0} steps/s; at most {most_hz:.0} steps/s leave the pulse its width and fit the {edges} edges of a tick; give at most {} steps a turn, a lower limits.speed_hz, or a shorter pulse.width_ns", whole_microsteps(*most_hz / *speed_hz)
+        "at {speed_hz:.2} rev/s a motor would need {rate_hz:.0} steps/s; at most {max_hz:.0} steps/s leave the pulse its width and fit the {edges} edges of a tick; give at most {} steps a turn, a lower limits.speed_hz, or a shorter pulse.width_ns", whole_microsteps(*max_hz / *speed_hz)
     )]
     StepRate {
         speed_hz: f64,
         rate_hz: f64,
-        most_hz: f64,
+        max_hz: f64,
         edges: u32,
     },
     #[error(
-        "setting up a direction change takes {need_us:.2} µs, over a quarter of a tick ({most_us:.2} µs); shorten dir_setup_ns, dir_hold_ns or width_ns, or lower control.tick_hz"
+        "setting up a direction change takes {need_us:.2} µs, over a quarter of a tick ({max_us:.2} µs); shorten dir_setup_ns, dir_hold_ns or width_ns, or lower control.tick_hz"
     )]
-    SetupTooLong { need_us: f64, most_us: f64 },
+    SetupTooLong { need_us: f64, max_us: f64 },
     #[error(
-        "a tick of 1/{tick_hz} s must be {least} to {most} whole cycles of the step clock, which has {clock_hz} Hz; set the board's clock, or \
+        "a tick of 1/{tick_hz} s must be {min} to {max} whole cycles of the step clock, which has {clock_hz} Hz; set the board's clock, or \
          change control.tick_hz"
     )]
     StepClock {
         clock_hz: u32,
         tick_hz: u32,
-        least: u32,
-        most: u32,
+        min: u32,
+        max: u32,
     },
 }
 
@@ -204,11 +204,11 @@ impl fmt::Display for Range {
 pub struct Number(pub f64);
 
 /// Returns the largest number of steps a turn that is whole microsteps of motors with 200 or 400 full steps.
-fn whole_microsteps(most: f64) -> u32 {
+fn whole_microsteps(max: f64) -> u32 {
     const FULL_STEPS: u32 = 400;
-    match most as u32 {
+    match max as u32 {
         few @ 0..FULL_STEPS => few,
-        most => most / FULL_STEPS * FULL_STEPS,
+        max => max / FULL_STEPS * FULL_STEPS,
     }
 }
 

@@ -259,9 +259,9 @@ pub trait Value {
 }
 
 macro_rules! whole {
-    ($($Type:ty: $least:expr, $most:expr;)+) => {
+    ($($Type:ty: $min:expr, $max:expr;)+) => {
         $(impl Value for $Type {
-            const KIND: Kind = Kind::Whole($least as i64, $most as i64);
+            const KIND: Kind = Kind::Whole($min as i64, $max as i64);
         })+
     };
 }

@@ -13,8 +13,8 @@ use key::{Key, needed, or};
 
 /// Range of a tick's length in cycles of the step clock, for which planner and monitor have the bits: times have 14
 /// fraction bits in 32.
-const LEAST_TICK_CYCLES: u32 = 1 << 11;
-const MOST_TICK_CYCLES: u32 = (1 << 18) - 1;
+const MIN_TICK_CYCLES: u32 = 1 << 11;
+const MAX_TICK_CYCLES: u32 = (1 << 18) - 1;
 
 /// Greatest number of forbidden bands of a shaft.
 pub const MAX_BANDS: usize = 4;
@@ -27,12 +27,12 @@ pub const MAX_BANDS: usize = 4;
 pub const fn tick_cycles(clock_hz: u32, tick_hz: u32) -> Result<u32, SettingsError> {
     let cycles = clock_hz / tick_hz;
     let is_whole = clock_hz.is_multiple_of(tick_hz);
-    if !is_whole || cycles < LEAST_TICK_CYCLES || cycles > MOST_TICK_CYCLES {
+    if !is_whole || cycles < MIN_TICK_CYCLES || cycles > MAX_TICK_CYCLES {
         let problem = Problem::StepClock {
             clock_hz,
             tick_hz,
-            least: LEAST_TICK_CYCLES,
-            most: MOST_TICK_CYCLES,
+            min: MIN_TICK_CYCLES,
+            max: MAX_TICK_CYCLES,
         };
         return Err(SettingsError::new("clock_hz", problem));
     }
@@ -89,28 +89,28 @@ pub const TICK_HZ: core::ops::RangeInclusive<u32> = 500..=10_000;
 
 /// Least acceleration and jerk, in units of the last place. The shaft's exact stop rounds the jerk by up to four units; below this limit
 /// that would be a noticeable part of it.
-const LEAST_BITS: f64 = 64.0 / (1_u64 << FRACTION_BITS) as f64;
+const MIN_BITS: f64 = 64.0 / (1_u64 << FRACTION_BITS) as f64;
 /// The same, in rev/s² and rev/s³.
-const LEAST: f64 = 0.01;
+const MIN: f64 = 0.01;
 
-const MOST_SPEED_HZ: f64 = 200.0;
-const MOST_TICK_HZ: f64 = *TICK_HZ.end() as f64;
+const MAX_SPEED_HZ: f64 = 200.0;
+const MAX_TICK_HZ: f64 = *TICK_HZ.end() as f64;
 const RESOLUTION: &str = "what a tick can resolve and limits.speed_hz can use";
 
 /// `limits.speed_hz`
 pub const SPEED_HZ: Key = needed("60")
-    .from(0.1, MOST_SPEED_HZ)
+    .from(0.1, MAX_SPEED_HZ)
     .because("the speeds that such cranks are turned at");
 /// `limits.acceleration_hz_per_s`
 pub const ACCELERATION_HZ_PER_S: Key = needed("25")
-    .from(LEAST, MOST_SPEED_HZ * MOST_TICK_HZ)
-    .at_least(LEAST_BITS, &[("control.tick_hz", 2)])
+    .from(MIN, MAX_SPEED_HZ * MAX_TICK_HZ)
+    .at_least(MIN_BITS, &[("control.tick_hz", 2)])
     .at_most(1.0, &[("limits.speed_hz", 1), ("control.tick_hz", 1)])
     .because(RESOLUTION);
 /// `limits.jerk_hz_per_s2`
 pub const JERK_HZ_PER_S2: Key = needed("250")
-    .from(LEAST, MOST_SPEED_HZ * MOST_TICK_HZ * MOST_TICK_HZ)
-    .at_least(LEAST_BITS, &[("control.tick_hz", 3)])
+    .from(MIN, MAX_SPEED_HZ * MAX_TICK_HZ * MAX_TICK_HZ)
+    .at_least(MIN_BITS, &[("control.tick_hz", 3)])
     .at_most(1.0, &[("limits.speed_hz", 1), ("control.tick_hz", 2)])
     .because(RESOLUTION);
 /// `limits.stop_acceleration_hz_per_s`: a fault stop is at least as fast as any other.
@@ -131,14 +131,14 @@ pub const HOMING_SPEED_HZ: Key = or(1.0)
     .at_most(1.0, &[("limits.speed_hz", 1)])
     .because("slow enough to find an index pulse at, and within limits.speed_hz");
 /// `limits.band.from_hz` and `limits.band.to_hz`
-pub const BAND_HZ: Key = needed("10").from(0.0, MOST_SPEED_HZ);
+pub const BAND_HZ: Key = needed("10").from(0.0, MAX_SPEED_HZ);
 
 /// Longest ramp to full speed: its time, and the turns at full speed in that time.
-const MOST_RAMP_S: f64 = 600.0;
-const MOST_RAMP_TURNS: f64 = 30_000.0;
+const MAX_RAMP_S: f64 = 600.0;
+const MAX_RAMP_TURNS: f64 = 30_000.0;
 
 /// Least gap between two forbidden bands, and between the homing speed and the first band.
-const LEAST_GAP_HZ: f64 = 1e-3;
+const MIN_GAP_HZ: f64 = 1e-3;
 
 impl LimitSettings {
     /// Greatest acceleration that the shaft can reach, rev/s²: the limit, or less where the jerk bounds it.
@@ -196,7 +196,7 @@ impl LimitSettings {
         // The distance of a ramp must fit in the format of the phase, which holds 32,768 turns.
         let acceleration = self.reachable_acceleration_hz_per_s();
         let ramp_s = speed_hz / acceleration + acceleration / self.jerk_hz_per_s2;
-        if ramp_s > MOST_RAMP_S || ramp_s * speed_hz > MOST_RAMP_TURNS {
+        if ramp_s > MAX_RAMP_S || ramp_s * speed_hz > MAX_RAMP_TURNS {
             return Err(SettingsError::new(
                 "limits.acceleration_hz_per_s",
                 Problem::RampTooLong {
@@ -222,7 +222,7 @@ impl LimitSettings {
                 )));
             }
             // A tiny gap between two bands would vanish when their edges become integers.
-            if band.from_hz - below < LEAST_GAP_HZ {
+            if band.from_hz - below < MIN_GAP_HZ {
                 let problem = if i == 0 {
                     Problem::BandCoversHomingSpeed(band.from_hz, below)
                 } else {

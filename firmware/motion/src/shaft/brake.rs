@@ -138,32 +138,32 @@ impl RampLimits {
         let over = b.abs() - step.base as i64;
         if b >= 0 {
             let (q, f) = (step.number, over);
-            let most = speed + jerk * triangle(q) + times(q, f);
-            return self.last_rising(most, f).map_or(0, |n| n.saturating_sub(q));
+            let max = speed + jerk * triangle(q) + times(q, f);
+            return self.last_rising(max, f).map_or(0, |n| n.saturating_sub(q));
         }
         // This q is −q in −q J + f.
         let (q, f) = match over {
             0 => (step.number, 0),
             _ => (step.number + 1, jerk - over),
         };
-        let most = speed + jerk * triangle(q - 1) - times(q, f);
+        let max = speed + jerk * triangle(q - 1) - times(q, f);
         // The tick before n = 0 is always within the limits.
-        self.last_rising(most, f).map_or(q - 1, |n| n + q)
+        self.last_rising(max, f).map_or(q - 1, |n| n + q)
     }
 
-    /// Greatest n with n J + f within the limit and J n² + 2 f n ≤ `most`.
-    fn last_rising(&self, most: i64, f: i64) -> Option<u32> {
+    /// Greatest n with n J + f within the limit and J n² + 2 f n ≤ `max`.
+    fn last_rising(&self, max: i64, f: i64) -> Option<u32> {
         let jerk = self.jerk;
         let room = self.acceleration - f;
-        if most < 0 || room < 0 {
+        if max < 0 || room < 0 {
             return None;
         }
         // J n² alone gives an n that is at most one too high, and the approximation is off by less than one.
-        let mut n = isqrt(self.gain.per_jerk.times(most, 0)) + 1;
+        let mut n = isqrt(self.gain.per_jerk.times(max, 0)) + 1;
         // The limit has one step less above `f` if `f` is more than what it has above its last step.
         let last = self.limit.number - u32::from(room < self.limit.base as i64);
         n = n.min(last);
-        while times(n, times(n, jerk) + 2 * f) > most {
+        while times(n, times(n, jerk) + 2 * f) > max {
             n -= 1;
         }
         Some(n)
@@ -173,15 +173,15 @@ impl RampLimits {
     fn held(&self, from: Braking) -> Braking {
         let Braking { speed, b, distance } = from;
         let over = speed - self.gain_from_limit as i64;
-        let most = self.acceleration;
-        if over < 0 || b + self.jerk < most {
+        let max = self.acceleration;
+        if over < 0 || b + self.jerk < max {
             return from;
         }
-        let ticks = quotient(over, most) + 1;
-        let taken = most.wrapping_mul(triangle(ticks));
+        let ticks = quotient(over, max) + 1;
+        let taken = max.wrapping_mul(triangle(ticks));
         Braking {
-            speed: speed - times(ticks, most),
-            b: most,
+            speed: speed - times(ticks, max),
+            b: max,
             distance: distance
                 .wrapping_add(times(ticks, speed))
                 .wrapping_sub(taken),
@@ -190,13 +190,13 @@ impl RampLimits {
 
     /// Distance of the release, from a deceleration that is within a jerk of `b`.
     fn letting_go(&self, speed: i64, b: i64) -> i64 {
-        let least = (b - self.jerk).max(0);
-        let most = (b + self.jerk).min(self.acceleration);
+        let min = (b - self.jerk).max(0);
+        let max = (b + self.jerk).min(self.acceleration);
         let mut step = self.limit;
         let first = self.gain.inverse(
             speed.unsigned_abs(),
-            least.unsigned_abs(),
-            most.unsigned_abs(),
+            min.unsigned_abs(),
+            max.unsigned_abs(),
             &mut step,
         );
         if first.wrapping_sub(step.base) >= self.jerk.unsigned_abs() {

@@ -19,7 +19,7 @@ use crate::functions::{multiply_high, multiply_long, quotient};
 pub(super) struct Gain {
     jerk: u64,
     /// Greatest acceleration that the gain and its inverse take.
-    most: u64,
+    max: u64,
     /// Reciprocal of the jerk. ⌊a/J⌋ is about `(a >> scale) · inverse / 2^(32 + down)`.
     pub per_jerk: Inverse,
     scale: u32,
@@ -59,7 +59,7 @@ impl Gain {
     pub fn hash_half(&self, second: bool, hasher: &mut impl Hasher) {
         let Self {
             jerk,
-            most,
+            max,
             per_jerk,
             scale,
             down,
@@ -67,22 +67,22 @@ impl Gain {
         if second {
             (per_jerk, scale, down).hash(hasher);
         } else {
-            (jerk, most).hash(hasher);
+            (jerk, max).hash(hasher);
         }
     }
 
-    /// Gain for `jerk`, for accelerations up to `most` and gains up to `speed`.
+    /// Gain for `jerk`, for accelerations up to `max` and gains up to `speed`.
     ///
     /// The jerk must be at least 59: 64 minus the units that planning subtracts, and a rounding. The release must take
     /// at most 2²³ ticks for each of them.
-    pub const fn new(jerk: u64, most: u64, speed: u64) -> Self {
+    pub const fn new(jerk: u64, max: u64, speed: u64) -> Self {
         let fastest = settling(speed, jerk);
-        let most = if most > fastest { most } else { fastest };
+        let max = if max > fastest { max } else { fastest };
         let per_jerk = Inverse::of(jerk as i64);
-        let scale = 32_u32.saturating_sub((most | jerk).leading_zeros());
+        let scale = 32_u32.saturating_sub((max | jerk).leading_zeros());
         Self {
             jerk,
-            most,
+            max,
             scale,
             down: (63 - per_jerk.up).saturating_sub(scale),
             per_jerk,
@@ -119,30 +119,30 @@ impl Gain {
         }
     }
 
-    /// Largest acceleration a from `least` to `most` with g(a) ≤ `gain`, or `least` if there is none.
+    /// Largest acceleration a from `min` to `max` with g(a) ≤ `gain`, or `min` if there is none.
     ///
     /// The search begins at `near`, a step of this gain, and leaves it at the step where it ended. It costs a step for each
-    /// jerk between the two. If `near` is not within some jerks of `most`, the search begins there.
+    /// jerk between the two. If `near` is not within some jerks of `max`, the search begins there.
     #[inline(never)]
-    pub fn inverse(&self, gain: u64, least: u64, most: u64, near: &mut Step) -> u64 {
-        let most = most.min(self.most);
-        if most <= least {
-            return least;
+    pub fn inverse(&self, gain: u64, min: u64, max: u64, near: &mut Step) -> u64 {
+        let max = max.min(self.max);
+        if max <= min {
+            return min;
         }
         let jerk = self.jerk;
         let mut step = *near;
-        if (most.wrapping_sub(step.base) as i64).unsigned_abs() >> 2 > jerk {
-            step = self.step(most);
+        if (max.wrapping_sub(step.base) as i64).unsigned_abs() >> 2 > jerk {
+            step = self.step(max);
         }
-        while step.gain > gain || step.base > most {
-            if step.base <= least {
+        while step.gain > gain || step.base > max {
+            if step.base <= min {
                 *near = step;
-                return least;
+                return min;
             }
             step.lower(jerk);
         }
         let mut next = step.base + jerk;
-        while next <= most && step.gain + next <= gain {
+        while next <= max && step.gain + next <= gain {
             step = Step {
                 number: step.number + 1,
                 base: next,
@@ -151,10 +151,10 @@ impl Gain {
             next += jerk;
         }
         *near = step;
-        if next > most && self.above(&step, most) <= gain {
-            return most;
+        if next > max && self.above(&step, max) <= gain {
+            return max;
         }
-        (step.base + quotient(gain - step.gain, step.number + 1)).max(least)
+        (step.base + quotient(gain - step.gain, step.number + 1)).max(min)
     }
 }
 
@@ -179,8 +179,8 @@ mod tests {
             let speed = u128::from(jerk) << (2 * ticks_bits) >> 4;
             let speed = u64::try_from(speed).unwrap_or(u64::MAX).clamp(2, 1 << 47);
             let reached = (8.0 * jerk as f64 * speed as f64).sqrt() as u64;
-            let most = 1 + b % reached.max(1);
-            (Gain::new(jerk, most, speed), speed)
+            let max = 1 + b % reached.max(1);
+            (Gain::new(jerk, max, speed), speed)
         })
     }
 
@@ -191,7 +191,7 @@ mod tests {
             let desired = part % speed;
             let a = settling(desired, gain.jerk);
             prop_assert!(gain.of(a) <= desired);
-            prop_assert!(a == gain.most || gain.of(a + 1) > desired);
+            prop_assert!(a == gain.max || gain.of(a + 1) > desired);
         }
 
         /// The inverse without a root gives the same for all bounds of the search.
@@ -206,14 +206,14 @@ mod tests {
             let desired = part % speed;
             let a = settling(desired, gain.jerk);
             let within = |x: u64| x % (3 * gain.jerk);
-            let (least, most) = (a.saturating_sub(within(below)), (a + within(above)).min(gain.most));
-            let near = a.saturating_add_signed(near * gain.jerk as i64).min(gain.most);
+            let (min, max) = (a.saturating_sub(within(below)), (a + within(above)).min(gain.max));
+            let near = a.saturating_add_signed(near * gain.jerk as i64).min(gain.max);
             let mut near = gain.step(near);
-            prop_assert_eq!(gain.inverse(desired, least, most, &mut near), a.clamp(least, most));
+            prop_assert_eq!(gain.inverse(desired, min, max, &mut near), a.clamp(min, max));
             let ended = gain.step(near.base);
             prop_assert_eq!((near.number, near.base, near.gain), (ended.number, ended.base, ended.gain));
-            let (least, most) = (a + 1, a + 1 + within(above));
-            prop_assert_eq!(gain.inverse(desired, least, most, &mut near), least, "all is above");
+            let (min, max) = (a + 1, a + 1 + within(above));
+            prop_assert_eq!(gain.inverse(desired, min, max, &mut near), min, "all is above");
         }
 
         /// The closed form of g equals its sum.

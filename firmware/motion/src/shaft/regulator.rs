@@ -51,48 +51,48 @@ impl Aim {
 /// Range of accelerations that the jerk allows.
 #[derive(Clone, Copy)]
 struct Range {
-    least: i64,
-    most: i64,
+    min: i64,
+    max: i64,
 }
 
 impl Range {
     fn clamp(self, acceleration: i64) -> i64 {
-        acceleration.max(self.least).min(self.most)
+        acceleration.max(self.min).min(self.max)
     }
 
     /// Range relative to a frame that accelerates by `rate`.
     const fn relative_to(self, rate: i64) -> Self {
         Self {
-            least: self.least - rate,
-            most: self.most - rate,
+            min: self.min - rate,
+            max: self.max - rate,
         }
     }
 
     /// Range for the opposite direction.
     const fn mirrored(self) -> Self {
         Self {
-            least: -self.most,
-            most: -self.least,
+            min: -self.max,
+            max: -self.min,
         }
     }
 }
 
 /// Greatest acceleration, up to `limit`, that gains at most `change` (not negative); clamped to the range.
 fn settling(change: i64, limit: i64, range: Range, limits: &RampLimits, near: &mut Step) -> i64 {
-    let most = range.most.min(limit);
-    if most <= 0 || most <= range.least {
-        return range.clamp(most);
+    let max = range.max.min(limit);
+    if max <= 0 || max <= range.min {
+        return range.clamp(max);
     }
     // With this much left to gain, the acceleration limit itself is the result.
     if limit == limits.acceleration && change.unsigned_abs() >= limits.gain_from_limit {
-        return most;
+        return max;
     }
-    let least = range.least.max(0);
+    let min = range.min.max(0);
     let gain = &limits.gain;
     gain.inverse(
         change.unsigned_abs(),
-        least.unsigned_abs(),
-        most.unsigned_abs(),
+        min.unsigned_abs(),
+        max.unsigned_abs(),
         near,
     ) as i64
 }
@@ -127,8 +127,8 @@ fn bounded(desired: i64, change: i64, range: Range, limits: &RampLimits, near: &
     if change >= 0 && desired <= 0 {
         return desired;
     }
-    let most = if change < 0 { range.most } else { desired };
-    let range = Range { most, ..range };
+    let max = if change < 0 { range.max } else { desired };
+    let range = Range { max, ..range };
     towards(change, limits.acceleration, range, limits, near).min(desired)
 }
 
@@ -146,8 +146,8 @@ pub(super) fn acceleration(
     near: &mut Near,
 ) -> i64 {
     let range = Range {
-        least: acceleration - limits.jerk,
-        most: acceleration + limits.jerk,
+        min: acceleration - limits.jerk,
+        max: acceleration + limits.jerk,
     };
     let desired = pursuing(
         aim.now - speed,
@@ -170,8 +170,8 @@ pub(super) fn acceleration(
 /// Acceleration of the coming tick in the fastest stop, regardless of other bounds.
 pub(super) fn brake(limits: &RampLimits, speed: i64, acceleration: i64, near: &mut Step) -> i64 {
     let range = Range {
-        least: acceleration - limits.jerk,
-        most: acceleration + limits.jerk,
+        min: acceleration - limits.jerk,
+        max: acceleration + limits.jerk,
     };
     -settling(speed, limits.acceleration, range.mirrored(), limits, near)
 }
@@ -212,14 +212,14 @@ mod tests {
                 break;
             }
         }
-        let (most, jerk) = (limits.acceleration as f64, limits.jerk as f64);
-        let ramps = (0.8 + 1.69 / 2.0) * most * most / jerk;
-        let between = (start as f64 - ramps) / (1.3 * most);
-        let least = 2.3 * most / jerk + between;
+        let (max, jerk) = (limits.acceleration as f64, limits.jerk as f64);
+        let ramps = (0.8 + 1.69 / 2.0) * max * max / jerk;
+        let between = (start as f64 - ramps) / (1.3 * max);
+        let min = 2.3 * max / jerk + between;
         assert!(between > 0.0);
         assert!(
-            ticks as f64 <= least + 3.0,
-            "{ticks} ticks, where {least} would do"
+            ticks as f64 <= min + 3.0,
+            "{ticks} ticks, where {min} would do"
         );
     }
 }

@@ -157,11 +157,11 @@ impl Due {
         // Rounded up, so that the speed suffices for the release.
         let half = (later.acceleration - earlier.acceleration + 1) / 2;
         let between = state.after(earlier.acceleration + half);
-        let least = further(between, between.braking_distance(limits), self.distance);
-        if self.slack < least {
-            Blend::new(earlier, between, self.slack, least)
+        let min = further(between, between.braking_distance(limits), self.distance);
+        if self.slack < min {
+            Blend::new(earlier, between, self.slack, min)
         } else {
-            Blend::new(between, later, self.slack - least, self.further - least)
+            Blend::new(between, later, self.slack - min, self.further - min)
         }
     }
 }

@@ -11,7 +11,7 @@
 //! **Underrun.** The loop submits a tick's words while the tick before is played. If the loop is late, all machines play the words that
 //! they have, which are the same tick on every axis. They stop there together, between two edges. They are held and started again,
 //! together, at a later deadline. No submission can be late for some axes and in time for others. [`Steps::submit`] submits the words of
-//! all axes or of none. It submits none in the last [`LEAST_LEAD_US`] before the deadline, which is more than twice the time that all axes
+//! all axes or of none. It submits none in the last [`MIN_LEAD_US`] before the deadline, which is more than twice the time that all axes
 //! take. A machine may still underrun inside a tick whose words were complete (a channel that stopped, interrupts that were disabled). Its
 //! axis is then behind the others. The hardware's own flag shows this, and it is reported as a fault.
 
@@ -43,10 +43,10 @@ const MACHINES: usize = 3;
 const HOLD_US: u32 = 50;
 
 /// Latest time before a tick is due at which stopped machines are started, µs.
-const LEAST_BEGIN_US: u32 = HOLD_US + 20;
+const MIN_BEGIN_US: u32 = HOLD_US + 20;
 
 /// Time by which words must be submitted before they are due, µs.
-const LEAST_LEAD_US: u32 = Rp2040::LEAST_LEAD_US;
+const MIN_LEAD_US: u32 = Rp2040::MIN_LEAD_US;
 
 /// The block of an axis, from a table: the board has no instruction that divides.
 const fn block_of(axis: usize) -> usize {
@@ -164,7 +164,7 @@ impl Steps {
         start: Instant,
     ) -> Submission {
         let lead_us = (start.as_ticks() as u32).wrapping_sub(now_us());
-        if (lead_us as i32) < LEAST_LEAD_US as i32 {
+        if (lead_us as i32) < MIN_LEAD_US as i32 {
             return Submission::TooLate;
         }
         if let Some(axis) = feed::take_late() {
@@ -181,7 +181,7 @@ impl Steps {
                 feed::feed(cs, axis, runs);
             }
             Submission::Taken
-        } else if lead_us >= LEAST_BEGIN_US && self.all_stand(cs) {
+        } else if lead_us >= MIN_BEGIN_US && self.all_stand(cs) {
             Submission::Begun(self.begin(cs, output, start))
         } else {
             Submission::TooLate

@@ -17,10 +17,10 @@ pub const SKEW: u32 = 2;
 
 /// Cycles from the timer's last reading before its time to the start of both blocks. It takes 36, and may take
 /// less than a quarter of a microsecond more.
-const MOST_CYCLES: u32 = 64;
+const MAX_CYCLES: u32 = 64;
 
 /// Readings of the timer before its time, ten cycles or more each: over 100 µs, more than the wait takes.
-const MOST_READINGS: u32 = 1250;
+const MAX_READINGS: u32 = 1250;
 
 /// Enables the machines of the first and the second block whose bits are set, and no others, when the timer reaches
 /// `at_us`. Returns true if that was in time. To be called with interrupts disabled and `at_us` at most 50 µs ahead: the wait for a timer
@@ -42,7 +42,7 @@ pub fn release(at_us: u32, first: u8, second: u8) -> bool {
             second.into(),
         )
     };
-    took <= MOST_CYCLES
+    took <= MAX_CYCLES
 }
 
 #[inline(never)]
@@ -58,7 +58,7 @@ unsafe extern "C" fn let_go(
     unsafe {
         // Count at the last reading before the time. None if the time had passed at the first reading, or did not come.
         let mut before = None;
-        let mut readings = MOST_READINGS;
+        let mut readings = MAX_READINGS;
         loop {
             let now = systick::count();
             if (timer.read_volatile().wrapping_sub(at_us) as i32) >= 0 {

@@ -55,8 +55,8 @@ impl Tcp {
     /// Refuses the server of another protocol, whose bytes would be taken for noise.
     fn check_greeting(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.has_frame |= bytes.contains(&FRAME_END);
-        let most = OTHERS.iter().map(|(begin, _)| begin.len()).max();
-        let missing = most.unwrap_or_default().saturating_sub(self.greeting.len());
+        let max = OTHERS.iter().map(|(begin, _)| begin.len()).max();
+        let missing = max.unwrap_or_default().saturating_sub(self.greeting.len());
         self.greeting.extend(bytes.iter().take(missing));
         let other = OTHERS.iter().find(|(begin, _)| {
             let first = self.greeting.get(..begin.len());

@@ -4,7 +4,7 @@ use std::net::{SocketAddr, ToSocketAddrs};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use cophase_files::trace::{Format, Window};
-use cophase_scene::file::MOST_S;
+use cophase_scene::file::MAX_S;
 
 use crate::address::Parts;
 use crate::numbers::{in_range, meant};
@@ -18,7 +18,7 @@ pub(crate) fn window(text: &str) -> Result<Window, String> {
         let ends = text.split_once("..");
         let meant = ends.and_then(|(from, to)| meant(from, Some("s")).zip(meant(to, Some("s"))));
         match meant {
-            Some((from, to)) if 0.0 <= from && from < to && to <= MOST_S => {
+            Some((from, to)) if 0.0 <= from && from < to && to <= MAX_S => {
                 format!("{form}, without a unit, with a point for fractions: {from}..{to}")
             }
             _ => format!("{form}, such as 2.5..2.6, or `all`"),
@@ -29,7 +29,7 @@ pub(crate) fn window(text: &str) -> Result<Window, String> {
         text.trim()
             .parse::<f64>()
             .ok()
-            .filter(|s| (0.0..=MOST_S).contains(s))
+            .filter(|s| (0.0..=MAX_S).contains(s))
     };
     let (from_s, to_s) = seconds(from).zip(seconds(to)).ok_or_else(wrong)?;
     if to_s <= from_s {

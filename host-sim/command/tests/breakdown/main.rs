@@ -61,9 +61,9 @@ fn a_ramp_from_rest_keeps_the_acceleration_limit() {
     let requested = facts.requested_hz_per_s();
     assert!((1250.0..1270.0).contains(&requested), "{requested} rev/s²");
     // A speed is a whole number of 2⁻⁴⁸ turns a tick. A difference of two speeds is off by at most one such unit: 1.4e-8 rev/s².
-    let most = facts.commanded_hz_per_s();
-    assert!(most <= root::LIMIT_HZ_PER_S + 1e-6, "{most} rev/s²");
-    assert!(most > 0.999 * root::LIMIT_HZ_PER_S, "the limit is used");
+    let max = facts.commanded_hz_per_s();
+    assert!(max <= root::LIMIT_HZ_PER_S + 1e-6, "{max} rev/s²");
+    assert!(max > 0.999 * root::LIMIT_HZ_PER_S, "the limit is used");
     // The command lags until a linear rise meets √t: 28.2 √t = 60 t at 0.22 s. Jerk of 6000 rev/s³ adds 10 ms at either end.
     let behind_s = facts.behind_s().expect("it is reported");
     assert!((0.21..0.25).contains(&behind_s), "{behind_s} s");
@@ -102,10 +102,10 @@ fn slower_band_crossings_give_larger_amplitudes() {
     // tick at either end.
     for crossing in &facts.crossings {
         let width_hz = band::BAND_HZ.1 - band::BAND_HZ.0;
-        let most_s = width_hz / crossing.hz_per_s + 1.1e-3;
+        let max_s = width_hz / crossing.hz_per_s + 1.1e-3;
         assert!(
-            crossing.inside_s <= most_s,
-            "{crossing:?}, at most {most_s} s"
+            crossing.inside_s <= max_s,
+            "{crossing:?}, at most {max_s} s"
         );
     }
 }

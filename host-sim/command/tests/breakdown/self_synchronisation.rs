@@ -28,8 +28,8 @@ fn the_controller_keeps_them_in_phase() {
         assert!(free(places).unwrap().last().unwrap().1 < 0.2);
         let kept = forced(places).unwrap();
         assert!(kept.len() > 100);
-        let least = kept.iter().map(|point| point.1).fold(f64::MAX, f64::min);
+        let min = kept.iter().map(|point| point.1).fold(f64::MAX, f64::min);
         // If one of two shafts is off by 1°, the resultant is 1 − (0.5°)²/2 = 0.99996.
-        assert!(least > 0.999, "{least}");
+        assert!(min > 0.999, "{min}");
     }
 }

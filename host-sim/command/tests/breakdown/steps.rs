@@ -105,7 +105,7 @@ fn stiffer_rods_increase_torque_and_step_count() {
     let facts = rods::measure(Size::Small).unwrap();
     // One crank of four that is 1° off is 0.25° off the plane of all four. With rigid rods its motor has to give all of that: 20 N·m by
     // the sine of 50 electrical cycles.
-    let most_nm = 20.0 * (50.0 * 0.25_f64.to_radians()).sin();
+    let max_nm = 20.0 * (50.0 * 0.25_f64.to_radians()).sin();
     let bent_nm = |measured: &rods::Measured| measured.off_nm - measured.in_phase_nm;
     for pair in facts.measured.windows(2) {
         assert!(bent_nm(&pair[1]) > bent_nm(&pair[0]), "{pair:?}");
@@ -118,10 +118,10 @@ fn stiffer_rods_increase_torque_and_step_count() {
         panic!("{:?}", facts.measured);
     };
     assert!(bent_nm(&stiff) > 2.0 * bent_nm(&soft), "{stiff:?}");
-    assert!(bent_nm(&rigid) <= most_nm, "{rigid:?}, at most {most_nm}");
+    assert!(bent_nm(&rigid) <= max_nm, "{rigid:?}, at most {max_nm}");
     assert!(
-        bent_nm(&rigid) > 0.95 * most_nm,
-        "{rigid:?}, nearly {most_nm}"
+        bent_nm(&rigid) > 0.95 * max_nm,
+        "{rigid:?}, nearly {max_nm}"
     );
     // The step count suits soft rods. It is tried on the soft rods and on rods ten times stiffer.
     let scene = |rod| rods::scene(rod, 1.0, 3.0, "steps_per_tick = 1");

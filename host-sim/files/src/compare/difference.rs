@@ -20,9 +20,9 @@ pub struct ColumnDifference {
     pub beyond: usize,
     /// Difference of the largest magnitude. `None` for words; infinite if only one of the values is a
     /// number.
-    pub largest: Option<f64>,
+    pub max: Option<f64>,
     /// Time of that difference, s.
-    pub largest_at_s: Option<f64>,
+    pub max_at_s: Option<f64>,
     /// Root mean square of the differences. `None` for words.
     pub rms: Option<f64>,
     /// First time at which the values differ by more than the tolerance, s.
@@ -74,8 +74,8 @@ impl ColumnDifference {
             tolerance,
             compared: 0,
             beyond: 0,
-            largest: None,
-            largest_at_s: None,
+            max: None,
+            max_at_s: None,
             rms: None,
             exceeds_at_s: None,
             values: None,
@@ -84,22 +84,22 @@ impl ColumnDifference {
 
     fn numbers(&mut self, columns: [&[f64]; 2], points: &[Point], is_held: bool) {
         let mut squares = 0.0;
-        let mut largest = (0.0_f64, None);
+        let mut max = (0.0_f64, None);
         for point in points {
             let value = |i: usize| at(columns[i], point.places[i], is_held);
             let (first, second) = (value(0), value(1));
             let difference = difference(first, second);
             squares += difference * difference;
-            if difference.abs() > largest.0.abs() {
-                largest = (difference, Some(seconds(point)));
+            if difference.abs() > max.0.abs() {
+                max = (difference, Some(seconds(point)));
             }
             if difference.abs() > self.tolerance {
                 self.exceed(point, || [first.to_string(), second.to_string()]);
             }
         }
         self.compared = points.len();
-        self.largest = Some(largest.0);
-        self.largest_at_s = largest.1;
+        self.max = Some(max.0);
+        self.max_at_s = max.1;
         self.rms = Some((squares / points.len() as f64).sqrt());
     }
 

@@ -38,7 +38,7 @@ pub struct WireDifference {
     /// Edges of the second run alone.
     pub only_second: usize,
     /// Largest shift of an edge that both have, second less first, ns.
-    pub largest_shift_ns: i64,
+    pub max_shift_ns: i64,
     /// Time of the first edge that differs, s. If the levels at the start of the window differ, it is that start.
     pub differs_at_s: Option<f64>,
 }
@@ -50,8 +50,8 @@ impl EdgeComparison {
     }
 
     /// Largest shift of any wire, ns.
-    pub fn largest_shift_ns(&self) -> i64 {
-        let shifts = self.wires.iter().map(|wire| wire.largest_shift_ns);
+    pub fn max_shift_ns(&self) -> i64 {
+        let shifts = self.wires.iter().map(|wire| wire.max_shift_ns);
         shifts.max_by_key(|shift| shift.abs()).unwrap_or(0)
     }
 }
@@ -134,8 +134,8 @@ impl Window {
         let at_ns = match (first, second) {
             (Some(first), Some(second)) => {
                 let shift = second - first;
-                if shift.abs() > difference.largest_shift_ns.abs() {
-                    difference.largest_shift_ns = shift;
+                if shift.abs() > difference.max_shift_ns.abs() {
+                    difference.max_shift_ns = shift;
                 }
                 if shift.abs() as f64 <= self.tolerance_ns {
                     difference.equal += 1;

@@ -123,8 +123,8 @@ fn write_column(column: &ColumnDifference, text: &mut String) -> std::fmt::Resul
         text,
         "{name:<22} {:>10} {:>12} {:>12} {:>12} {:>12}",
         digits(column.tolerance),
-        number(column.largest),
-        number(column.largest_at_s),
+        number(column.max),
+        number(column.max_at_s),
         number(column.rms),
         number(column.exceeds_at_s),
     )?;
@@ -149,7 +149,7 @@ fn write_edges(edges: &EdgeComparison, text: &mut String) -> std::fmt::Result {
         digits(edges.to_s),
         edges.total(|wire| wire.equal),
         edges.total(|wire| wire.shifted),
-        edges.largest_shift_ns(),
+        edges.max_shift_ns(),
         edges.total(|wire| wire.only_first),
         edges.total(|wire| wire.only_second),
     )?;

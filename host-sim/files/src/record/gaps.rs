@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// Number of gaps that are kept with their times. Further gaps are only counted.
-const MOST: usize = 1000;
+const MAX: usize = 1000;
 
 /// Consecutive samples that were lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -54,7 +54,7 @@ impl Gaps {
         if samples > 0 {
             self.lost += u64::from(samples);
             self.gaps += 1;
-            if self.list.len() < MOST {
+            if self.list.len() < MAX {
                 self.list.push(Gap { from_tick, samples });
             }
         }

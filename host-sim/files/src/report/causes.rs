@@ -14,7 +14,7 @@ use serde::Serialize;
 const COUNTED: &str = include_str!("../../../../docs/causes.csv");
 
 /// Runs with a name below which their causes are not compared.
-const LEAST_RUNS: u32 = 50;
+const MIN_RUNS: u32 = 50;
 
 /// Row of [`COUNTED`].
 struct Counted {
@@ -65,7 +65,7 @@ fn probabilities(
             likelihoods.push((*cause, f64::from(named) / f64::from(drawn)));
         }
     }
-    if all < LEAST_RUNS {
+    if all < MIN_RUNS {
         return Vec::new();
     }
     let sum: f64 = likelihoods.iter().map(|(_, likelihood)| likelihood).sum();
@@ -199,7 +199,7 @@ mod tests {
             .filter(|row| row.name == "tilt")
             .map(|row| row.runs)
             .sum();
-        assert!((1..LEAST_RUNS).contains(&runs), "{runs}");
+        assert!((1..MIN_RUNS).contains(&runs), "{runs}");
         assert!(probabilities(&tilt, true, &["runaway", "swapped-wiring"]).is_empty());
     }
     /// If this fails, a report states that a stuck crank has a probability of 0 to be what it was named.

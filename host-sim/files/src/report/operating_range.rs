@@ -156,7 +156,7 @@ impl Picture<'_> {
 
     /// Part of the motors' torque that the program requires.
     fn subtitle(&self) -> String {
-        let Some(load) = self.range.greatest_load() else {
+        let Some(load) = self.range.max_load() else {
             return String::new();
         };
         if !load.ratio.is_finite() {
@@ -297,12 +297,12 @@ impl Picture<'_> {
         let mut limit = |who: &str, hz: f64| {
             draft.limit(KILO * hz, &format!("{who} {} k", short(KILO * hz)));
         };
-        let greatest = rates.iter().map(|(steps, _)| *steps).fold(0.0, f64::max);
+        let max = rates.iter().map(|(steps, _)| *steps).fold(0.0, f64::max);
         // The board makes all steps that the planner plans if the tick is long enough for them.
         let board_hz = self
             .range
             .board_speed_hz()
-            .map(|hz| hz.map(|hz| hz * greatest).filter(|hz| *hz < planner_hz));
+            .map(|hz| hz.map(|hz| hz * max).filter(|hz| *hz < planner_hz));
         match board_hz {
             Ok(None) => limit("limit", planner_hz),
             Ok(Some(board_hz)) => {
@@ -378,14 +378,14 @@ mod tests {
             let force_n = 18.0 * (STANDARD_GRAVITY_MPS2 - radius_m * omega2 * curvature);
             (force_n * slope_m / 5.0).abs() + 0.3
         };
-        let most_nm = (0..36_000)
+        let max_nm = (0..36_000)
             .map(|i| torque_nm(f64::from(i) / 36_000.0 * std::f64::consts::TAU))
             .fold(0.0, f64::max);
-        let ratio = range.greatest_load().unwrap().ratio;
+        let ratio = range.max_load().unwrap().ratio;
         assert!(
-            (ratio - most_nm / 25.0).abs() < 2e-3,
+            (ratio - max_nm / 25.0).abs() < 2e-3,
             "{ratio}, by hand {}",
-            most_nm / 25.0
+            max_nm / 25.0
         );
         let percent = format!("{:.0} % of its torque", 100.0 * ratio);
         assert!(

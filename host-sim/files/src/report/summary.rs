@@ -189,14 +189,14 @@ fn write_page(
     let closest = axes
         .clone()
         .filter_map(|(i, axis)| Some((i, (axis.pull_out_used?, axis.pull_out_used_at_hz))));
-    let least = closest
+    let min = closest
         .clone()
         .map(|(_, (used, _))| used)
         .fold(f64::INFINITY, f64::min);
     if let Some((axis, (used, hz))) = closest.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
         if used.is_finite() {
             // Smaller differences print as the same number.
-            let (which, has) = if least > 0.995 * used && scene.axes.count > 1 {
+            let (which, has) = if min > 0.995 * used && scene.axes.count > 1 {
                 ("all axes".to_owned(), "they have")
             } else {
                 (format!("axis {axis}"), "it has")

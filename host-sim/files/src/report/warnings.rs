@@ -129,7 +129,7 @@ fn in_cycles(cycles: u64) -> String {
 /// [`beyond_pull_out`] gives the reason.
 fn lacking(checked: &Checked) -> Option<String> {
     let range = OperatingRange::new(checked).ok()??;
-    let Load { axis, ratio, .. } = range.greatest_load()?;
+    let Load { axis, ratio, .. } = range.max_load()?;
     (ratio > 1.0 && ratio.is_finite()).then(|| {
         format!(
             "The motors lack torque: that of axis {axis} needs {ratio:.1} times what it has. Lower the program's speed or the load, \

@@ -135,9 +135,9 @@ impl<W: Write> TraceCsv<W> {
 /// Writes a number that is rounded to this count of decimals, with a decimal point.
 fn decimal(line: &mut Vec<u8>, number: f64, decimals: u32) -> io::Result<()> {
     // No two decimals of 15 digits are the same double, so these digits without the last zeros are the shortest.
-    const MOST: f64 = 1e15;
+    const MAX: f64 = 1e15;
     let scaled = number.abs() * 10_u64.pow(decimals) as f64;
-    if decimals == 0 || !(0.0..MOST).contains(&scaled) {
+    if decimals == 0 || !(0.0..MAX).contains(&scaled) {
         return shortest(line, number);
     }
     let mut left = (scaled + 0.5) as u64;

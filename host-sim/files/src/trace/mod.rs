@@ -42,7 +42,7 @@ pub use layout::gtkwave_layout;
 pub use mcap::{McapTraceError, TraceMcap};
 pub use recorder::{RecordError, Recorder};
 pub use row::{AxisRow, Row, RowShape};
-pub use rows::{Every, MOST_ROWS};
+pub use rows::{Every, MAX_ROWS};
 pub(crate) use scope::{BAND, FONT, GAP, Panel, TIME_AXIS, embed, plain, short};
 pub use scope::{Envelope, Extent, Overlay, OverlayRow, ScopeData, ScopeFrame};
 pub use tick_edges::{SensedEdges, TickEdges};

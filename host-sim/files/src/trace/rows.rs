@@ -4,22 +4,22 @@ use super::Row;
 use super::recorder::RecordError;
 
 /// Most rows that a trace gets unless more are requested.
-pub const MOST_ROWS: usize = 20_000;
+pub const MAX_ROWS: usize = 20_000;
 
 /// Selection of the ticks that become rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Every {
     /// Every n-th.
     Ticks(u64),
-    /// As many ticks as give at most [`MOST_ROWS`] rows.
+    /// As many ticks as give at most [`MAX_ROWS`] rows.
     Fitting,
 }
 
 impl Every {
-    /// Returns the smallest number of ticks between rows with which a run of `ticks` has at most [`MOST_ROWS`]. It is for rows
+    /// Returns the smallest number of ticks between rows with which a run of `ticks` has at most [`MAX_ROWS`]. It is for rows
     /// that are written before the end of the run.
     pub const fn for_run(ticks: u64) -> Self {
-        let every = ticks.div_ceil(MOST_ROWS as u64);
+        let every = ticks.div_ceil(MAX_ROWS as u64);
         Self::Ticks(if every == 0 { 1 } else { every })
     }
 }
@@ -66,7 +66,7 @@ impl<'a> Rows<'a> {
         let Some(kept) = &mut self.kept else {
             return self.write(row);
         };
-        if kept.len() == MOST_ROWS {
+        if kept.len() == MAX_ROWS {
             // Rows are at multiples of `every`, so every second one is at a multiple of twice that.
             self.every *= 2;
             let every = self.every;

@@ -12,7 +12,7 @@ pub struct TurnAmplitude {
     /// Turns that have begun in this motion. The first of them is the first whole one.
     begun: u32,
     /// Greatest magnitude in this turn so far.
-    greatest: f64,
+    max: f64,
     measured: f64,
 }
 
@@ -20,7 +20,7 @@ impl TurnAmplitude {
     pub const AT_REST: Self = Self {
         turn: None,
         begun: 0,
-        greatest: 0.0,
+        max: 0.0,
         measured: 0.0,
     };
 
@@ -35,14 +35,14 @@ impl TurnAmplitude {
         if self.turn.is_some_and(|present| present != turn) {
             self.begun = self.begun.saturating_add(1);
             if self.begun > 1 {
-                self.measured = self.greatest;
+                self.measured = self.max;
             }
-            self.greatest = 0.0;
+            self.max = 0.0;
         }
         self.turn = Some(turn);
-        self.greatest = self.greatest.max(accel_mps2.abs());
+        self.max = self.max.max(accel_mps2.abs());
         if self.begun <= 1 {
-            self.measured = self.measured.max(self.greatest);
+            self.measured = self.measured.max(self.max);
         }
         self.measured
     }

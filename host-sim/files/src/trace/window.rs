@@ -71,13 +71,13 @@ impl Window {
         if !(scene.fault.is_empty() && scene.command.is_empty() && scene.input.is_empty()) {
             return Ok(());
         }
-        let (mut turns, mut most_hz) = (0.0, 0.0_f64);
+        let (mut turns, mut max_hz) = (0.0, 0.0_f64);
         let mut until = Vec::new();
         for entry in &checked.settings.program {
             match entry {
                 EntrySettings::Segment(segment) => {
                     let hz = checked.speed_hz(segment.amax_mps2);
-                    most_hz = most_hz.max(hz);
+                    max_hz = max_hz.max(hz);
                     until.push(turns);
                     turns += hz * segment.hold_s;
                 }
@@ -96,8 +96,8 @@ impl Window {
         });
         // At most so many turns are outside the window.
         let outside_s = (run_s - (to_ns.saturating_sub(from_ns)) as f64 * 1e-9).max(0.0);
-        let shown = edges_a_turn.sum::<f64>() * (turns - most_hz * outside_s);
-        if shown > MOST_EDGES as f64 {
+        let shown = edges_a_turn.sum::<f64>() * (turns - max_hz * outside_s);
+        if shown > MAX_EDGES as f64 {
             return Err(EdgeError::TooLong {
                 from_ns,
                 at_ns: to_ns.min((run_s * 1e9) as u64),
@@ -108,7 +108,7 @@ impl Window {
 }
 
 /// Greatest number of edges in a file. A file of this size has about a gigabyte, and viewers cannot handle more.
-const MOST_EDGES: u64 = 60_000_000;
+const MAX_EDGES: u64 = 60_000_000;
 
 /// Edges of the window.
 pub(super) struct StepWindow<W: Write + Seek> {
@@ -200,7 +200,7 @@ impl<W: Write + Seek> StepWindow<W> {
                 .iter_mut()
                 .try_for_each(|file| file.sample(end_ns, row))?;
         }
-        if self.shown > MOST_EDGES {
+        if self.shown > MAX_EDGES {
             return Err(EdgeError::TooLong {
                 from_ns,
                 at_ns: end_ns,

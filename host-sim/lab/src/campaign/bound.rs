@@ -118,9 +118,9 @@ fn stop_s(limits: &Limits, beyond_limit: &Place) -> f64 {
     let a = limits.stop_acceleration_hz_per_s.unwrap_or(usual.0);
     let j = limits.stop_jerk_hz_per_s2.unwrap_or(usual.1);
     let turn_s = turn_s(limits, beyond_limit);
-    let most_hz = (beyond_limit.speed_hz + usual.0 * turn_s).min(limits.speed_hz);
+    let max_hz = (beyond_limit.speed_hz + usual.0 * turn_s).min(limits.speed_hz);
     let rising = usual.0;
-    let from_hz = most_hz + rising * rising / (2.0 * j);
+    let from_hz = max_hz + rising * rising / (2.0 * j);
     let ramp_s = if from_hz * j >= a * a {
         from_hz / a + a / j
     } else {

@@ -106,14 +106,14 @@ impl Geometry {
     /// Greatest tilt that an error of one crank of up to `error_turns` causes while all others are in phase, mrad. It is computed with true
     /// geometry at the worst angle. Half a turn is the largest possible error of a crank.
     pub fn worst_tilt_mrad(&self, error_turns: f64) -> f64 {
-        let most = error_turns.abs().min(0.5);
+        let max = error_turns.abs().min(0.5);
         // The largest error does not always tilt most. Steps of 3° up to it find the maximum to 0.1 %.
-        let steps = (most * 120.0).ceil().max(1.0);
+        let steps = (max * 120.0).ceil().max(1.0);
         let in_phase: Vec<f64> = angles().map(|alpha| self.mechanism.x_m(alpha)).collect();
         let mut heights = vec![0.0; self.count];
-        let lever_m = self.mechanism.crank_radius_m() * self.mechanism.greatest_s();
+        let lever_m = self.mechanism.crank_radius_m() * self.mechanism.max_s();
         for step in (1..=steps as u32).rev() {
-            let error = most * f64::from(step) / steps * TAU;
+            let error = max * f64::from(step) / steps * TAU;
             // The remaining errors are smaller, and lift the corner by less than the maximum that was found.
             if lever_m * error * ROUNDING < heights[0] {
                 break;
@@ -152,13 +152,13 @@ impl Geometry {
     }
 
     /// Greatest inertia of the platform and its load at one crank, kg·m²: m (dx/dα)² / N.
-    pub fn most_inertia_kgm2(&self) -> f64 {
+    pub fn max_inertia_kgm2(&self) -> f64 {
         let longest_travel_m = self.longest_travel_m();
         self.load.mass_kg * longest_travel_m * longest_travel_m / self.count as f64
     }
 
     /// Largest torque of all cranks together, at rest or at a speed, with an acceleration, at any angle, N·m.
-    pub fn most_torque_nm(&self, omega_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
+    pub fn max_torque_nm(&self, omega_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
         let at = |omega, acceleration| {
             angles()
                 .map(move |alpha| {

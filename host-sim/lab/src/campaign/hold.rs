@@ -29,7 +29,7 @@ impl Hold {
             moment.drives_enabled,
             stands,
             moment.start_ns as f64 * 1e-9,
-            |most_mrad| moment.raise_tilt(most_mrad),
+            |max_mrad| moment.raise_tilt(max_mrad),
             || moment.tilt_mrad().unwrap_or(0.0),
         );
     }
@@ -118,7 +118,7 @@ pub fn runaway_turns(scene: &Scene, geometry: Option<&Geometry>, rests_at_flag: 
     };
     let ticks = super::DETECTION_TICKS as f64;
     let speeds = scene.fault.iter().filter_map(|fault| fault.speed_hz);
-    let speed_hz = speeds.fold(0.0, |most: f64, speed| most.max(speed.abs()));
+    let speed_hz = speeds.fold(0.0, |max: f64, speed| max.max(speed.abs()));
     shown_turns + ticks * speed_hz / f64::from(scene.control.tick_hz)
 }
 
@@ -133,7 +133,7 @@ mod tests {
     fn tilt_growth_counts_from_rest_while_drives_hold() {
         let mut hold = Hold::default();
         let take = |hold: &mut Hold, enabled, stands, t_s, tilt_mrad: f64| {
-            let raise = |most_mrad: &mut f64| *most_mrad = most_mrad.max(tilt_mrad);
+            let raise = |max_mrad: &mut f64| *max_mrad = max_mrad.max(tilt_mrad);
             hold.take(enabled, stands, t_s, raise, || tilt_mrad);
         };
         // The machine stood still before the fault's stop, so no hold has begun.

@@ -9,7 +9,7 @@ use crate::chart::ink::{Ink, Stroke};
 use crate::chart::picture::{self, At, Level, Line, Panel, Picture};
 
 /// Largest number of points of a line. More would not be visible.
-const MOST_POINTS: usize = 200;
+const MAX_POINTS: usize = 200;
 
 /// Renders the picture as SVG.
 pub fn svg(header: &Header, tally: &Tally) -> String {
@@ -115,7 +115,7 @@ const fn style(kind: FaultName) -> Option<(Ink, Stroke)> {
 
 /// Cumulative distribution: for each value, the fraction of values that do not exceed it.
 fn distribution(sorted: &[f64]) -> Vec<(f64, f64)> {
-    let step = sorted.len().div_ceil(MOST_POINTS).max(1);
+    let step = sorted.len().div_ceil(MAX_POINTS).max(1);
     let part = |i: usize| (i + 1) as f64 / sorted.len() as f64;
     let mut points: Vec<_> = sorted
         .iter()
@@ -123,8 +123,8 @@ fn distribution(sorted: &[f64]) -> Vec<(f64, f64)> {
         .filter(|(i, _)| i % step == 0 || i + 1 == sorted.len())
         .map(|(i, &value)| (value, part(i)))
         .collect();
-    if let Some(&(least, _)) = points.first() {
-        points.insert(0, (least, 0.0));
+    if let Some(&(min, _)) = points.first() {
+        points.insert(0, (min, 0.0));
     }
     points
 }

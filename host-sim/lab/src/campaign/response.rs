@@ -145,7 +145,7 @@ pub struct Responses<'a> {
     /// Clean run to compare with. Without one, no output counts as a response.
     pub twin: Option<&'a Twin>,
     /// Offset above which a motion counts as a correction, turns.
-    least_turns: f64,
+    min_turns: f64,
     speed: i64,
     acceleration: i64,
     were_enabled: bool,
@@ -171,7 +171,7 @@ impl<'a> Responses<'a> {
     pub fn new(steps_per_turn: f64) -> Self {
         Self {
             twin: None,
-            least_turns: CORRECTION_STEPS / steps_per_turn,
+            min_turns: CORRECTION_STEPS / steps_per_turn,
             speed: 0,
             acceleration: 0,
             were_enabled: false,
@@ -302,7 +302,7 @@ impl<'a> Responses<'a> {
         let begin = *self
             .corrects
             .get_or_insert(now.responds(Response::Correction));
-        if against_turns > self.least_turns {
+        if against_turns > self.min_turns {
             self.correction = Some(begin);
         }
     }

@@ -52,15 +52,15 @@ impl Part {
 /// variance v. The upper end is the 97.5 % quantile of the one with mean y + A and variance v + A², where A is the largest a. This adds one
 /// event to the stratum with the largest a. For one stratum it is the exact interval of a Poisson variable.
 pub fn sum(parts: &[Part]) -> Option<Estimate> {
-    let (mut mean, mut variance, mut largest) = (0.0, 0.0, 0.0_f64);
+    let (mut mean, mut variance, mut max) = (0.0, 0.0, 0.0_f64);
     for Part { share, rate } in parts {
         let weight = share / rate.of as f64;
         let events = rate.hits as f64;
         mean += weight * events;
         variance += weight * weight * events;
-        largest = largest.max(weight);
+        max = max.max(weight);
     }
-    if !largest.is_finite() || largest == 0.0 {
+    if !max.is_finite() || max == 0.0 {
         return None;
     }
     let shares: f64 = parts.iter().map(|part| part.share).sum();
@@ -69,7 +69,7 @@ pub fn sum(parts: &[Part]) -> Option<Estimate> {
     } else {
         0.0
     };
-    let (mean_above, variance_above) = (mean + largest, variance + largest * largest);
+    let (mean_above, variance_above) = (mean + max, variance + max * max);
     let high = quantile(mean_above, variance_above, 1.0 - OUTSIDE / 2.0)?;
     Some(Estimate {
         rate: mean,
@@ -174,7 +174,7 @@ mod tests {
     /// stratum is combined with a large one with rare events, as in a campaign.
     #[test]
     fn the_interval_covers_the_rate_as_often_as_stated() {
-        let mut least = 1.0_f64;
+        let mut min = 1.0_f64;
         for (first, second) in [((0.09, 2000), (0.91, 4000)), ((0.02, 1000), (0.04, 1000))] {
             for expected in [(0.5, 0.0), (2.0, 0.3), (5.0, 2.0), (15.0, 0.5), (12.0, 8.0)] {
                 let rates = (expected.0 / first.1 as f64, expected.1 / second.1 as f64);
@@ -197,10 +197,10 @@ mod tests {
                 }
                 assert!(above <= 0.025, "{expected:?}: {above} above");
                 assert!(below <= 0.025, "{expected:?}: {below} below");
-                least = least.min(1.0 - above - below);
+                min = min.min(1.0 - above - below);
             }
         }
         // An interval that is far too wide would contain the rate, too.
-        assert!(least < 0.985, "{least}");
+        assert!(min < 0.985, "{min}");
     }
 }

@@ -9,7 +9,7 @@ use super::shards::{Header, MACHINES};
 use super::tally::{Failure, Group, Tally};
 
 /// Largest number of cases that are listed for each failure.
-const MOST_NAMED: usize = 12;
+const MAX_NAMED: usize = 12;
 
 /// Returns the complete text: the runs, the table, and the failures.
 pub fn text(header: &Header, tally: &Tally) -> String {
@@ -196,10 +196,10 @@ fn failures(text: &mut String, header: &Header, tally: &Tally) {
 fn list(cases: &[u64]) -> String {
     let shown: Vec<_> = cases
         .iter()
-        .take(MOST_NAMED)
+        .take(MAX_NAMED)
         .map(ToString::to_string)
         .collect();
-    let rest = cases.len().saturating_sub(MOST_NAMED);
+    let rest = cases.len().saturating_sub(MAX_NAMED);
     let more = if rest > 0 {
         format!(" and {rest} more")
     } else {

@@ -158,7 +158,7 @@ pub struct Tally {
 }
 
 /// Smallest fraction of faults that must be named rightly.
-const LEAST_NAMED: f64 = 0.99;
+const MIN_NAMED: f64 = 0.99;
 
 impl Tally {
     /// Tally of a shard's rows.
@@ -177,7 +177,7 @@ impl Tally {
     /// Returns true if an entry of [`Group::failed`] breaks a claim. What no monitor can detect breaks none. Wrong names do so only if there
     /// are more of them than claimed. That claim is on all cases, so chosen strata cannot break it.
     pub fn breaks_claim(&self, what: Failure) -> bool {
-        let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);
+        let named = self.all.named.part().is_none_or(|part| part >= MIN_NAMED);
         match what {
             Failure::NotDecidable => false,
             Failure::Misnamed => !(named || self.is_selected),

@@ -175,7 +175,7 @@ pub struct Watch<'a> {
 }
 
 /// Largest number of reported faults that are kept, and of fault events.
-const MOST_EVENTS: usize = 16;
+const MAX_EVENTS: usize = 16;
 
 impl<'a> Watch<'a> {
     /// Observer of a run of a scene, and of the first fault in it, if there is one. `cranks_count` is true for axes whose cranks must stop
@@ -275,7 +275,7 @@ impl<'a> Watch<'a> {
         let turns = self.turns_before();
         let observation = &mut self.observation;
         let keep = |list: &mut Vec<ReportedFault>, reported: ReportedFault| {
-            if list.len() < MOST_EVENTS && !list.contains(&reported) {
+            if list.len() < MAX_EVENTS && !list.contains(&reported) {
                 list.push(reported);
             }
         };
@@ -294,7 +294,7 @@ impl<'a> Watch<'a> {
                 continue;
             }
             let is_known = |known: &FaultEvent| known.reported == reported;
-            if observation.fault_events.len() < MOST_EVENTS
+            if observation.fault_events.len() < MAX_EVENTS
                 && !observation.fault_events.iter().any(is_known)
             {
                 observation.fault_events.push(FaultEvent {

@@ -26,8 +26,8 @@ fn periodic(law: Law, shaft: Shaft) -> Result<[f64; 4], ReproducedError> {
         let t_s = f64::from(i) * step_s;
         chain.rates(t_s, &y, &mut rates);
         let off_mm = 1e3 * (y[2] - cam.at(t_s).displacement);
-        for (most, value) in found.iter_mut().zip([rates[3], rates[5], off_mm]) {
-            *most = most.max(value.abs());
+        for (max, value) in found.iter_mut().zip([rates[3], rates[5], off_mm]) {
+            *max = max.max(value.abs());
         }
         let power_kw = 1e-3 * Chain::DAMPING_N_S_M[0] * y[3] * y[3];
         found[3] += power_kw / f64::from(STEPS);

@@ -23,7 +23,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         coupler: 1.54021,
         ground: 1.92792,
     };
-    let (least, largest) = printed.pressure_range_rad();
+    let (min, max) = printed.pressure_range_rad();
     let samples = (0..=360_u32).map(|degree| {
         printed
             .pressure_rad(f64::from(degree).to_radians())
@@ -85,7 +85,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 3,
                 "largest pressure angle with printed lengths, and in full precision, °",
                 [52.7171, 52.7162],
-                [largest.to_degrees(), found.pressure_deg().max],
+                [max.to_degrees(), found.pressure_deg().max],
                 Absolute(5e-5),
                 (FILE, "pressure_angles"),
             ),
@@ -94,7 +94,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 "least pressure angle, and that of the folded dead centre, printed lengths, °",
                 [-24.774, 49.475],
                 [
-                    least.to_degrees(),
+                    min.to_degrees(),
                     printed.pressure_rad(printed.dead_centres_rad()[1]).to_degrees(),
                 ],
                 Absolute(5e-4),

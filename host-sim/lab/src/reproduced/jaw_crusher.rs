@@ -39,8 +39,8 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
             .inertia_kgm2(f64::from(i) * std::f64::consts::TAU / 3600.0)
             .0
     });
-    let (least, most) = inertia.fold((f64::MAX, f64::MIN), |(least, most), here| {
-        (least.min(here), most.max(here))
+    let (min, max) = inertia.fold((f64::MAX, f64::MIN), |(min, max), here| {
+        (min.min(here), max.max(here))
     });
     let flywheel = OnMains {
         flywheel_kgm2: 40.884,
@@ -110,7 +110,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 5,
                 "equivalent inertia, least and greatest, kg m²",
                 [40.828, 40.940],
-                [least, most],
+                [min, max],
                 Absolute(5e-4),
                 (FILE, "equivalent_inertia_has_the_published_range"),
             )

@@ -97,8 +97,8 @@ impl Figure {
         pairs.all(|(published, ours)| {
             let off = (ours - published).abs();
             match self.tolerance {
-                Tolerance::Absolute(most) => off <= most,
-                Tolerance::Relative(most) => off <= most * published.abs(),
+                Tolerance::Absolute(max) => off <= max,
+                Tolerance::Relative(max) => off <= max * published.abs(),
                 Tolerance::NotReproduced => true,
             }
         })

@@ -101,9 +101,9 @@ fn difference(figure: &Figure) -> String {
 
 fn tolerance(tolerance: Tolerance) -> String {
     match tolerance {
-        Tolerance::Absolute(most) if most < 1e-4 => format!("{most:e}"),
-        Tolerance::Absolute(most) => format!("{most}"),
-        Tolerance::Relative(most) => format!("{} %", seven(100.0 * most)),
+        Tolerance::Absolute(max) if max < 1e-4 => format!("{max:e}"),
+        Tolerance::Absolute(max) => format!("{max}"),
+        Tolerance::Relative(max) => format!("{} %", seven(100.0 * max)),
         Tolerance::NotReproduced => "**not reproduced**".to_owned(),
     }
 }

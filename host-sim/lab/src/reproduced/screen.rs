@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use cophase_methods::Scheme;
 use cophase_methods::problems::Screen;
 use host_sim::design::screen::drive::{
-    bearing_life_h, belt_mm, belt_mps, greatest_moment, stress_kgf_per_cm2,
+    bearing_life_h, belt_mm, belt_mps, max_moment, stress_kgf_per_cm2,
 };
 use host_sim::design::screen::{Design, Requirement, Spring, design};
 
@@ -36,18 +36,18 @@ fn run_up(torque_over_rated: f64) -> Result<[f64; 4], ReproducedError> {
         .map_err(ReproducedError::of)?;
     let mut state = [0.0; Screen::DIMENSION];
     let now = |state: &[f64]| [1e3 * Screen::amplitude_m(state), state[5] * 60.0 / TAU];
-    let mut most = [0.0; 2];
+    let mut max = [0.0; 2];
     for step in 0..30_000_u32 {
         method
             .step(&screen, f64::from(step) * STEP_S, &mut state)
             .map_err(ReproducedError::of)?;
         let here = now(&state);
-        if here[0] > most[0] {
-            most = here;
+        if here[0] > max[0] {
+            max = here;
         }
     }
     let end = now(&state);
-    Ok([most[0], most[1], end[0], end[1]])
+    Ok([max[0], max[1], end[0], end[1]])
 }
 
 pub(super) fn section() -> Result<Section, ReproducedError> {
@@ -63,7 +63,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         coil_cm: 10.0,
         shear_modulus: 8e5,
     };
-    let (moment, _) = greatest_moment(531_520.0, 5696.0 - 1964.0, 7499.0 / 510.0);
+    let (moment, _) = max_moment(531_520.0, 5696.0 - 1964.0, 7499.0 / 510.0);
     let [peak_mm, peak_rpm, end_mm, end_rpm] = run_up(Screen::UNLIMITED)?;
     let [_, _, held_mm, held_rpm] = run_up(1.05)?;
     let [.., through_rpm] = run_up(1.1)?;

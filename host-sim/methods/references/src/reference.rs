@@ -43,7 +43,7 @@ impl<const N: usize> ODE<f64, [f64; N]> for Adapter<'_> {
 }
 
 /// Number of steps after which a solver returns an error.
-const MOST_STEPS: usize = 1_000_000;
+const MAX_STEPS: usize = 1_000_000;
 
 /// DOP853 of `differential-equations`, for equations that are not stiff.
 pub fn dop853<const N: usize>(
@@ -55,7 +55,7 @@ pub fn dop853<const N: usize>(
     let method = ExplicitRungeKutta::dop853()
         .rtol(tolerance)
         .atol(tolerance)
-        .max_steps(MOST_STEPS);
+        .max_steps(MAX_STEPS);
     solved(equations, start, end_s, method)
 }
 
@@ -70,7 +70,7 @@ pub fn bdf<const N: usize>(
     let method = BackwardDifferentiationFormula::adaptive()
         .rtol(tolerance)
         .atol(absolute)
-        .max_steps(MOST_STEPS);
+        .max_steps(MAX_STEPS);
     solved(equations, start, end_s, method)
 }
 
@@ -85,7 +85,7 @@ pub fn radau5<const N: usize>(
     let method = ImplicitRungeKutta::radau5()
         .rtol(tolerance)
         .atol(absolute)
-        .max_steps(MOST_STEPS);
+        .max_steps(MAX_STEPS);
     solved(equations, start, end_s, method)
 }
 

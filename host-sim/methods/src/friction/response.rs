@@ -73,10 +73,10 @@ impl Response {
             let wrong = (0..n).find_map(|k| {
                 let acceleration =
                     self.free[k] + (0..n).map(|j| self.matrix[k][j] * force[j]).sum::<f64>();
-                let [least, most] = self.bounds[k];
+                let [min, max] = self.bounds[k];
                 let right = match state[k] {
-                    Contact::Sticks if force[k] < least => Contact::Forwards,
-                    Contact::Sticks if force[k] > most => Contact::Backwards,
+                    Contact::Sticks if force[k] < min => Contact::Forwards,
+                    Contact::Sticks if force[k] > max => Contact::Backwards,
                     Contact::Forwards if acceleration < 0.0 => Contact::Sticks,
                     Contact::Backwards if acceleration > 0.0 => Contact::Sticks,
                     same => same,
@@ -142,8 +142,8 @@ impl Response {
         let force = self.forces(&[Contact::Sticks; MAX_CONTACTS]);
         let mut reserves = [0.0; MAX_CONTACTS];
         for (k, reserve) in reserves.iter_mut().enumerate().take(self.count) {
-            let [least, most] = self.bounds[k];
-            *reserve = (force[k] - least).min(most - force[k]);
+            let [min, max] = self.bounds[k];
+            *reserve = (force[k] - min).min(max - force[k]);
         }
         reserves
     }

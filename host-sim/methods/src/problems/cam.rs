@@ -237,8 +237,8 @@ impl Cam {
 
     /// Returns the largest acceleration at a speed of 1 rad/s, m; at ω it is ω² times as large.
     pub fn peak_m(&self) -> f64 {
-        let least_rad = self.rise_rad.min(self.return_rad);
-        self.law.peak_coefficient() * self.stroke_m / (least_rad * least_rad)
+        let min_rad = self.rise_rad.min(self.return_rad);
+        self.law.peak_coefficient() * self.stroke_m / (min_rad * min_rad)
     }
 
     /// Returns the motion of the follower at `t_s`, in m, m/s, m/s².

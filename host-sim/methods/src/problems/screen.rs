@@ -72,14 +72,14 @@ impl Screen {
 
     /// Torque of the motor at a speed, N m.
     pub fn torque_nm(&self, omega_rad_s: f64) -> f64 {
-        let most_nm = self.torque_over_rated * Self::rated_nm();
+        let max_nm = self.torque_over_rated * Self::rated_nm();
         let slip = 1.0 - omega_rad_s / SYNCHRONOUS_RAD_S;
         if slip >= BREAKDOWN_SLIP {
-            return most_nm;
+            return max_nm;
         }
         // 2 / (s/s_b + s_b/s), without a division by a slip of 0.
         let part = slip / BREAKDOWN_SLIP;
-        most_nm * 2.0 * part / (1.0 + part * part)
+        max_nm * 2.0 * part / (1.0 + part * part)
     }
 
     /// Amplitude of the box in a state, m.

@@ -11,7 +11,7 @@ use cophase_core::settings::rows::{
 use serde::{Deserialize, Serialize};
 
 /// Largest torque, N·m: more than a motor for a platform of 50 kg needs.
-const MOST_FRICTION_NM: f64 = 1000.0;
+const MAX_FRICTION_NM: f64 = 1000.0;
 
 keys! {
     /// Values for all axes, unless an `[[axis]]` has its own.
@@ -50,7 +50,7 @@ keys! {
         /// Inertia of what turns with the motor, kg·m²; without a gear, rotor and crank.
         rotor_inertia_kgm2: f64 = ROTOR_INERTIA_KGM2,
         /// Friction torque at each crank, N·m.
-        friction_nm: f64 = or(0.0).from(0.0, MOST_FRICTION_NM),
+        friction_nm: f64 = or(0.0).from(0.0, MAX_FRICTION_NM),
         /// Damping of a stepper's drive, N·m·s/rad, of the motor.
         damping_nms: f64 = or(0.0).from(0.0, 1000.0),
         /// Pull-out torque of a stepper, of the motor, as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
@@ -163,7 +163,7 @@ keys! {
         /// True phase of the crank at power-up, relative to the phase that the loop assumes, degrees.
         start_deg: f64 = OFFSET_DEG,
         /// Replaces the value in `[axes]`, such as for a stiffer bearing.
-        friction_nm: Option<f64> = optional("0.5").from(0.0, MOST_FRICTION_NM),
+        friction_nm: Option<f64> = optional("0.5").from(0.0, MAX_FRICTION_NM),
         /// Factor on its pull-out torque, such as for a weaker motor.
         pull_out_scale: f64 = or(1.0).from(0.0, 10.0),
         /// Steps with which the simulated drive makes a turn of its crank, where its switches, or a gear, differ from the settings.

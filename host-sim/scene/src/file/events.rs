@@ -5,14 +5,14 @@ use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
 
 /// Latest time in a run, s.
-pub const MOST_S: f64 = 1e6;
+pub const MAX_S: f64 = 1e6;
 
 keys! {
     /// Command at a time. A scene without a start command starts at 0 s.
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
     pub struct CommandAt {
         /// Time, s.
-        at_s: f64 = needed("1").from(0.0, MOST_S),
+        at_s: f64 = needed("1").from(0.0, MAX_S),
         /// Command.
         r#do: CommandName = needed("stop"),
     }
@@ -42,7 +42,7 @@ keys! {
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
     pub struct InputAt {
         /// Time, s.
-        at_s: f64 = needed("1").from(0.0, MOST_S),
+        at_s: f64 = needed("1").from(0.0, MAX_S),
         /// Input.
         line: InputLine = needed("stop"),
         /// State of the input. Enable: the drives may be on. Stop: the machine must stop.
@@ -66,7 +66,7 @@ keys! {
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
     pub struct LateAt {
         /// Time, s; the first deadline from then on is met late.
-        at_s: f64 = needed("1").from(0.0, MOST_S),
+        at_s: f64 = needed("1").from(0.0, MAX_S),
         /// Delay, µs.
         by_us: f64 = needed("50").from(0.0, 1e6),
     }
@@ -77,8 +77,8 @@ keys! {
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
     pub struct Scope {
         /// Start, s.
-        from_s: f64 = needed("0.5").from(0.0, MOST_S),
+        from_s: f64 = needed("0.5").from(0.0, MAX_S),
         /// End, s.
-        to_s: f64 = needed("1").from(0.0, MOST_S),
+        to_s: f64 = needed("1").from(0.0, MAX_S),
     }
 }

@@ -5,7 +5,7 @@ use cophase_core::settings::key::{needed, optional, or};
 use cophase_core::{keys, words};
 use serde::{Deserialize, Serialize};
 
-use super::MOST_S;
+use super::MAX_S;
 
 /// Shortest loss of the enable input that the board does not take for noise, µs (`docs/wiring.md`).
 pub const MIN_ENABLE_LOSS_US: u64 = 10;
@@ -15,7 +15,7 @@ keys! {
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
     pub struct FaultAt {
         /// Time, s.
-        at_s: f64 = needed("10").from(0.0, MOST_S),
+        at_s: f64 = needed("10").from(0.0, MAX_S),
         /// Kind of fault.
         kind: FaultName = needed("slip"),
         /// Axis, for kinds that affect one axis.
@@ -37,7 +37,7 @@ keys! {
         /// Additional load torque of a crank, N·m.
         torque_nm: Option<f64> = optional("4").from(-1000.0, 1000.0),
         /// Duration, s; without it, the fault is permanent.
-        for_s: Option<f64> = optional("0.1").from(1e-6, MOST_S),
+        for_s: Option<f64> = optional("0.1").from(1e-6, MAX_S),
     }
 }
 

@@ -38,13 +38,13 @@ keys! {
         /// Name of the method.
         name: MethodName = or_value("auto"),
         /// Number of steps in a control tick. The default follows from the machine's fastest mode.
-        steps_per_tick: Option<u32> = optional("4").from(1.0, Method::MOST_STEPS as f64),
+        steps_per_tick: Option<u32> = optional("4").from(1.0, Method::MAX_STEPS as f64),
     }
 }
 
 impl Method {
     /// Largest number of steps in a control tick.
-    pub const MOST_STEPS: u32 = 1000;
+    pub const MAX_STEPS: u32 = 1000;
 }
 
 words! {

@@ -25,7 +25,7 @@ pub use cam_table::{CamSegment, CamTable};
 pub use control::{Band, Correction, Limits};
 pub use cophase_core::settings::{Control, Drift, IndexSettings as Index, PulseSettings as Pulse};
 pub use crusher::{CrusherTable, Rock};
-pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, MOST_S, Scope};
+pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, MAX_S, Scope};
 pub use fault::{FaultAt, FaultName, Lines, MIN_ENABLE_LOSS_US, Noise};
 pub use fidelity::{Fidelity, Method, MethodName};
 pub use five_bar::{Assembly, ContactTable, FiveBarTable, Plane};

@@ -5,11 +5,11 @@ use cophase_core::settings::key::{Key, needed, or, or_value};
 use cophase_core::settings::rows::GRAVITY_MPS2;
 use serde::{Deserialize, Serialize};
 
-const MOST_LENGTH_MM: f64 = 20_000.0;
+const MAX_LENGTH_MM: f64 = 20_000.0;
 
 /// Places on the box.
 const SHAFTS_MM: Key = needed("[-600, 600]")
-    .from(-MOST_LENGTH_MM / 2.0, MOST_LENGTH_MM / 2.0)
+    .from(-MAX_LENGTH_MM / 2.0, MAX_LENGTH_MM / 2.0)
     .at_least(-0.5, &[("screen.length_mm", 1)])
     .at_most(0.5, &[("screen.length_mm", 1)]);
 
@@ -20,7 +20,7 @@ keys! {
         /// Mass of the box with its contents, without the exciter blocks, kg.
         box_kg: f64 = needed("2900").from(1.0, 1e5),
         /// Length of the box, mm. The springs are at its ends, and its mass is evenly distributed.
-        length_mm: f64 = needed("4200").from(100.0, MOST_LENGTH_MM),
+        length_mm: f64 = needed("4200").from(100.0, MAX_LENGTH_MM),
         /// Mass of the exciter block on each shaft, kg.
         block_kg: f64 = needed("83").from(0.01, 1e4),
         /// Distance of a block's centre of mass from its shaft's axis, mm.

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
+use cophase_core::axes::{MAX_CAM_POINTS, MIN_CAM_POINTS};
 
 use crate::SceneError;
 use crate::file::{CamTable, Scene};
@@ -63,9 +63,9 @@ struct Row {
 fn points(text: &str, table: &CamTable) -> Result<Vec<f64>, String> {
     let mut rows = rows(text)?;
     close(&mut rows, f64::from(table.net_turns))?;
-    if !(LEAST_CAM_POINTS..=MAX_CAM_POINTS).contains(&rows.len()) {
+    if !(MIN_CAM_POINTS..=MAX_CAM_POINTS).contains(&rows.len()) {
         return Err(format!(
-            " has {} points; a table has {LEAST_CAM_POINTS} to {MAX_CAM_POINTS}, equally spaced over a turn of the master",
+            " has {} points; a table has {MIN_CAM_POINTS} to {MAX_CAM_POINTS}, equally spaced over a turn of the master",
             rows.len()
         ));
     }
@@ -78,10 +78,10 @@ fn points(text: &str, table: &CamTable) -> Result<Vec<f64>, String> {
         {
             let phase = row.phase.unwrap_or_default();
             let is = |scale: f64| (phase - due * scale).abs() <= SAME_TURNS * scale;
-            let most = rows.iter().map(|row| row.turns.abs()).fold(0.0, f64::max);
-            let fix = if is(360.0) && most >= LIKE_DEGREES {
+            let max = rows.iter().map(|row| row.turns.abs()).fold(0.0, f64::max);
+            let fix = if is(360.0) && max >= LIKE_DEGREES {
                 &format!(
-                    "the first column has degrees; divide them by 360, as it is in turns, and so is the second one: its {most} look like degrees or mm, so divide it by 360, or by the screw's lead"
+                    "the first column has degrees; divide them by 360, as it is in turns, and so is the second one: its {max} look like degrees or mm, so divide it by 360, or by the screw's lead"
                 )
             } else if is(360.0) {
                 "the first column has degrees; divide them by 360, as it is in turns"

@@ -27,7 +27,7 @@ pub use nearest::nearest;
 pub const MAX_BYTES: u64 = 1 << 20;
 
 /// Most NUL bytes in a file that is text otherwise.
-const MOST_NULS: usize = 8;
+const MAX_NULS: usize = 8;
 const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to start from";
 
 /// Reads a scene from a file, and passes it to `check`.
@@ -86,7 +86,7 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
     }
     if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
         let are_few = std::str::from_utf8(&bytes).is_ok()
-            && bytes.iter().filter(|&&byte| byte == 0).count() <= MOST_NULS;
+            && bytes.iter().filter(|&&byte| byte == 0).count() <= MAX_NULS;
         return Err(SceneError {
             line: Some(place::line_of(&bytes, at)),
             ..whole(match are_few {

@@ -258,9 +258,9 @@ fn number(kind: &Kind, value: &DeValue, source: &str) -> Option<Value> {
                 Some(Value::Float(whole as f64))
             }
         },
-        (Kind::Whole(least, most), DeValue::Integer(digits)) => {
+        (Kind::Whole(min, max), DeValue::Integer(digits)) => {
             let whole = i64::from_str_radix(digits.as_str(), digits.radix()).ok()?;
-            (*least..=*most)
+            (*min..=*max)
                 .contains(&whole)
                 .then_some(Value::Integer(whole))
         }

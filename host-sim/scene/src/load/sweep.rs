@@ -104,9 +104,9 @@ fn a_number_out_of_its_range_is_refused_with_the_nearest_end() {
                 });
                 finite.into_iter().chain(other).collect()
             }
-            Kind::Whole(least, _) if high < f64::MAX => [low - 1.0, high + 1.0]
+            Kind::Whole(min, _) if high < f64::MAX => [low - 1.0, high + 1.0]
                 .into_iter()
-                .filter(|value| *value >= least as f64)
+                .filter(|value| *value >= min as f64)
                 .map(|value| mistake(key, path, &value.to_string(), &outside))
                 .collect(),
             Kind::List(Kind::Number, Some(length)) if high < f64::MAX => {

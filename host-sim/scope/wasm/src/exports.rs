@@ -39,20 +39,15 @@ extern "C" fn room(length: usize) -> *mut u8 {
 
 /// Checks and previews the text in the room.
 #[unsafe(no_mangle)]
-extern "C" fn preview(most_buckets: usize, most_ticks: f64) {
+extern "C" fn preview(max_buckets: usize, max_ticks: f64) {
     let text = TEXT.take();
     // The encoded text of a page has no lone surrogates.
     let text = String::from_utf8_lossy(&text);
-    let (answer, envelope) = compute(
-        &text,
-        most_buckets,
-        most_ticks as u64,
-        |preview, expected| {
-            let rows = rows(preview.envelope());
-            let count = preview.envelope().buckets();
-            progress(rows.as_ptr(), count, preview.ticks as f64, expected as f64);
-        },
-    );
+    let (answer, envelope) = compute(&text, max_buckets, max_ticks as u64, |preview, expected| {
+        let rows = rows(preview.envelope());
+        let count = preview.envelope().buckets();
+        progress(rows.as_ptr(), count, preview.ticks as f64, expected as f64);
+    });
     // Strings and finite numbers can always be written.
     ANSWER.set(serde_json::to_vec(&answer).unwrap_or_default());
     ROWS.set(rows(&envelope));

@@ -24,7 +24,7 @@ pub const CHANNELS: usize = 8;
 /// Ticks between two reports of the envelope.
 const REPORT_TICKS: u64 = 1 << 16;
 
-/// Checks a scene's text and previews it. The envelope has at most `most_buckets` buckets, and the run at most `most_ticks` ticks.
+/// Checks a scene's text and previews it. The envelope has at most `max_buckets` buckets, and the run at most `max_ticks` ticks.
 ///
 /// `report` receives the growing preview at intervals, and the expected number of ticks.
 ///
@@ -32,19 +32,16 @@ const REPORT_TICKS: u64 = 1 << 16;
 /// model levels change the motion of the machine, and not the commands.
 pub fn compute(
     text: &str,
-    most_buckets: usize,
-    most_ticks: u64,
+    max_buckets: usize,
+    max_ticks: u64,
     report: impl FnMut(&Preview, u64),
 ) -> (Answer, Envelope) {
     let run = || {
         let checked = undisturbed(setup::checked_from_text(text, None)?)?;
-        run(&checked, most_buckets, most_ticks, report)
+        run(&checked, max_buckets, max_ticks, report)
     };
     run().unwrap_or_else(|error: SceneError| {
-        (
-            Answer::refused(error),
-            Envelope::new(CHANNELS, most_buckets),
-        )
+        (Answer::refused(error), Envelope::new(CHANNELS, max_buckets))
     })
 }
 
@@ -59,17 +56,17 @@ fn undisturbed(mut checked: Checked) -> Result<Checked, SceneError> {
 
 fn run(
     checked: &Checked,
-    most_buckets: usize,
-    most_ticks: u64,
+    max_buckets: usize,
+    max_ticks: u64,
     report: impl FnMut(&Preview, u64),
 ) -> Result<(Answer, Envelope), SceneError> {
     let expected_ticks = host_sim::sim::expected_ticks(checked)?;
     let mut observer = Reporting {
-        preview: Preview::new(checked, most_buckets),
+        preview: Preview::new(checked, max_buckets),
         report,
         expected_ticks,
     };
-    let outcome = simulate_first(most_ticks, checked, &mut observer, |_, _| {})?;
+    let outcome = simulate_first(max_ticks, checked, &mut observer, |_, _| {})?;
     let preview = observer.preview;
     let ended = Ended {
         state: outcome.state.name(),
@@ -119,9 +116,9 @@ pub struct Preview {
 }
 
 impl Preview {
-    fn new(checked: &Checked, most_buckets: usize) -> Self {
+    fn new(checked: &Checked, max_buckets: usize) -> Self {
         Self {
-            envelope: Envelope::new(CHANNELS, most_buckets),
+            envelope: Envelope::new(CHANNELS, max_buckets),
             mechanism: checked.settings.mechanism(),
             tick_hz: checked.settings.tick_hz,
             ticks: 0,

@@ -20,10 +20,10 @@ fn whole(text: &str) -> (Answer, Envelope) {
 /// If this fails, a page computes a program of months and never shows it.
 #[test]
 fn a_long_program_reports_progress_and_is_cut_off() {
-    const MOST_TICKS: u64 = 200_000;
+    const MAX_TICKS: u64 = 200_000;
     let mut reports = Vec::new();
     let text = default_with("hold_s = 6", "hold_s = 1e6");
-    let (answer, envelope) = compute(&text, 300, MOST_TICKS, |preview, expected_ticks| {
+    let (answer, envelope) = compute(&text, 300, MAX_TICKS, |preview, expected_ticks| {
         let (_, last_s) = preview.envelope().span().expect("rows");
         // The first output is played from the second deadline on.
         assert_eq!(last_s, (preview.ticks + 1) as f64 / TICK_HZ);
@@ -34,7 +34,7 @@ fn a_long_program_reports_progress_and_is_cut_off() {
     assert_eq!(scene.ended.state, "run");
     let (_, last_s) = envelope.span().expect("rows");
     assert!(
-        (last_s * TICK_HZ - MOST_TICKS as f64).abs() < 4.0,
+        (last_s * TICK_HZ - MAX_TICKS as f64).abs() < 4.0,
         "{last_s} s"
     );
     assert_eq!(scene.previewed_s, last_s);

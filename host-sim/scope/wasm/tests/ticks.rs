@@ -146,8 +146,8 @@ fn built_in_scenes_have_the_ticks_of_native_runs() {
         }
         let caught_up = there.iter().zip(&here).position(|(a, b)| a == b);
         let caught_up = caught_up.expect("some ticks are equal");
-        let most = CATCHES_UP_S * f64::from(checked.settings.tick_hz);
-        assert!(caught_up as f64 <= most, "{name}: after {caught_up} ticks");
+        let max = CATCHES_UP_S * f64::from(checked.settings.tick_hz);
+        assert!(caught_up as f64 <= max, "{name}: after {caught_up} ticks");
         assert_equal(name, &there[caught_up..], &here[caught_up..]);
     }
 }

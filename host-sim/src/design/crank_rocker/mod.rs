@@ -20,7 +20,7 @@ use core::f64::consts::{PI, TAU};
 
 use super::range::{OutOfRange, Range};
 use crate::mechanism::crank_rocker::Linkage;
-use crate::mechanism::turn_search::largest_over_turn;
+use crate::mechanism::turn_search::max_over_turn;
 
 pub use report::write_page;
 
@@ -108,8 +108,8 @@ pub struct Extremes {
 impl Extremes {
     fn over_turn(curve: impl Fn(f64) -> f64) -> Self {
         Self {
-            max: largest_over_turn(&curve).value,
-            min: -largest_over_turn(|angle| -curve(angle)).value,
+            max: max_over_turn(&curve).value,
+            min: -max_over_turn(|angle| -curve(angle)).value,
         }
     }
 }

@@ -7,7 +7,7 @@ use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use super::Design;
 use crate::design::scene::{NotRunnable, aligned, number};
 use crate::mechanism::crank_rocker::CrankRocker;
-use crate::mechanism::turn_search::largest_over_turn;
+use crate::mechanism::turn_search::max_over_turn;
 use crate::mechanism::{Load, Mechanism, Platform};
 
 /// Assumed values: number of units under the platform, load, kg, working speed, rev/s, and the ratio of the motors'
@@ -38,7 +38,7 @@ impl Design {
             gravity_mps2: STANDARD_GRAVITY_MPS2,
             platform: Platform::Above,
         };
-        let torque = largest_over_turn(|a| mechanism.torque_nm(&load, a, omega, 0.0).abs());
+        let torque = max_over_turn(|a| mechanism.torque_nm(&load, a, omega, 0.0).abs());
         let motor_nm = number(SAFETY * torque.value / f64::from(UNITS));
         let amax_g = mechanism.amax_mps2(omega) / STANDARD_GRAVITY_MPS2;
         let limit_hz = number(1.05 * SPEED_HZ);

@@ -30,7 +30,7 @@ pub enum DesignError {
     OutOfRange(Vec<OutOfRange>),
     /// The hand would be beyond the reach of both links.
     #[error(
-        "--x-m {x_m}, --y-m {y_m}: {reach_m:.4} m from the axis, and --l1-m and --l4-m reach {most_m} m together; lengthen a link, or move \
+        "--x-m {x_m}, --y-m {y_m}: {reach_m:.4} m from the axis, and --l1-m and --l4-m reach {max_m} m together; lengthen a link, or move \
          the point nearer"
     )]
     Beyond {
@@ -41,11 +41,11 @@ pub enum DesignError {
         /// Its distance from the axis, m.
         reach_m: f64,
         /// Length of both links, m.
-        most_m: f64,
+        max_m: f64,
     },
     /// The hand would be nearer to the axis than the difference of the links.
     #[error(
-        "--x-m {x_m}, --y-m {y_m}: {reach_m:.4} m from the axis, and --l1-m and --l4-m, which differ by {least_m} m, come no nearer than \
+        "--x-m {x_m}, --y-m {y_m}: {reach_m:.4} m from the axis, and --l1-m and --l4-m, which differ by {min_m} m, come no nearer than \
          that; make the links more alike, or move the point out"
     )]
     Within {
@@ -56,7 +56,7 @@ pub enum DesignError {
         /// Its distance from the axis, m.
         reach_m: f64,
         /// Difference of the links, m.
-        least_m: f64,
+        min_m: f64,
     },
     /// The hand would be on the axis. Every angle is a solution.
     #[error(
@@ -131,13 +131,13 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
                 x_m,
                 y_m,
                 reach_m,
-                most_m: l1_m + l4_m,
+                max_m: l1_m + l4_m,
             },
             Unreachable::Within(reach_m) => DesignError::Within {
                 x_m,
                 y_m,
                 reach_m,
-                least_m: (l1_m - l4_m).abs(),
+                min_m: (l1_m - l4_m).abs(),
             },
             Unreachable::OnAxis => DesignError::OnAxis,
         })?;

@@ -6,7 +6,7 @@ use cophase_core::settings::Transmission;
 use super::steps::Design;
 use crate::design::range::{OutOfRange, Range};
 use crate::mechanism::Mechanism;
-use crate::mechanism::turn_search::largest_over_turn;
+use crate::mechanism::turn_search::max_over_turn;
 
 /// Full steps of a common stepper, and of one electrical cycle.
 const FULL_STEPS_PER_TURN: f64 = 200.0;
@@ -67,7 +67,7 @@ impl MotorChoice {
     pub fn inertia_ratio(&self, design: &Design) -> Option<f64> {
         let own_kgm2 = self.rotor_inertia_kgm2?;
         let mechanism = design.mechanism;
-        let s = largest_over_turn(|alpha| mechanism.s(alpha).abs()).value;
+        let s = max_over_turn(|alpha| mechanism.s(alpha).abs()).value;
         let lever_m = mechanism.crank_radius_m() * s / self.gear.ratio();
         let load_kg = design.per_motor(design.requirement.load_kg);
         Some(load_kg * lever_m * lever_m / own_kgm2)

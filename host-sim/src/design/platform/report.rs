@@ -16,7 +16,7 @@ const WIDTH: usize = 90;
 const FULL_STEP_DEG: f64 = 1.8;
 
 /// The source's least acceleration, in gravities: the lower end of what a program may request.
-const LEAST_AMAX_G: f64 = 10.0;
+const MIN_AMAX_G: f64 = 10.0;
 
 /// Writes the page.
 ///
@@ -174,8 +174,8 @@ fn write_control(design: &Design, motor: &MotorChoice, out: &mut impl Write) -> 
         four(speed_rad_s * 60.0 / core::f64::consts::TAU)
     };
     let amax_g = design.requirement.amax_g;
-    let from = if amax_g > LEAST_AMAX_G {
-        format!("{LEAST_AMAX_G} g at {} rpm, ", rpm(LEAST_AMAX_G))
+    let from = if amax_g > MIN_AMAX_G {
+        format!("{MIN_AMAX_G} g at {} rpm, ", rpm(MIN_AMAX_G))
     } else {
         String::new()
     };

@@ -8,7 +8,7 @@
 use super::requirement::Requirement;
 use crate::design::range::OutOfRange;
 use crate::mechanism::slider_crank::{SliderCrank, SliderCrankError};
-use crate::mechanism::turn_search::{TurnPeak, largest_over_turn};
+use crate::mechanism::turn_search::{TurnPeak, max_over_turn};
 use crate::mechanism::{Mechanism, Platform};
 
 /// Reason why a requirement has no design.
@@ -83,7 +83,7 @@ impl Design {
 /// Sizes the platform (source, steps A to I).
 ///
 /// Torque maxima are those of the whole turn, to 1e-13 of themselves: see
-/// [`largest_over_turn`]. Refuses, with all reasons at once, quantities out of the ranges that
+/// [`max_over_turn`]. Refuses, with all reasons at once, quantities out of the ranges that
 /// [`Requirement`] states, and numbers so near 0 that nothing can be computed from them.
 ///
 /// ```
@@ -114,9 +114,9 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
     let found = Design {
         requirement: *requirement,
         mechanism,
-        torque_two_term: largest_over_turn(|a| mechanism.torque_two_term_nm(&below, a, omega)),
-        torque_exact_below: largest_over_turn(|a| mechanism.torque_nm(&below, a, omega, 0.0)),
-        torque_exact_above: largest_over_turn(|a| mechanism.torque_nm(&above, a, omega, 0.0)),
+        torque_two_term: max_over_turn(|a| mechanism.torque_two_term_nm(&below, a, omega)),
+        torque_exact_below: max_over_turn(|a| mechanism.torque_nm(&below, a, omega, 0.0)),
+        torque_exact_above: max_over_turn(|a| mechanism.torque_nm(&above, a, omega, 0.0)),
     };
     let torque_nm = found.torque_exact_above.value;
     if torque_nm.is_normal() && found.motor_torque_nm().is_normal() {

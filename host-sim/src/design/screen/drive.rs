@@ -19,7 +19,7 @@ pub fn belt_mps(pulley_mm: f64, rpm: f64) -> f64 {
 /// Greatest bending moment under an even load, kgf mm, and its distance from where the load begins, mm: M + V² / (2 q) at V / q, for the moment M
 /// and the shear force V there.
 #[must_use]
-pub fn greatest_moment(moment_kgf_mm: f64, shear_kgf: f64, load_kgf_per_mm: f64) -> (f64, f64) {
+pub fn max_moment(moment_kgf_mm: f64, shear_kgf: f64, load_kgf_per_mm: f64) -> (f64, f64) {
     let at_mm = shear_kgf / load_kgf_per_mm;
     (moment_kgf_mm + 0.5 * shear_kgf * at_mm, at_mm)
 }

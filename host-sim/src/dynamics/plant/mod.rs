@@ -12,7 +12,7 @@ pub use shafts::Shafts;
 
 use std::fmt::Debug;
 
-use super::{MOST, Mode, PlaneMotion};
+use super::{MAX, Mode, PlaneMotion};
 use crate::drives::Field;
 use crate::pose::Pose;
 
@@ -51,7 +51,7 @@ pub trait Plant: Debug + Send + Sync {
         _v: &[f64],
         _memory: &mut Memory,
         _tick_s: f64,
-    ) -> Option<[f64; MOST]> {
+    ) -> Option<[f64; MAX]> {
         None
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Memory, Plant, Shafts};
 use crate::drives::Field;
 use crate::dynamics::modes::Bound;
-use crate::dynamics::{Dynamics, MOST};
+use crate::dynamics::{Dynamics, MAX};
 use crate::pose::Pose;
 
 /// Rotors on the shafts of a plant.
@@ -16,7 +16,7 @@ pub struct OnPlant {
     plant: Arc<dyn Plant>,
     memory: Memory,
     /// Torques that the plant's drive law gives in this tick, N·m. `None` if the plant has no such law.
-    law_nm: Option<[f64; MOST]>,
+    law_nm: Option<[f64; MAX]>,
 }
 
 impl OnPlant {
@@ -54,7 +54,7 @@ impl Dynamics for OnPlant {
         q: &[f64],
         v: &[f64],
         torques_nm: &[f64],
-        held: &[bool; MOST],
+        held: &[bool; MAX],
         a: &mut [f64],
     ) {
         let axes = self.rotors_kgm2.len();
@@ -91,7 +91,7 @@ impl Dynamics for OnPlant {
         }
     }
 
-    fn law_nm(&self) -> Option<[f64; MOST]> {
+    fn law_nm(&self) -> Option<[f64; MAX]> {
         self.law_nm
     }
 }

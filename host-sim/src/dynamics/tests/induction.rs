@@ -28,11 +28,11 @@ fn the_torque_curve_passes_through_rated_and_breakdown_points() {
     assert!((torque_nm(motor(), rated) - 147.68).abs() < 1e-9);
     assert!((torque_nm(motor(), -rated) + 147.68).abs() < 1e-9);
     let slips = (0..40_000).map(|i| f64::from(i) * 1e-3);
-    let (slip, most) = slips
+    let (slip, max) = slips
         .map(|slip| (slip, torque_nm(motor(), slip)))
         .max_by(|one, other| one.1.total_cmp(&other.1))
         .unwrap();
-    assert!((most / 295.36 - 1.0).abs() < 1e-6, "{most}");
+    assert!((max / 295.36 - 1.0).abs() < 1e-6, "{max}");
     assert!((slip - (104.720 - 92.995)).abs() < 2e-3, "{slip}");
 }
 

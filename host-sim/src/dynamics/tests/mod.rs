@@ -64,7 +64,7 @@ fn close(found: f64, right: f64, scale: f64) -> Result<(), TestCaseError> {
 }
 
 /// Rotors of which none is held.
-const FREE: [bool; super::MOST] = [false; super::MOST];
+const FREE: [bool; super::MAX] = [false; super::MAX];
 
 proptest! {
     /// If this fails, the shaft needs another torque than the one for which `cophase design` sizes motors.
@@ -181,7 +181,7 @@ proptest! {
         let (mut found, mut right) = (vec![0.0; n + 3], vec![0.0; n]);
         with.accelerations(&q, &v, &torque, &FREE, &mut found);
         without.accelerations(&alpha, &omega, &torque, &FREE, &mut right);
-        let scale = right.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
+        let scale = right.iter().fold(1.0, |max: f64, a| max.max(a.abs()));
         for (found, right) in found.iter().zip(&right) {
             prop_assert!((found - right).abs() < 1e-8 * scale, "{found}, not {right}");
         }
@@ -214,7 +214,7 @@ proptest! {
         let mut found = vec![0.0; n + 3];
         elastic.accelerations(&q, &v, &torque, &FREE, &mut found);
         let right = [&right[..], &plane.acceleration].concat();
-        let scale = right.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
+        let scale = right.iter().fold(1.0, |max: f64, a| max.max(a.abs()));
         for (i, (found, right)) in found.iter().zip(&right).enumerate() {
             prop_assert!((found - right).abs() < 1e-7 * scale, "{i}: {found}, not {right}");
         }
@@ -237,8 +237,8 @@ fn given(torque: &[f64], omega: &[f64]) -> f64 {
         .sum()
 }
 
-fn planes(most: f64) -> impl Strategy<Value = [f64; FREEDOMS]> {
-    prop::array::uniform3(-most..most)
+fn planes(max: f64) -> impl Strategy<Value = [f64; FREEDOMS]> {
+    prop::array::uniform3(-max..max)
 }
 
 /// Frame of 30 kg at 10 Hz, on a block of 100 kg at 50 Hz if `on_block`.

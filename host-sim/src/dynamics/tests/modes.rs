@@ -55,8 +55,8 @@ proptest! {
         // these may, have that effect too.
         let lever_rate = 1.3 * 0.012;
         let bent = 2e6 * 24e-3 * lever_rate / 1e-3;
-        let most = if n > 3 { (bound * bound + bent).sqrt() } else { bound * 1.001 };
-        prop_assert!(fastest <= most, "{fastest} rad/s; the bound is {bound}, {most}");
+        let max = if n > 3 { (bound * bound + bent).sqrt() } else { bound * 1.001 };
+        prop_assert!(fastest <= max, "{fastest} rad/s; the bound is {bound}, {max}");
         prop_assert!(fastest > 0.3 * bound, "{fastest} rad/s; the bound is {bound}");
     }
 }

@@ -8,7 +8,7 @@ use cophase_methods::{Equations, Method, Scheme, StepError};
 
 use super::pushers::{PusherPeaks, Turned};
 use crate::dynamics::Chosen;
-use crate::dynamics::step::{MOST_STEPS, in_words};
+use crate::dynamics::step::{MAX_STEPS, in_words};
 use crate::machines::follower::{PartMotion, Peaks};
 
 /// Largest phase advance of the slowest mode per step of exact discretisation, rad. A peak of the pusher lies within half a step of a
@@ -115,12 +115,12 @@ fn steps_for(
     };
     let step_s = limit_s.map_or(followed_s, |limit_s| followed_s.min(0.5 * limit_s));
     let steps = (tick_s / step_s).ceil().max(1.0);
-    if steps <= f64::from(MOST_STEPS) {
+    if steps <= f64::from(MAX_STEPS) {
         return Ok(steps as u32);
     }
     Err(format!(
         "{scheme} would take {} steps a tick for a follower that is as fast as {:.3e} rad/s; at most \
-         {MOST_STEPS} are made: give it more mass or softer springs, or method.name = \"exact\"",
+         {MAX_STEPS} are made: give it more mass or softer springs, or method.name = \"exact\"",
         in_words(steps),
         chain.fastest_rad_s()
     ))
@@ -132,10 +132,10 @@ fn unstable(scheme: Scheme, step_s: f64, limit_s: f64, tick_s: f64) -> String {
     if limit_s == 0.0 {
         return format!("{scheme} is unstable at any step with this follower: take {WITHOUT}");
     }
-    let least = (tick_s / limit_s).ceil();
+    let min = (tick_s / limit_s).ceil();
     let (step_us, limit_us) = (step_s * 1e6, limit_s * 1e6);
-    let more = if least <= f64::from(MOST_STEPS) {
-        format!("method.steps_per_tick = {least:.0} or more, or ")
+    let more = if min <= f64::from(MAX_STEPS) {
+        format!("method.steps_per_tick = {min:.0} or more, or ")
     } else {
         String::new()
     };

@@ -35,11 +35,11 @@ fn cam_shafts(shaft: &CamShaft) -> Result<CamShafts, SceneError> {
         ));
     }
     let cam = cam_of(shaft);
-    let (least_m, most_m) = (
+    let (min_m, max_m) = (
         RADII_M.0 * (1.0 + LAMBDA) / cam.peak_m(),
         RADII_M.1 * (1.0 + LAMBDA) / cam.peak_m(),
     );
-    if !(least_m..=most_m).contains(&1.0) {
+    if !(min_m..=max_m).contains(&1.0) {
         return Err(SceneError::at(
             "cam.rise_mm",
             format!(
@@ -51,8 +51,8 @@ fn cam_shafts(shaft: &CamShaft) -> Result<CamShafts, SceneError> {
                 RADII_M.0 * 1e3,
                 RADII_M.1 * 1e3,
                 // Rounded inwards, so that the suggested value is accepted.
-                (shaft.rise_mm * least_m * 1e4).ceil() / 1e4,
-                (shaft.rise_mm * most_m * 1e4).floor() / 1e4,
+                (shaft.rise_mm * min_m * 1e4).ceil() / 1e4,
+                (shaft.rise_mm * max_m * 1e4).floor() / 1e4,
             ),
         ));
     }

@@ -48,8 +48,8 @@ fn crusher(table: &CrusherTable, scene: &Scene) -> Result<Crusher, SceneError> {
         fed_rad: from * TAU..to * TAU,
         flywheel_kgm2: AtCrank::new(scene, 0).rotor_inertia_kgm2,
         motor_nm: AtCrank::motor(scene, 0)
-            .map(|motor| motor.most_nm(0.0))
-            .filter(|most_nm| most_nm.is_finite()),
+            .map(|motor| motor.max_nm(0.0))
+            .filter(|max_nm| max_nm.is_finite()),
     })
 }
 

@@ -108,13 +108,13 @@ fn jaw_acceleration_is_the_second_derivative_of_position() {
     let omega = 27.0;
     let place = |phi: f64| ours.pose(&[phi / TAU], omega, 0.0).z_m;
     let h = 1e-3;
-    let mut most = 0.0_f64;
+    let mut max = 0.0_f64;
     for k in 0..720 {
         let phi = TAU * f64::from(k) / 720.0;
         let difference = (place(phi + h) - 2.0 * place(phi) + place(phi - h)) / (h * h);
         let pose = ours.pose(&[phi / TAU], omega, 0.0);
         assert!((pose.accel_mps2 - difference * omega * omega).abs() < 1e-4);
-        most = most.max(pose.accel_mps2.abs());
+        max = max.max(pose.accel_mps2.abs());
         // The rock's lever is perpendicular to the actual jaw, and the displacement to the jaw at angle 0. They differ by
         // the eccentric's velocity along the jaw, times the angle between them.
         let slope = (place(phi + h) - place(phi - h)) / (2.0 * h);
@@ -125,5 +125,5 @@ fn jaw_acceleration_is_the_second_derivative_of_position() {
             "{k}"
         );
     }
-    assert!((most / (ours.amplitude_m() * omega * omega) - 1.0).abs() < 1e-4);
+    assert!((max / (ours.amplitude_m() * omega * omega) - 1.0).abs() < 1e-4);
 }

@@ -19,19 +19,19 @@ pub fn draw(arm: &Arm) -> String {
     let elbow = from(origin, one, q1);
     let second = from(origin, two, q2);
     let joint = from(elbow, two, q2);
-    let most = one + four;
+    let max = one + four;
     let ends = [0.0, 0.5].map(|part| arm.path.at(part).at_m);
     let points = [origin, elbow, second, joint, hand, ends[0], ends[1]];
     let fold = |axis: usize, of: fn(f64, f64) -> f64, start: f64| {
         points.iter().map(|point| point[axis]).fold(start, of)
     };
     let low = [
-        fold(0, f64::min, 0.0) - 0.12 * most,
-        fold(1, f64::min, 0.0) - 0.06 * most,
+        fold(0, f64::min, 0.0) - 0.12 * max,
+        fold(1, f64::min, 0.0) - 0.06 * max,
     ];
     let high = [
-        fold(0, f64::max, 0.0) + 0.3 * most,
-        fold(1, f64::max, 0.0) + 0.12 * most,
+        fold(0, f64::max, 0.0) + 0.3 * max,
+        fold(1, f64::max, 0.0) + 0.12 * max,
     ];
     let title = format!(
         "Five-bar arm: l1 = {:.0}, l2 = {:.0}, l4 = {:.0} mm",
@@ -46,10 +46,10 @@ pub fn draw(arm: &Arm) -> String {
     drawing.label([0.0, high[1]], (8.0, -14.0), "y", MUTED);
     drawing.line(&[ends[0], ends[1]], INK, 1.5, true);
     drawing.label(ends[1], (10.0, 4.0), "path", INK);
-    drawing.arc(origin, 0.18 * most, (0.0, q1), FIRST);
-    drawing.arc(origin, 0.1 * most, (0.0, q2), SECOND);
-    drawing.label(from(origin, 0.18 * most, 0.7 * q1), (6.0, 6.0), "q1", FIRST);
-    drawing.label(from(origin, 0.1 * most, 0.0), (-4.0, -18.0), "q2", SECOND);
+    drawing.arc(origin, 0.18 * max, (0.0, q1), FIRST);
+    drawing.arc(origin, 0.1 * max, (0.0, q2), SECOND);
+    drawing.label(from(origin, 0.18 * max, 0.7 * q1), (6.0, 6.0), "q1", FIRST);
+    drawing.label(from(origin, 0.1 * max, 0.0), (-4.0, -18.0), "q2", SECOND);
     let middle = |a: Place, b: Place| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
     for (start, end, name, colour) in [
         (origin, elbow, "l1", FIRST),

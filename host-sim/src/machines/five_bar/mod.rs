@@ -34,7 +34,7 @@ use nalgebra::{Matrix2, Vector2};
 
 use crate::drives::Field;
 use crate::dynamics::plant::{Memory, Plant, Record, Shafts};
-use crate::dynamics::{MOST, Mode, PlaneMotion};
+use crate::dynamics::{MAX, Mode, PlaneMotion};
 use crate::machines::{Machine, Shown};
 use crate::mechanism::SquareLaw;
 use crate::pose::Pose;
@@ -57,7 +57,7 @@ pub struct Arm {
     /// Angles of the joints a quarter along the path, rad.
     pub quarter_rad: [f64; 2],
     /// Smallest |sin(q₁ − q₂)| on the path.
-    pub least_sine: f64,
+    pub min_sine: f64,
 }
 
 impl Arm {
@@ -189,7 +189,7 @@ impl Plant for Arm {
         v: &[f64],
         memory: &mut Memory,
         tick_s: f64,
-    ) -> Option<[f64; MOST]> {
+    ) -> Option<[f64; MAX]> {
         let mut law = self.law.clone()?;
         let [integral_ns, before_1, before_2, is_known] = *memory;
         let omega = [fields[0].omega_rad_s, fields[1].omega_rad_s];
@@ -208,7 +208,7 @@ impl Plant for Arm {
         law.integral_ns = integral_ns;
         let [one, two] = law.torque_nm(&self.arm, &[q[0], q[1], v[0], v[1]], &target, tick_s);
         *memory = [law.integral_ns, omega[0], omega[1], 1.0];
-        let mut torques = [0.0; MOST];
+        let mut torques = [0.0; MAX];
         torques[..2].copy_from_slice(&[one, two]);
         Some(torques)
     }

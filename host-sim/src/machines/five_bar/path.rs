@@ -147,7 +147,7 @@ impl Path {
         mode: usize,
         margin: f64,
     ) -> Result<([Vec<f64>; 2], f64), NoTable> {
-        let (mut tables, mut least) = ([Vec::new(), Vec::new()], f64::INFINITY);
+        let (mut tables, mut min) = ([Vec::new(), Vec::new()], f64::INFINITY);
         for i in 0..SAMPLES {
             let at_m = self.at(f64::from(i) / f64::from(SAMPLES)).at_m;
             let Joints { q1_rad, q2_rad } = links
@@ -157,7 +157,7 @@ impl Path {
             if sine < margin {
                 return Err(NoTable::Singular(at_m, sine));
             }
-            least = least.min(sine);
+            min = min.min(sine);
             if i % (SAMPLES / MAX_CAM_POINTS as u32) == 0 {
                 for (table, angle) in tables.iter_mut().zip([q1_rad, q2_rad]) {
                     let turns = angle / TAU;
@@ -167,7 +167,7 @@ impl Path {
                 }
             }
         }
-        Ok((tables, least))
+        Ok((tables, min))
     }
 }
 

@@ -130,10 +130,10 @@ impl Record for ArmRecord {
             ),
             figure(
                 "singularity_margin",
-                Some(self.arm.least_sine),
+                Some(self.arm.min_sine),
                 format!(
                     "On the path |sin(q1 − q2)| is at least {:.3}; 0 would be singular.",
-                    self.arm.least_sine
+                    self.arm.min_sine
                 ),
             ),
         ]

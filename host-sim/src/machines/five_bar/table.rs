@@ -124,7 +124,7 @@ fn arm(
     table: &FiveBarTable,
     scene: &Scene,
     path: Path,
-    (tables, least_sine): ([Vec<f64>; 2], f64),
+    (tables, min_sine): ([Vec<f64>; 2], f64),
 ) -> Arm {
     let [l1, l2, l4] = table.links_mm.map(|mm| mm / 1e3);
     let lengths = [l1, l2, l1, l4];
@@ -180,7 +180,7 @@ fn arm(
         }),
         path,
         quarter_rad: tables.map(|turns| turns[turns.len() / 4] * TAU),
-        least_sine,
+        min_sine,
     }
 }
 

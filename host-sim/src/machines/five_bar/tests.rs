@@ -23,7 +23,7 @@ fn arm(gravity_mps2: f64) -> Arm {
         law: None,
         path,
         quarter_rad: [0.0; 2],
-        least_sine: 0.9,
+        min_sine: 0.9,
     }
 }
 

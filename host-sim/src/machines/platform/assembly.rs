@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 use cophase_core::settings::Settings;
 use cophase_scene::SceneError;
 
-use crate::dynamics::{Corners, Driven, MOST};
+use crate::dynamics::{Corners, Driven, MAX};
 
 /// Largest deflection of the rods, m. A scene that bends them further is refused, whatever torque the motors
 /// have.
-const MOST_BENT_M: f64 = 1e-3;
+const MAX_BENT_M: f64 = 1e-3;
 
 /// Turns of the master that are checked, and positions in each. The ratios are those of small whole numbers.
 const TURNS: u32 = 8;
@@ -46,8 +46,8 @@ pub(super) fn check(
     let corners = Corners::new(body.axes(), body.mount_radius_m);
     for place in 0..TURNS * PLACES {
         let master = f64::from(place) / f64::from(PLACES);
-        let mut heights = [0.0; MOST];
-        let mut levers = [0.0; MOST];
+        let mut heights = [0.0; MAX];
+        let mut levers = [0.0; MAX];
         for (i, (ratio, axis)) in ratios.iter().zip(axes).enumerate() {
             let trim_turns = settings.trims_turns.get(i).copied().unwrap_or_default();
             let crank = body.crank((master * ratio + axis.offset_turns + trim_turns) * TAU);
@@ -57,10 +57,10 @@ pub(super) fn check(
         for (i, motor) in driven.motors().iter().enumerate() {
             let bent_m = (heights[i] - corners.height(&plane, i)).abs();
             let torque_nm = body.rod_n_per_m * bent_m * levers[i].abs();
-            let most_nm = motor.most_nm(0.0);
-            if bent_m > MOST_BENT_M || torque_nm > most_nm {
-                let of = match most_nm.is_finite() {
-                    true => format!(", where its motor has {most_nm:.0} N·m"),
+            let max_nm = motor.max_nm(0.0);
+            if bent_m > MAX_BENT_M || torque_nm > max_nm {
+                let of = match max_nm.is_finite() {
+                    true => format!(", where its motor has {max_nm:.0} N·m"),
                     false => String::new(),
                 };
                 return Err(SceneError::at(

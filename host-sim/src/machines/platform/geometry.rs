@@ -8,7 +8,7 @@ use cophase_core::settings::PlatformSettings;
 use cophase_scene::units::spread;
 
 use crate::axes::per_axis;
-use crate::dynamics::{Corners, MOST};
+use crate::dynamics::{Corners, MAX};
 use crate::machines::follower::Follower;
 use crate::mechanism::{AnyMechanism, Configured, Load, LoadAtAngle, Mechanism};
 use crate::pose::Pose;
@@ -21,7 +21,7 @@ pub struct Platform {
     corners: Corners,
     mount_radius_m: f64,
     /// Largest |dx/dα|, m.
-    most_lever_m: f64,
+    max_lever_m: f64,
 }
 
 /// Upper bound of the rounding error of a tilt, mrad.
@@ -32,7 +32,7 @@ impl Platform {
     pub fn new(settings: &PlatformSettings, axes: usize) -> Self {
         let mechanism = AnyMechanism::of(&settings.mechanism, settings.crank_radius_m);
         Self {
-            most_lever_m: mechanism.crank_radius_m() * mechanism.greatest_s(),
+            max_lever_m: mechanism.crank_radius_m() * mechanism.max_s(),
             mechanism,
             load: Load {
                 mass_kg: settings.load_kg,
@@ -71,7 +71,7 @@ impl Platform {
 
     /// Upper bound of [`Self::tilt_mrad`] from the slope dx/dα at the angle of one crank. Relative to this crank, a corner rises by the
     /// slope times the lead e of its own crank, with a remainder of at most ½ R max|h| e².
-    fn most_tilt_here_mrad(&self, turns: &[f64]) -> f64 {
+    fn max_tilt_here_mrad(&self, turns: &[f64]) -> f64 {
         let first = turns[0];
         let lever_m = self.mechanism.x_dot_mps(first * std::f64::consts::TAU, 1.0);
         let (mut x, mut y, mut farthest) = (0.0, 0.0, 0.0);
@@ -85,23 +85,22 @@ impl Platform {
             }
         }
         // Two remainders differ by at most twice the largest one.
-        let bent_m =
-            self.mechanism.crank_radius_m() * self.mechanism.greatest_h() * farthest * farthest;
+        let bent_m = self.mechanism.crank_radius_m() * self.mechanism.max_h() * farthest * farthest;
         let slope = lever_m.abs() * (x * x + y * y).sqrt() + bent_m / self.mount_radius_m;
         slope * 1e3 + ROUNDING_MRAD
     }
 
     /// Upper bound of [`Self::tilt_mrad`] without a sine. The slope of the plane closest to the corners is at most the difference of the
     /// corners' heights over the mount radius, because the weights of all corners in a slope sum to 0.
-    fn most_tilt_mrad(&self, turns: &[f64]) -> f64 {
-        let apart_m = spread(turns) * std::f64::consts::TAU * self.most_lever_m;
+    fn max_tilt_mrad(&self, turns: &[f64]) -> f64 {
+        let apart_m = spread(turns) * std::f64::consts::TAU * self.max_lever_m;
         apart_m / self.mount_radius_m * 1e3 + ROUNDING_MRAD
     }
 }
 
 impl Follower for Platform {
     fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose {
-        let (mut heights, mut accelerations) = ([0.0; MOST], [0.0; MOST]);
+        let (mut heights, mut accelerations) = ([0.0; MAX], [0.0; MAX]);
         for (i, &crank) in turns.iter().enumerate() {
             // Cranks on one shaft all have the same angle.
             (heights[i], accelerations[i]) = if i > 0 && crank == turns[i - 1] {
@@ -135,7 +134,7 @@ impl Follower for Platform {
     }
 
     fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
-        self.most_tilt_mrad(turns) > mrad && self.most_tilt_here_mrad(turns) > mrad
+        self.max_tilt_mrad(turns) > mrad && self.max_tilt_here_mrad(turns) > mrad
     }
 
     fn load_at(&self, alpha_rad: f64) -> LoadAtAngle {
@@ -165,9 +164,9 @@ mod tests {
                 let place = |i: usize| (i * i * 7 + i) % 5;
                 let turns = per_axis(count, |i| 3.0 + angle + apart * place(i) as f64 / 4.0);
                 let tilt_mrad = platform.tilt_mrad(&turns).expect("a platform tilts");
-                let here_mrad = platform.most_tilt_here_mrad(&turns);
+                let here_mrad = platform.max_tilt_here_mrad(&turns);
                 assert!(
-                    tilt_mrad <= platform.most_tilt_mrad(&turns),
+                    tilt_mrad <= platform.max_tilt_mrad(&turns),
                     "{name}: {turns:?}"
                 );
                 assert!(tilt_mrad <= here_mrad, "{name}: {turns:?}");

@@ -19,7 +19,7 @@ use cophase_scene::{Scene, SceneError};
 use super::follower::{Follower, RunStart};
 use super::{Bounds, Duty, Machine, NoBounds, Shown};
 use crate::dynamics::{Driven, Dynamics, RotorParts};
-use crate::mechanism::turn_search::largest_over_turn;
+use crate::mechanism::turn_search::max_over_turn;
 use crate::mechanism::{Mechanism, Mount, SquareLaw};
 use bounds::{Cranks, OnCranks};
 
@@ -227,7 +227,7 @@ impl Machine for CranksUnderPlatform {
 
     fn carried_kgm2(&self) -> Option<f64> {
         let mechanism = self.platform.mechanism();
-        let s = largest_over_turn(|alpha| mechanism.s(alpha).abs()).value;
+        let s = max_over_turn(|alpha| mechanism.s(alpha).abs()).value;
         let lever_m = mechanism.crank_radius_m() * s;
         let load_kg = self.platform.load().mass_kg;
         Some(load_kg / self.platform.axes() as f64 * lever_m * lever_m)

@@ -205,7 +205,7 @@ impl Plant for Screen {
             -square * (self.stiffness_n_per_m * q[n + 2] + damping * v[n + 2]),
         );
         // Each shaft pulls the box along the direction in which φ″ moves its block. An unlocked shaft yields to it.
-        let mut directions = [(Vector3::zeros(), 0.0); crate::dynamics::MOST];
+        let mut directions = [(Vector3::zeros(), 0.0); crate::dynamics::MAX];
         for (i, &place) in self.places_m.iter().enumerate() {
             let (sine, cosine) = q[i].sin_cos();
             mass[(1, 2)] += block * place;

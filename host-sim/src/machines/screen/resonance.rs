@@ -121,8 +121,8 @@ impl Screen {
     pub fn excites_pitch(&self) -> bool {
         let [_, moment] = self.excitation(&self.phases_turns);
         let (coupling, _) = self.coupling();
-        let least_kgm = 1e-9 * self.springs_m * self.block_kg;
-        moment.norm() > least_kgm * self.eccentricity_m || coupling.abs() > least_kgm
+        let min_kgm = 1e-9 * self.springs_m * self.block_kg;
+        moment.norm() > min_kgm * self.eccentricity_m || coupling.abs() > min_kgm
     }
 
     /// Speeds that the springs' resonance forbids, rev/s: the box would move by more than [`AMPLIFICATION`] throws in steady
@@ -142,10 +142,10 @@ impl Screen {
         }
         let modes = self.modes_rad_s();
         let far = self.distances_m(1e6 * modes[1]);
-        let most_m = AMPLIFICATION * far.into_iter().fold(self.throw_m(), f64::max);
+        let max_m = AMPLIFICATION * far.into_iter().fold(self.throw_m(), f64::max);
         let exceeds = |omega: f64| {
             let [_, one, other] = self.distances_m(omega);
-            one.max(other) > most_m
+            one.max(other) > max_m
         };
         let edge = |inside: f64, outside: f64| {
             let (mut inside, mut outside) = (inside, outside);

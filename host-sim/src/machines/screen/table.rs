@@ -51,10 +51,8 @@ fn screen(table: &ScreenTable, scene: &Scene) -> Result<Screen, SceneError> {
     let motors: Vec<_> = motors.collect();
     // The weakest counts.
     let motor_nm = |speed_hz: f64| {
-        let most_nm = motors.iter().map(|motor| motor.most_nm(speed_hz * TAU));
-        most_nm
-            .filter(|most_nm| most_nm.is_finite())
-            .reduce(f64::min)
+        let max_nm = motors.iter().map(|motor| motor.max_nm(speed_hz * TAU));
+        max_nm.filter(|max_nm| max_nm.is_finite()).reduce(f64::min)
     };
     let needed = screen.resonances().into_iter().map(|resonance| Sufficient {
         enough_nm: resonance.enough_nm,

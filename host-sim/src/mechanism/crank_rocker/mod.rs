@@ -14,7 +14,7 @@ mod linkage;
 
 pub use linkage::{Linkage, Rocker};
 
-use super::turn_search::largest_over_turn;
+use super::turn_search::max_over_turn;
 use super::{AtAngle, Mechanism, Mount};
 
 /// Largest angle beside the peak at which its sharpness is evaluated, rad. A tick can be this far from the peak.
@@ -28,8 +28,8 @@ pub struct CrankRocker {
     unit_m: f64,
     stretched_rad: f64,
     folded_rocker_rad: f64,
-    greatest_s: f64,
-    greatest_h: f64,
+    max_s: f64,
+    max_h: f64,
     peak_sharpness: f64,
 }
 
@@ -39,7 +39,7 @@ impl CrankRocker {
     pub fn new(linkage: Linkage, unit_m: f64) -> Self {
         let [stretched_rad, folded_rad] = linkage.dead_centres_rad();
         let at = |alpha_rad: f64| linkage.at(stretched_rad + alpha_rad);
-        let peak = largest_over_turn(|alpha| at(alpha).curvature.abs());
+        let peak = max_over_turn(|alpha| at(alpha).curvature.abs());
         let sharpness = |beside_rad: f64| {
             let there = at(peak.alpha_rad + beside_rad).curvature.abs();
             2.0 * (1.0 - there / peak.value) / (beside_rad * beside_rad)
@@ -53,8 +53,8 @@ impl CrankRocker {
             unit_m,
             stretched_rad,
             folded_rocker_rad: linkage.at(folded_rad).angle_rad,
-            greatest_s: largest_over_turn(|alpha| at(alpha).slope.abs()).value,
-            greatest_h: peak.value,
+            max_s: max_over_turn(|alpha| at(alpha).slope.abs()).value,
+            max_h: peak.value,
             // Margin, because the sharpness may be slightly larger between the evaluated angles.
             peak_sharpness: 1.02 * sharpest,
         }
@@ -90,13 +90,13 @@ impl Mechanism for CrankRocker {
         })
     }
 
-    fn greatest_s(&self) -> f64 {
+    fn max_s(&self) -> f64 {
         // The search ends within 1e-13 of the true maximum.
-        self.greatest_s * (1.0 + 1e-12)
+        self.max_s * (1.0 + 1e-12)
     }
 
-    fn greatest_h(&self) -> f64 {
-        self.greatest_h
+    fn max_h(&self) -> f64 {
+        self.max_h
     }
 
     fn peak_sharpness(&self) -> f64 {

@@ -22,7 +22,7 @@ mod torque;
 pub use extrema::{Extrema, Extremum};
 
 use super::drawing::{self, Link, Mount};
-use super::turn_search::{TurnPeak, largest_over_turn};
+use super::turn_search::{TurnPeak, max_over_turn};
 use super::{AtAngle, Mechanism};
 use crate::sines::sin_cos;
 
@@ -144,14 +144,14 @@ impl SliderCrank {
 
     /// Largest [`SliderCrank::height_mismatch_m`] of a turn, in m, and its angle. For small errors it is R ε max|s|.
     pub fn worst_height_mismatch(&self, phase_error_rad: f64) -> TurnPeak {
-        largest_over_turn(|alpha| self.height_mismatch_m(alpha, phase_error_rad))
+        max_over_turn(|alpha| self.height_mismatch_m(alpha, phase_error_rad))
     }
 
     /// Largest error of the two-term acceleration, as a fraction of amax, and its angle. It depends on λ only:
     /// λ (1/√(1 − λ²) − 1) / (1 + λ), at 90 and 270 deg.
     pub fn two_term_error(&self) -> TurnPeak {
         let scale = 1.0 / (1.0 + self.lambda());
-        largest_over_turn(|alpha| (self.h_two_term(alpha) - self.h(alpha)).abs() * scale)
+        max_over_turn(|alpha| (self.h_two_term(alpha) - self.h(alpha)).abs() * scale)
     }
 }
 
@@ -216,12 +216,12 @@ impl Mechanism for SliderCrank {
     }
 
     /// Upper bound 1 + λ/2: the sum of the peaks of both sines of the two-term s.
-    fn greatest_s(&self) -> f64 {
+    fn max_s(&self) -> f64 {
         1.0 + 0.5 * self.lambda()
     }
 
     /// Largest |h|, 1 + λ, for exact and two-term kinematics.
-    fn greatest_h(&self) -> f64 {
+    fn max_h(&self) -> f64 {
         1.0 + self.lambda()
     }
 

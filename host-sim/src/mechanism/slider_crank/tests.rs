@@ -62,7 +62,7 @@ fn extrema_bound_the_sampled_curve() {
         for (extrema, curve) in cases {
             let samples = (0..36_000).map(|k| curve(&mechanism, f64::from(k) * TAU / 36_000.0));
             let sampled = samples.clone().fold(f64::INFINITY, f64::min);
-            let largest = samples.fold(0.0, |most: f64, a| most.max(a.abs()));
+            let max = samples.fold(0.0, |max: f64, a| max.max(a.abs()));
             let lowest = extrema.lowest().a_mps2;
             assert!(
                 lowest < sampled + 1e-15 && sampled < lowest + 1e-6,
@@ -70,7 +70,7 @@ fn extrema_bound_the_sampled_curve() {
             );
             // amax must be the largest magnitude. Otherwise speeds computed from it are wrong.
             assert!(
-                (largest - mechanism.amax_mps2(1.0)).abs() < 1e-15,
+                (max - mechanism.amax_mps2(1.0)).abs() < 1e-15,
                 "{mechanism:?}"
             );
         }

@@ -32,7 +32,7 @@ use command::{Fate, run};
 const FEW: u64 = 60;
 
 /// Lowest percentage of scenes that must be accepted.
-const LEAST_ACCEPTED: u64 = 80;
+const MIN_ACCEPTED: u64 = 80;
 
 /// One in this many scenes is run twice.
 const TWICE: u64 = 10;
@@ -224,7 +224,7 @@ fn every_scene_runs_or_is_refused() {
     let count = tally.all();
     // Otherwise hardly anything would be tested.
     assert!(
-        (count - tally.refused) * 100 >= LEAST_ACCEPTED * count,
+        (count - tally.refused) * 100 >= MIN_ACCEPTED * count,
         "{} of {count} scenes are refused",
         tally.refused
     );

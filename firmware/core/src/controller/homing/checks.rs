@@ -51,8 +51,8 @@ impl Moves<'_> {
         let mut worst: Option<Deviation> = None;
         for axis in 0..self.count {
             let off = nearest(difference(self.phase_error, self.before, axis));
-            let most = worst.map_or(self.allowed(axis), |worst| worst.off.abs());
-            if set & 1 << axis != 0 && off.abs() > most {
+            let max = worst.map_or(self.allowed(axis), |worst| worst.off.abs());
+            if set & 1 << axis != 0 && off.abs() > max {
                 worst = Some(Deviation {
                     axis,
                     off,

@@ -9,7 +9,7 @@ use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 
 /// Largest number of turns of the master in one step. Beyond it, homing ends with an index timeout, as no other check has found a cause.
-const MOST_WAITED: Turns = Turns::lit("8");
+const MAX_WAITED: Turns = Turns::lit("8");
 
 impl Homing {
     /// Plays one tick of homing. The master made `speed` turns in the tick before. Unless `has_time` is true, what can wait is left for
@@ -39,7 +39,7 @@ impl Homing {
             self.waited = self.waited.saturating_add(speed);
         }
         // Each index is detected or reported as missing within one or two turns. The numbers of attempts and of extra pulses are limited.
-        if fault.is_none() && self.waited > MOST_WAITED {
+        if fault.is_none() && self.waited > MAX_WAITED {
             self.waited = Turns::ZERO;
             return Some(Fault::new(FaultKind::IndexTimeout));
         }

@@ -10,13 +10,13 @@
 //! to as many widths, whatever the noise.
 //!
 //! A pulse that begins too shortly before the end of a tick is confirmed in the next tick, and has a negative cycle there. The time from
-//! the first edge to the confirmation is at most three widths. As a width is at most a quarter of a tick ([`MOST_OF_TICK`]), that edge lies
+//! the first edge to the confirmation is at most three widths. As a width is at most a quarter of a tick ([`MAX_TICK_SHARE`]), that edge lies
 //! in the tick before.
 //!
 //! The filter does not decide whether the crank can have made a pulse at that time.
 
 use super::pulses::{IndexPulse, IndexPulses};
-use crate::settings::MOST_OF_TICK;
+use crate::settings::MAX_TICK_SHARE;
 
 use crate::units::MAX_AXES;
 
@@ -113,7 +113,7 @@ impl<const LINES: usize> IndexFilter<LINES> {
         }
     }
 
-    /// True if a line is not quiet: a stretch or pulse has been pending within the last [`MOST_OF_TICK`] widths, or within the last tick if
+    /// True if a line is not quiet: a stretch or pulse has been pending within the last [`MAX_TICK_SHARE`] widths, or within the last tick if
     /// that is less. Then [`Self::end_tick`] must be called. Otherwise it need not be called until the next change. A change looks back
     /// over less time: `BRIDGE_WIDTHS` widths and one.
     #[inline(always)]
@@ -128,7 +128,7 @@ impl<const LINES: usize> IndexFilter<LINES> {
     #[inline(never)] // It needs all registers.
     pub fn end_tick(&mut self, cycles: u32, pulses: &mut IndexPulses) {
         // Latest cycle at which the present stretch of a line that is quiet now may have begun.
-        let remembered = self.width as u32 * MOST_OF_TICK;
+        let remembered = self.width as u32 * MAX_TICK_SHARE;
         let quiet_since = -(cycles.min(remembered).min(i32::MAX as u32) as i32);
         let cycles = at_most_long(cycles);
         let mut lasting = self.levels ^ self.steady;

@@ -1,7 +1,7 @@
 //! The filter against trains of pulses whose edges are known.
 //!
 //! Widths and ticks are small numbers of cycles, so that changes often fall on a tick's border. As on the board, no tick is shorter than
-//! [`MOST_OF_TICK`] widths, and a filter whose lines are all quiet is skipped.
+//! [`MAX_TICK_SHARE`] widths, and a filter whose lines are all quiet is skipped.
 
 use super::*;
 use proptest::prelude::*;
@@ -106,7 +106,7 @@ fn a_pulse(w: i64, gap: i64) -> impl Strategy<Value = Pulse> {
 /// A width, and ticks in which it may be used.
 fn widths_and_ticks() -> impl Strategy<Value = (i64, Vec<u32>)> {
     (2..40_u32).prop_flat_map(|w| {
-        let ticks = proptest::collection::vec(MOST_OF_TICK * w..8 * MOST_OF_TICK * w, 1..9);
+        let ticks = proptest::collection::vec(MAX_TICK_SHARE * w..8 * MAX_TICK_SHARE * w, 1..9);
         (Just(w.into()), ticks)
     })
 }
@@ -139,7 +139,7 @@ proptest! {
     #[test]
     fn every_pulse_is_reported_once_with_its_first_edge(
         (w, ticks, pulses) in (2..40_i64, 1..8_i64).prop_flat_map(|(w, scale)| {
-            let shortest = i64::from(MOST_OF_TICK) * w;
+            let shortest = i64::from(MAX_TICK_SHARE) * w;
             (
                 Just(w),
                 // No tick is so long that two pulses are confirmed in it, as those are 2 w and the gap apart.
@@ -154,10 +154,10 @@ proptest! {
         let firsts: Vec<i64> = truth.iter().map(|&(first, _)| first).collect();
         let actual: Vec<i64> = reported.iter().map(|&(at, _)| at).collect();
         prop_assert_eq!(actual, firsts);
-        let most_tick = i64::from(*ticks.iter().max().unwrap());
+        let max_tick = i64::from(*ticks.iter().max().unwrap());
         for (&(first, confirmed), &(_, end)) in truth.iter().zip(&reported) {
             // The report comes neither before the confirmation, nor later than the end of the tick of the confirmation.
-            prop_assert!(confirmed <= end && end < confirmed + most_tick, "{first}, {confirmed}: reported at {end}");
+            prop_assert!(confirmed <= end && end < confirmed + max_tick, "{first}, {confirmed}: reported at {end}");
         }
     }
 
@@ -227,7 +227,7 @@ proptest! {
     #[test]
     fn a_filter_of_several_lines_reports_the_pulses_of_filters_of_each(
         (w, tick, ticks) in (1..40_u32, 0..200_u32).prop_flat_map(|(w, more)| {
-            let tick = MOST_OF_TICK * w + more;
+            let tick = MAX_TICK_SHARE * w + more;
             let change = (0..tick as i32, any::<u32>(), any::<u32>());
             let changes = proptest::collection::vec(change, 0..6);
             (Just(w), Just(tick), proptest::collection::vec(changes, 1..40))

@@ -61,11 +61,11 @@ struct Mode {
 /// Amplitude of the phase error, turns, that tilts the platform of the sample settings by 1 mrad at the worst crank angle.
 static TURNS_PER_MRAD: LazyLock<f64> = LazyLock::new(|| {
     let angles = (0..100_000).map(|i| f64::from(i) * core::f64::consts::PI / 100_000.0);
-    let largest_travel = angles.fold(0.0, |most: f64, alpha| {
+    let max_travel = angles.fold(0.0, |max: f64, alpha| {
         let (sin, cos) = alpha.sin_cos();
-        most.max(sin + 0.3 * sin * cos / (1.0 - 0.09 * sin * sin).sqrt())
+        max.max(sin + 0.3 * sin * cos / (1.0 - 0.09 * sin * sin).sqrt())
     });
-    1e-3 * 0.25 / 0.02 / largest_travel / core::f64::consts::TAU
+    1e-3 * 0.25 / 0.02 / max_travel / core::f64::consts::TAU
 });
 
 impl Machine {
@@ -212,7 +212,7 @@ impl Machine {
         let estimates = self.estimates(reading);
         // Readings that all err by so much in one turn, and by as much to the other side in the next, look like a common motion.
         let common_motion = if is_homing { 0.0 } else { 2.0 * reading };
-        let least = |has_moved: bool| {
+        let min = |has_moved: bool| {
             let modes = self.modes(is_homing, has_moved).into_iter();
             let of_mode = modes.filter_map(|Mode { limit, effects }| {
                 let [x, y] = effects[axis];
@@ -227,26 +227,26 @@ impl Machine {
             of_mode.fold(f64::INFINITY, f64::min)
         };
         if is_homing || by_encoder {
-            return least(false);
+            return min(false);
         }
         // The motion of a crank counts from a reading, and less that of another.
         let noise = estimates[axis] + estimates.iter().copied().fold(0.0, f64::max);
-        least(true).max(self.gate() + noise).min(least(false))
+        min(true).max(self.gate() + noise).min(min(false))
     }
 
     /// True if errors of estimates alone make no estimate of a crank exceed a limit.
     pub fn bears(&self, estimates: &[f64]) -> bool {
         let modes = self.modes(false, true).into_iter();
-        let mut margins = modes.map(|mode| mode.limit - largest(&mode, estimates));
+        let mut margins = modes.map(|mode| mode.limit - max(&mode, estimates));
         margins.all(|margin| margin > 0.0)
     }
 
     /// Largest factor by which `errors` can be multiplied so that no limit is exceeded, whatever the estimates err by.
-    pub fn most_of(&self, errors: &[f64], estimates: &[f64]) -> f64 {
+    pub fn max_of(&self, errors: &[f64], estimates: &[f64]) -> f64 {
         let modes = self.modes(false, false).into_iter();
         let of_mode = modes.map(|mode| {
             let [x, y] = sum(&mode, |i| errors[i]);
-            (mode.limit - largest(&mode, estimates)) / x.hypot(y)
+            (mode.limit - max(&mode, estimates)) / x.hypot(y)
         });
         of_mode.fold(f64::INFINITY, f64::min)
     }
@@ -260,7 +260,7 @@ fn sum(mode: &Mode, error: impl Fn(usize) -> f64) -> [f64; 2] {
 }
 
 /// Largest change of a mode by errors of this size, over all their signs.
-fn largest(mode: &Mode, errors: &[f64]) -> f64 {
+fn max(mode: &Mode, errors: &[f64]) -> f64 {
     let signs = 0..1_u32 << errors.len();
     let of_signs = signs.map(|signs| {
         let [x, y] = sum(mode, |i| {
@@ -289,7 +289,7 @@ fn readings_of_all_cranks_change_a_mode_by_at_most_root_two_of_their_error() {
             flags: [0.0; MAX_AXES],
         };
         for mode in machine.modes(false, false) {
-            let change = largest(&mode, &std::vec![1.0; count]);
+            let change = max(&mode, &std::vec![1.0; count]);
             assert!(change < 2.0_f64.sqrt() + 1e-12, "{count}: {change}");
         }
     }

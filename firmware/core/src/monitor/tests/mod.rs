@@ -39,7 +39,7 @@ fn drift_is_measured_to_a_cycle_at_any_speed() {
 #[test]
 fn tilt_trips_at_its_limit() {
     // Mode 1 of one axis in three with the error e is 2/3 e. The maximum of s(α) at λ = 0.3 is found by fine search.
-    let largest_travel = (0..100_000)
+    let max_travel = (0..100_000)
         .map(|i| {
             let alpha = f64::from(i) * core::f64::consts::PI / 100_000.0;
             let (sin, cos) = alpha.sin_cos();
@@ -47,7 +47,7 @@ fn tilt_trips_at_its_limit() {
         })
         .fold(0.0, f64::max);
     let limit_mrad = 3.0;
-    let amplitude = limit_mrad * 1e-3 * 0.25 / 0.02 / largest_travel / core::f64::consts::TAU;
+    let amplitude = limit_mrad * 1e-3 * 0.25 / 0.02 / max_travel / core::f64::consts::TAU;
     for (part, trips) in [(0.99, false), (1.01, true)] {
         let error = -1.5 * amplitude * part;
         let fault = found_in_homing(

@@ -399,9 +399,9 @@ proptest! {
         let errors: Vec<f64> = machine.sensors.iter().zip(direction).map(|(sensors, error)| if sensors.has_index() { error } else { 0.0 }).collect();
         // A count is a whole number of steps.
         let reading = case.reading().max(1.0 / 3200.0);
-        let most = machine.most_of(&errors, &machine.estimates(reading));
-        let most = if most.is_finite() { most.max(0.0) } else { 0.0 };
-        let error = |i: usize, _: f64| errors.get(i).map_or(0.0, |error| error * most * part);
+        let max = machine.max_of(&errors, &machine.estimates(reading));
+        let max = if max.is_finite() { max.max(0.0) } else { 0.0 };
+        let error = |i: usize, _: f64| errors.get(i).map_or(0.0, |error| error * max * part);
         let mut cranks = case.begun(error);
         case.home(&mut cranks, error)?;
         let (found, stop) = case.turn(&mut cranks, 600, error);

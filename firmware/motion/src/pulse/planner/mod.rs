@@ -33,7 +33,7 @@ pub const CHUNK: u32 = 1 << CHUNK_BITS;
 const CHUNK_BITS: u32 = 6;
 
 /// Least distance of an edge from either end of its tick, cycles.
-pub const GUARD: u32 = Run::LEAST_CYCLES;
+pub const GUARD: u32 = Run::MIN_CYCLES;
 
 /// Step planner of one axis. Its state is the position within a step and the levels of STEP and DIR.
 ///

@@ -189,12 +189,12 @@ proptest! {
         steps_per_turn in prop::sample::select(std::vec![200_u32, 1600, 3217, 20_000, 102_400, 1_048_576]),
         seed: u64,
     ) {
-        const MOST_COUNTS: f64 = 8000.0;
+        const MAX_COUNTS: f64 = 8000.0;
         let steps = StepsPerTurn::geared(steps_per_turn, gear);
         prop_assume!((4.0..=StepsPerTurn::MAX).contains(&steps.to_f64()));
         let (motor, shaft) = (i128::from(gear.0), i128::from(gear.1));
-        let most = (MOST_COUNTS / steps.to_f64()).min(0.5) * ONE_TURN as f64;
-        let goal = (2e6 * most) as i128; // a million turns, or fewer of finer steps
+        let max = (MAX_COUNTS / steps.to_f64()).min(0.5) * ONE_TURN as f64;
+        let goal = (2e6 * max) as i128; // a million turns, or fewer of finer steps
         let lines = timing(2000);
         let mut planner = Planner::new(lines.timing, steps);
         let (mut rates, mut runs) = (StepRates::new(lines.timing.tick()), Runs::new());
@@ -206,7 +206,7 @@ proptest! {
             random ^= random << 17;
             // One tick in eight goes back.
             let sign = if random.is_multiple_of(8) { -1.0 } else { 1.0 };
-            let turns = (sign * most * (0.5 + 0.5 * (random >> 11) as f64 / (1_u64 << 53) as f64)) as i64;
+            let turns = (sign * max * (0.5 + 0.5 * (random >> 11) as f64 / (1_u64 << 53) as f64)) as i64;
             travel += i128::from(turns);
             counted += i128::from(planner.count(Turns::from_bits(turns), 0, &mut rates, &mut runs));
             tick += 1;
@@ -265,13 +265,13 @@ proptest! {
         ),
     ) {
         let lines = timing_of(tick_hz, width_ns, dir_setup_ns, dir_hold_ns);
-        let most = lines.timing.most_step_hz(tick_hz);
+        let max = lines.timing.max_step_hz(tick_hz);
         let ticks: Vec<i64> =
-            parts.iter().map(|&part| turns_per_tick(part * most, steps_per_turn, tick_hz)).collect();
+            parts.iter().map(|&part| turns_per_tick(part * max, steps_per_turn, tick_hz)).collect();
         let (drive, steps) = play_with(lines, StepsPerTurn::whole(steps_per_turn), &ticks);
         let total: i128 = ticks.iter().map(|&t| i128::from(t) * i128::from(steps_per_turn)).sum();
         prop_assert_eq!(i128::from(steps), total >> FRACTION_BITS);
-        let width = ((width_ns / 8.0).ceil() as u64).max(u64::from(Run::LEAST_CYCLES));
+        let width = ((width_ns / 8.0).ceil() as u64).max(u64::from(Run::MIN_CYCLES));
         prop_assert!(drive.shortest >= width, "{} cycles, of {width}", drive.shortest);
     }
 
@@ -279,8 +279,8 @@ proptest! {
     #[test]
     fn edges_of_the_fastest_axis_fit_in_a_tick(tick_hz in any_tick_hz(), part in 0.9..1.0_f64, phase in 0..1_i64 << 40) {
         let steps_per_turn = 10_000;
-        let most = timing(tick_hz).timing.most_step_hz(tick_hz);
-        let turns = turns_per_tick(most * part, steps_per_turn, tick_hz);
+        let max = timing(tick_hz).timing.max_step_hz(tick_hz);
+        let turns = turns_per_tick(max * part, steps_per_turn, tick_hz);
         let (drive, steps) = play_ticks(tick_hz, steps_per_turn, &[phase, turns, turns, turns]);
         prop_assert_eq!(drive.position, steps);
     }

@@ -23,7 +23,7 @@ pub(super) struct Found {
 }
 
 /// Distance of the fastest brake in whole ticks, that of the regulator to speed 0.
-fn least_distance(watch: &Watch) -> i64 {
+fn min_distance(watch: &Watch) -> i64 {
     let ramp = &watch.shaft.limits().usual;
     let (mut state, mut distance) = (watch.shaft.state(), 0);
     let mut near = Step::ZERO;
@@ -35,14 +35,14 @@ fn least_distance(watch: &Watch) -> i64 {
 }
 
 /// Greatest speed during a brake: the speed after releasing the acceleration.
-fn greatest_speed(watch: &Watch) -> i64 {
+fn max_speed(watch: &Watch) -> i64 {
     let risen = watch.shaft.limits().usual.let_go(watch.acceleration.max(0));
     watch.speed + risen
 }
 
 /// Stops; returns the distance until standstill, and the ticks for which the shaft moves.
 fn stop(watch: &mut Watch, phase: Turns) -> (i64, u64) {
-    let top = greatest_speed(watch).max(watch.shaft.limits().homing_speed);
+    let top = max_speed(watch).max(watch.shaft.limits().homing_speed);
     let (mut moved, mut ticks, mut distance) = (0, 0, 0);
     loop {
         let motion = watch.advance(Demand::Stop(Some(phase)));
@@ -66,27 +66,27 @@ const AHEAD_TICKS: i64 = 3;
 
 /// Stops, and compares the result with the earliest stop.
 pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> Found {
-    let (least, top) = (least_distance(watch), greatest_speed(watch));
+    let (min, top) = (min_distance(watch), max_speed(watch));
     let easing = Easing::new(watch.shaft.state(), watch.shaft.limits());
     let eased = AHEAD_TICKS * easing.longest_distance(watch.shaft.state());
     let passage = phase.wrapping_sub(watch.shaft.phase().within_turn());
     // The first passage that is not nearer than the fastest brake's end.
-    let spare = passage.to_bits().wrapping_sub(least) & (ONE_TURN - 1);
+    let spare = passage.to_bits().wrapping_sub(min) & (ONE_TURN - 1);
     let (acceleration, from) = (watch.acceleration as f64, watch.ticks);
     let (distance, moved) = stop(watch, phase);
-    let turns_later = (distance - least - spare) >> crate::units::FRACTION_BITS;
+    let turns_later = (distance - min - spare) >> crate::units::FRACTION_BITS;
     let limits = &watch.shaft.limits().usual;
-    let (jerk, most) = (limits.jerk as f64, limits.acceleration as f64);
+    let (jerk, max) = (limits.jerk as f64, limits.acceleration as f64);
     // Limits that are gentler by a share lengthen release and brake by no more than that share.
-    let gentler = 4.0 / jerk + 2.0 / most;
-    let stretched = gentler * (earliest.easing_ticks() + earliest.least_ticks());
+    let gentler = 4.0 / jerk + 2.0 / max;
+    let stretched = gentler * (earliest.easing_ticks() + earliest.min_ticks());
     let Some(stand) = earliest.stand(distance as f64) else {
         panic!(
             "stood after {} ticks, where nothing gets",
             watch.ticks - from
         );
     };
-    let longer = gentler * earliest.least_ticks() * top as f64;
+    let longer = gentler * earliest.min_ticks() * top as f64;
     let rounding = 1e-9 * moved as f64 + 1e-6;
     let spare = spare as f64;
     let (either, less) = match earliest.kind {
@@ -102,7 +102,7 @@ pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> F
         Coasting::Slow => {
             let slow_end = |distance: f64| {
                 let jerked = 4.0 * (distance / (2.0 * jerk)).cbrt();
-                jerked + 2.0 * (distance / most).sqrt() + distance / earliest.coasting
+                jerked + 2.0 * (distance / max).sqrt() + distance / earliest.coasting
             };
             (0.0, slow_end(spare + longer) - slow_end(spare))
         }

@@ -14,11 +14,11 @@ fn any_state(
         "too slow to let the acceleration go",
         |(limits, part, acceleration, kind)| {
             let (ramp, usual) = (&limits.parking, &limits.usual);
-            let most = match kind {
+            let max = match kind {
                 0 => usual.jerk.min(usual.acceleration),
                 _ => usual.acceleration,
             };
-            let acceleration = (acceleration * most as f64) as i64;
+            let acceleration = (acceleration * max as f64) as i64;
             let speed = match kind {
                 // The speed is just enough for the release.
                 1 => ramp.let_go(acceleration.abs()),

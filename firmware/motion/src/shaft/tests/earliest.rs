@@ -60,7 +60,7 @@ pub(super) enum Coasting {
 pub(super) struct Earliest {
     from: Point,
     jerk: f64,
-    most: f64,
+    max: f64,
     /// The coasting speed.
     pub coasting: f64,
     pub kind: Coasting,
@@ -100,7 +100,7 @@ impl Earliest {
     pub fn letting_go(watch: &Watch) -> Self {
         let ramp = &watch.shaft.limits().usual;
         let (v, a) = (watch.speed as f64, watch.acceleration as f64);
-        let (jerk, most) = (ramp.jerk as f64, ramp.acceleration as f64);
+        let (jerk, max) = (ramp.jerk as f64, ramp.acceleration as f64);
         let new = Self {
             from: Point {
                 speed: v - a / 2.0,
@@ -109,7 +109,7 @@ impl Earliest {
                 ticks: 0.0,
             },
             jerk,
-            most,
+            max,
             coasting: 0.0,
             kind: Coasting::LetGo,
             easing: [(0.0, 0.0); 3],
@@ -139,7 +139,7 @@ impl Earliest {
     fn ramp(&self, speed: f64, a: f64, jerk: f64) -> [(f64, f64); 3] {
         // From a up to a peak and down to zero gains (2 peak² − a²)/2J.
         let peak = (self.jerk * speed + a * a / 2.0).max(0.0).sqrt();
-        let peak = peak.min(self.most).max(a);
+        let peak = peak.min(self.max).max(a);
         let held = speed - (peak * peak - a * a / 2.0) / self.jerk;
         [
             ((peak - a) / self.jerk, jerk),
@@ -170,7 +170,7 @@ impl Earliest {
     }
 
     /// Ticks of the fastest brake.
-    pub fn least_ticks(&self) -> f64 {
+    pub fn min_ticks(&self) -> f64 {
         self.braked(self.from).ticks
     }
 
@@ -188,17 +188,17 @@ impl Earliest {
                 coasted,
             });
         }
-        let (mut least, mut most) = (0.0, easing);
+        let (mut min, mut max) = (0.0, easing);
         for _ in 0..100 {
-            let middle = f64::midpoint(least, most);
+            let middle = f64::midpoint(min, max);
             if stop(middle).distance < distance {
-                least = middle;
+                min = middle;
             } else {
-                most = middle;
+                max = middle;
             }
         }
         Some(Stand {
-            ticks: stop(most).ticks,
+            ticks: stop(max).ticks,
             coasted: 0.0,
         })
     }

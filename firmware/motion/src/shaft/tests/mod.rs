@@ -81,13 +81,13 @@ impl Watch {
         motion
     }
 
-    fn advance_to_rest(&mut self, demand: Demand, most_ticks: u64) {
-        for _ in 0..most_ticks {
+    fn advance_to_rest(&mut self, demand: Demand, max_ticks: u64) {
+        for _ in 0..max_ticks {
             if self.advance(demand).at_rest {
                 return;
             }
         }
-        panic!("no rest within {most_ticks} ticks");
+        panic!("no rest within {max_ticks} ticks");
     }
 }
 
@@ -183,17 +183,17 @@ fn any_limit_settings() -> impl Strategy<Value = (u32, LimitSettings)> {
                 let hz = f64::from(tick_hz);
                 let between =
                     |low: f64, high: f64, part: f64| (low.ln() + (high / low).ln() * part).exp();
-                let (most, most_jerk) = (speed_hz * hz, speed_hz * hz * hz);
-                let acceleration_hz_per_s = between(0.01, most, a);
-                let jerk_hz_per_s2 = between(0.01, most_jerk, j);
+                let (max, max_jerk) = (speed_hz * hz, speed_hz * hz * hz);
+                let acceleration_hz_per_s = between(0.01, max, a);
+                let jerk_hz_per_s2 = between(0.01, max_jerk, j);
                 let settings = LimitSettings {
                     speed_hz,
                     acceleration_hz_per_s,
                     jerk_hz_per_s2,
-                    stop_acceleration_hz_per_s: between(acceleration_hz_per_s, most, stop_a)
-                        .clamp(acceleration_hz_per_s, most),
-                    stop_jerk_hz_per_s2: between(jerk_hz_per_s2, most_jerk, stop_j)
-                        .clamp(jerk_hz_per_s2, most_jerk),
+                    stop_acceleration_hz_per_s: between(acceleration_hz_per_s, max, stop_a)
+                        .clamp(acceleration_hz_per_s, max),
+                    stop_jerk_hz_per_s2: between(jerk_hz_per_s2, max_jerk, stop_j)
+                        .clamp(jerk_hz_per_s2, max_jerk),
                     homing_speed_hz: (speed_hz / 20.0).min(1.0),
                     bands: heapless::Vec::new(),
                 };
@@ -322,7 +322,7 @@ proptest! {
     fn bands_are_crossed_as_fast_as_limits_allow(limits in any_limits(), speeds in any_speeds()) {
         let targets = targets(&limits, &speeds);
         let mut watch = Watch::new(limits.clone());
-        let most: Vec<u64> =
+        let max: Vec<u64> =
             limits.bands.iter().map(|band| ticks_between(&limits, band.from, band.to) + 2).collect();
         let mut visit = None;
         for &target in &targets {
@@ -334,7 +334,7 @@ proptest! {
                 (None, _) => None,
             };
             if let Some((band, ticks)) = visit {
-                prop_assert!(ticks <= most[band], "{ticks} ticks in a band that takes {}", most[band]);
+                prop_assert!(ticks <= max[band], "{ticks} ticks in a band that takes {}", max[band]);
             }
         }
     }

@@ -9,31 +9,31 @@ use super::*;
 use crate::shaft::limits::RampLimits;
 
 /// Least time to standstill without acceleration, in ticks.
-pub(super) fn least_ticks(ramp: &RampLimits, speed: f64, acceleration: f64) -> f64 {
-    let (most, jerk) = (ramp.acceleration as f64, ramp.jerk as f64);
+pub(super) fn min_ticks(ramp: &RampLimits, speed: f64, acceleration: f64) -> f64 {
+    let (max, jerk) = (ramp.acceleration as f64, ramp.jerk as f64);
     // A release now ends at this speed; it is below zero only by the two roundings to whole units.
     let let_go = acceleration * acceleration / (2.0 * jerk);
     // From a down to −p at the jerk, and up to zero again, takes away p²/J − a²/2J.
     let peak = (jerk * (speed + let_go)).max(0.0).sqrt();
     let peak = peak.max(-acceleration);
-    if peak <= most {
+    if peak <= max {
         return (acceleration + 2.0 * peak) / jerk;
     }
-    let held = speed + let_go - most * most / jerk;
-    (acceleration + 2.0 * most) / jerk + held / most
+    let held = speed + let_go - max * max / jerk;
+    (acceleration + 2.0 * max) / jerk + held / max
 }
 
 /// Least time from the present state of a shaft.
-fn least_ticks_from(watch: &Watch) -> f64 {
+fn min_ticks_from(watch: &Watch) -> f64 {
     let (speed, acceleration) = (watch.speed as f64, watch.acceleration as f64);
     let fault = &watch.shaft.limits().fault;
-    least_ticks(fault, speed - acceleration / 2.0, acceleration)
+    min_ticks(fault, speed - acceleration / 2.0, acceleration)
 }
 
 /// Stops for a fault and returns the ticks of motion minus the least. In ticks where `also` is true, a stop at a phase is
 /// demanded as well; it must not matter.
-fn over_the_least(watch: &mut Watch, also: impl Fn(u64) -> bool) -> f64 {
-    let least = least_ticks_from(watch);
+fn over_the_min(watch: &mut Watch, also: impl Fn(u64) -> bool) -> f64 {
+    let min = min_ticks_from(watch);
     let from = watch.ticks;
     let mut demand = Demand::Stop(None);
     let mut moved = 0;
@@ -45,13 +45,13 @@ fn over_the_least(watch: &mut Watch, also: impl Fn(u64) -> bool) -> f64 {
             break;
         }
         assert!(
-            (number as f64) < least + 10.0,
-            "no rest, where {least} ticks are enough"
+            (number as f64) < min + 10.0,
+            "no rest, where {min} ticks are enough"
         );
         demand = Demand::Stop(also(number).then_some(Turns::from_num(0.25)));
     }
     assert_eq!((watch.speed, watch.acceleration), (0, 0));
-    moved as f64 - least
+    moved as f64 - min
 }
 
 /// Accepts at most a tick over the least, where two are allowed.
@@ -82,7 +82,7 @@ proptest! {
             watch.advance(Demand::Follow(target));
         }
         prop_assume!(watch.speed > 0);
-        let over = over_the_least(&mut watch, |_| false);
+        let over = over_the_min(&mut watch, |_| false);
         prop_assert!(is_the_shortest(over, watch.ticks), "{over} ticks over the least");
     }
 
@@ -112,7 +112,7 @@ proptest! {
             watch.advance(stop);
         }
         prop_assume!(watch.speed > 0);
-        let over = over_the_least(&mut watch, |tick| pattern >> (tick % 64) & 1 == 1);
+        let over = over_the_min(&mut watch, |tick| pattern >> (tick % 64) & 1 == 1);
         prop_assert!(is_the_shortest(over, watch.ticks), "{over} ticks over the least");
     }
 
@@ -139,7 +139,7 @@ proptest! {
         for _ in 0..1 + (inside as f64 * part) as usize {
             watch.advance(follow(to));
         }
-        let over = over_the_least(&mut watch, |_| false);
+        let over = over_the_min(&mut watch, |_| false);
         prop_assert!(is_the_shortest(over, watch.ticks), "{over} ticks over the least");
     }
 }
@@ -164,7 +164,7 @@ fn a_fault_stop_during_homing_is_the_shortest() {
             for _ in 0..ticks {
                 watch.advance(homing_speed);
             }
-            let over = over_the_least(&mut watch, |_| false);
+            let over = over_the_min(&mut watch, |_| false);
             assert!(
                 is_the_shortest(over, watch.ticks),
                 "{over} ticks after {ticks}"

@@ -69,7 +69,7 @@ impl Extent {
 #[derive(Clone, Debug)]
 pub struct Envelope {
     channels: usize,
-    most_buckets: usize,
+    max_buckets: usize,
     rows_per_bucket: u64,
     rows_in_last: u64,
     /// First and last time of each bucket.
@@ -79,11 +79,11 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// An envelope without rows, of at most `most_buckets` buckets; an odd number is rounded up, as buckets merge in pairs.
-    pub fn new(channels: usize, most_buckets: usize) -> Self {
+    /// An envelope without rows, of at most `max_buckets` buckets; an odd number is rounded up, as buckets merge in pairs.
+    pub fn new(channels: usize, max_buckets: usize) -> Self {
         Self {
             channels,
-            most_buckets: most_buckets.max(2).next_multiple_of(2),
+            max_buckets: max_buckets.max(2).next_multiple_of(2),
             rows_per_bucket: 1,
             rows_in_last: 0,
             spans: Vec::new(),
@@ -96,7 +96,7 @@ impl Envelope {
     pub fn push(&mut self, t_s: f64, values: &[f64]) {
         debug_assert_eq!(values.len(), self.channels);
         if self.spans.is_empty() || self.rows_in_last == self.rows_per_bucket {
-            if self.spans.len() == self.most_buckets {
+            if self.spans.len() == self.max_buckets {
                 self.merge();
             }
             self.spans.push((t_s, t_s));

@@ -25,12 +25,12 @@ pub const AXES: [&str; 6] = [BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#444444
 fn from_rest(scope: &ScopeData) -> Extent {
     Extent {
         low: 0.0,
-        high: 2.0 * least(scope),
+        high: 2.0 * min(scope),
     }
 }
 
 /// Half of the least range of such an axis.
-fn least(scope: &ScopeData) -> f64 {
+fn min(scope: &ScopeData) -> f64 {
     match scope.frame.shown {
         Shown::Displacement(_) => 1e-9,
         Shown::Tilt | Shown::Acceleration(_) => 0.5,
@@ -52,12 +52,7 @@ pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
         scope.envelope.total(channel::ACTUAL).times(per_mps2)
     };
     let shown = requested.and(commanded).and(actual).and(from_rest(scope));
-    let mut draft = Draft::new(
-        &scope.envelope,
-        time,
-        "amax, g",
-        padded(shown, least(scope)),
-    );
+    let mut draft = Draft::new(&scope.envelope, time, "amax, g", padded(shown, min(scope)));
     let pen = |colour, width| Pen { colour, width };
     draft.curve(channel::PROGRAM, per_mps2, pen(PALE_BLUE, 5.0));
     if !actual.is_empty() {
@@ -116,7 +111,7 @@ fn range(
     (label, name): (&str, &str),
 ) -> Panel {
     let total = scope.envelope.total(channel).times(scale);
-    let mut draft = Draft::new(&scope.envelope, time, label, padded(total, least(scope)));
+    let mut draft = Draft::new(&scope.envelope, time, label, padded(total, min(scope)));
     let pen = Pen {
         colour: BLUE,
         width: 1.2,
@@ -144,7 +139,7 @@ pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
             shown = shown.and(Extent { low, high });
         }
     }
-    let y = padded(shown, least(scope));
+    let y = padded(shown, min(scope));
     let mut draft = Draft::new(&scope.envelope, time, "speed, Hz", y);
     draft.entry(LegendShape::Line, DARK_BLUE, peak("shaft", total));
     for (low, high, is_near) in bands {

@@ -20,9 +20,9 @@ impl TimeAxis {
     pub fn new(span: Option<(f64, f64)>) -> Self {
         let (from_s, mut to_s) = span.unwrap_or((0.0, 1.0));
         // A single row, or times that do not increase, still need a width that f64 can represent at that time.
-        let least = 1e-3_f64.max(from_s.abs() * 1e-9);
-        if to_s - from_s < least {
-            to_s = from_s + least;
+        let min = 1e-3_f64.max(from_s.abs() * 1e-9);
+        if to_s - from_s < min {
+            to_s = from_s + min;
         }
         let (per_second, unit) = match to_s - from_s {
             length if length < 0.5 => (1e3, "ms"),
@@ -44,10 +44,10 @@ impl TimeAxis {
     }
 }
 
-/// Returns the range of a value axis: the data with a margin, and at least `least` on both sides of the middle of the data.
+/// Returns the range of a value axis: the data with a margin, and at least `min` on both sides of the middle of the data.
 ///
-/// Without data it is `-least..least`. The result is finite, and its low end is below its high end.
-pub fn padded(data: Extent, least: f64) -> (f64, f64) {
+/// Without data it is `-min..min`. The result is finite, and its low end is below its high end.
+pub fn padded(data: Extent, min: f64) -> (f64, f64) {
     let data = if data.is_empty() {
         Extent {
             low: 0.0,
@@ -58,7 +58,7 @@ pub fn padded(data: Extent, least: f64) -> (f64, f64) {
     };
     let middle = data.low / 2.0 + data.high / 2.0;
     let half = (data.high / 2.0 - data.low / 2.0)
-        .max(least)
+        .max(min)
         .max(middle.abs() * 1e-9);
     (middle - 1.08 * half, middle + 1.08 * half)
 }

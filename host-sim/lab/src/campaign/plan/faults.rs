@@ -124,8 +124,8 @@ pub fn draw(
             let tick_turns = window.level_hz / f64::from(scene.control.tick_hz);
             let tolerance = scene.drift.reading_error_deg / 360.0 + 2.0 / per_turn;
             let noise = NOISES * 2.0_f64.sqrt() * scene.noise.encoder_counts / per_turn;
-            let least = (4.0 * tolerance + noise + 2.0 * tick_turns).min(0.25);
-            let counts = stream.log_between(least * per_turn, 0.5 * per_turn);
+            let min = (4.0 * tolerance + noise + 2.0 * tick_turns).min(0.25);
+            let counts = stream.log_between(min * per_turn, 0.5 * per_turn);
             fault.counts = Some((stream.sign() * counts) as i64);
             let tick_s = 1.0 / f64::from(scene.control.tick_hz);
             fault.for_s =
@@ -146,7 +146,7 @@ pub fn draw(
             // in reserve.
             let required_nm = geometry.map_or(1.0, |geometry| {
                 let omega = std::f64::consts::TAU * window.level_hz;
-                geometry.most_torque_nm(omega, 0.0) / axes as f64
+                geometry.max_torque_nm(omega, 0.0) / axes as f64
             });
             fault.torque_nm = Some(rounded(
                 stream.sign() * stream.between(0.05, 0.5) * required_nm,

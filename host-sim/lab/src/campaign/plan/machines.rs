@@ -148,10 +148,10 @@ fn control(stream: &mut Stream, scene: &mut Scene) {
     draw_limits(stream, scene);
     // After power-up, the cranks are slightly apart: each by at most a quarter of the error that one crank may have.
     if stream.percent(50) {
-        let most_deg = Geometry::new(scene)
+        let max_deg = Geometry::new(scene)
             .map_or(0.0, |geometry| 0.25 * 360.0 * geometry.single_limit_turns());
         for apart in &mut scene.axis {
-            apart.start_deg = rounded(stream.between(-most_deg, most_deg), 3);
+            apart.start_deg = rounded(stream.between(-max_deg, max_deg), 3);
         }
     }
     scene.axes.trim_rate_deg_per_s = 10.0;
@@ -183,7 +183,7 @@ fn draw_limits(stream: &mut Stream, scene: &mut Scene) {
 
 /// Draws motors that give [`PLENTY`] times the torque that the machine requires of one motor.
 fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven, required_nm: f64) {
-    let load = Geometry::new(scene).map_or(0.0, |geometry| geometry.most_inertia_kgm2());
+    let load = Geometry::new(scene).map_or(0.0, |geometry| geometry.max_inertia_kgm2());
     let (inertia, friction) = (scene.axes.rotor_inertia_kgm2 + load, scene.axes.friction_nm);
     let axes = &mut scene.axes;
     axes.encoder = driven.has_encoder();
@@ -210,11 +210,11 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven, required_nm: f
     }
     axes.drive = Drive::Stepper;
     axes.steps_per_turn = stream.one_of(&[3200, 6400]);
-    let most_nm = rounded(PLENTY * required_nm, 3);
+    let max_nm = rounded(PLENTY * required_nm, 3);
     // A rotor that swings is faster than its field for a while, so the torque must not end at the greatest speed of the field.
-    let most_hz = PULL_OUT_SPEEDS * scene.limits.speed_hz;
-    axes.pull_out = vec![(0.0, most_nm), (most_hz, most_nm)];
-    let stiffness = most_nm * CYCLES;
+    let max_hz = PULL_OUT_SPEEDS * scene.limits.speed_hz;
+    axes.pull_out = vec![(0.0, max_nm), (max_hz, max_nm)];
+    let stiffness = max_nm * CYCLES;
     axes.damping_nms = rounded(2.0 * FIELD_ZETA * (stiffness * inertia).sqrt(), 4);
 }
 
@@ -240,11 +240,11 @@ fn required_nm(scene: &Scene) -> f64 {
     let limits = &scene.limits;
     let usual = limits.acceleration_hz_per_s;
     let acceleration = limits.stop_acceleration_hz_per_s.unwrap_or(usual) * TAU;
-    let most_nm = Geometry::new(scene).map_or(0.0, |geometry| {
-        geometry.most_torque_nm(limits.speed_hz * TAU, acceleration)
+    let max_nm = Geometry::new(scene).map_or(0.0, |geometry| {
+        geometry.max_torque_nm(limits.speed_hz * TAU, acceleration)
     });
     let axes = &scene.axes;
-    most_nm / axes.count as f64 + axes.friction_nm + axes.rotor_inertia_kgm2 * acceleration
+    max_nm / axes.count as f64 + axes.friction_nm + axes.rotor_inertia_kgm2 * acceleration
 }
 
 /// Sets a program of one level, which is held for long enough to detect a fault.

@@ -200,7 +200,7 @@ fn drawn(stream: &mut Stream, kind: FaultName, driven: Driven) -> (String, Scene
     // A pattern that proves the wiring needs room within the limits, and a board has to keep the tick rate. A few machines are refused for
     // that, and the next one is drawn instead.
     let mut machine = machines::draw(stream, driven, on_rotors, prove);
-    for _ in 0..MOST_DRAWN {
+    for _ in 0..MAX_DRAWN {
         if is_accepted(&machine) {
             break;
         }
@@ -210,7 +210,7 @@ fn drawn(stream: &mut Stream, kind: FaultName, driven: Driven) -> (String, Scene
 }
 
 /// Largest number of further draws. At least one machine in two is accepted.
-const MOST_DRAWN: usize = 50;
+const MAX_DRAWN: usize = 50;
 
 /// True if a run accepts the scene of a machine from a file.
 fn is_accepted(machine: &Scene) -> bool {

@@ -47,16 +47,16 @@ fn follow(torque_over_rated: f64, mut state: [f64; Screen::DIMENSION]) -> Result
         .map_err(|error| wrong(&error))?;
     let started_rpm = state[5] * 60.0 / TAU;
     let mut path = Vec::new();
-    let mut most_mm = 0.0_f64;
+    let mut max_mm = 0.0_f64;
     for step in 1..=(END_S / STEP_S) as u32 {
         method
             .step(&screen, f64::from(step) * STEP_S, &mut state)
             .map_err(|error| wrong(&error))?;
-        most_mm = most_mm.max(1e3 * Screen::amplitude_m(&state));
+        max_mm = max_mm.max(1e3 * Screen::amplitude_m(&state));
         if step % 100 == 0 {
             let rpm = state[5] * 60.0 / TAU;
-            path.push((rpm, most_mm));
-            most_mm = 0.0;
+            path.push((rpm, max_mm));
+            max_mm = 0.0;
             if started_rpm > 60.0 && rpm < 60.0 {
                 break;
             }
@@ -99,8 +99,8 @@ pub fn measure() -> Result<Facts, ChartError> {
 
 /// Returns the speed and the amplitude at the largest amplitude.
 pub fn peak(path: &Path) -> (f64, f64) {
-    let most = path.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
-    most.unwrap_or_default()
+    let max = path.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
+    max.unwrap_or_default()
 }
 
 pub(super) fn shown() -> Result<Shown, ChartError> {

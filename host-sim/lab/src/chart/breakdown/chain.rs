@@ -166,7 +166,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
     let coarsest = without.filter_map(|tried| Some((tried.scheme, tried.turns.last()?)));
     let step_ms = coarsest
         .clone()
-        .fold(0.0, |most: f64, (_, turn)| most.max(turn.step_s * 1e3));
+        .fold(0.0, |max: f64, (_, turn)| max.max(turn.step_s * 1e3));
     let missed: Vec<String> = coarsest
         .map(|(scheme, turn)| format!("{scheme} {:.2}", turn.peak))
         .collect();

@@ -22,8 +22,8 @@ const MOMENTS: u32 = 50;
 pub const SPEEDS_MPS: [f64; 2] = [4e-3, 4e-4];
 
 /// Steps between two moments, as powers of two: the fewest, and the most.
-const FEWEST: u32 = 0;
-const MOST: u32 = 9;
+const MIN: u32 = 0;
+const MAX: u32 = 9;
 
 /// Relaxation times in a step, up to which RK4 is stable.
 const RK4_LIMIT: f64 = 2.785;
@@ -68,7 +68,7 @@ fn error(scheme: Scheme, treatment: Treatment, steps: u32) -> Result<f64, ChartE
         .prepare(equations, step_s)
         .map_err(|refused| ChartError(refused.to_string()))?;
     let mut state = [0.0; 2];
-    let mut most_m: f64 = 0.0;
+    let mut max_m: f64 = 0.0;
     for step in 0..MOMENTS * steps {
         if method
             .step(equations, f64::from(step) * step_s, &mut state)
@@ -78,10 +78,10 @@ fn error(scheme: Scheme, treatment: Treatment, steps: u32) -> Result<f64, ChartE
         }
         if (step + 1).is_multiple_of(steps) {
             let right = oscillator.exact(f64::from(step + 1) * step_s, [0.0; 2]);
-            most_m = most_m.max((state[0] - right[0]).abs());
+            max_m = max_m.max((state[0] - right[0]).abs());
         }
     }
-    Ok(most_m / unit_m)
+    Ok(max_m / unit_m)
 }
 
 /// Tries all treatments, the coarsest step first.
@@ -89,9 +89,9 @@ fn error(scheme: Scheme, treatment: Treatment, steps: u32) -> Result<f64, ChartE
 /// # Errors
 /// A method is not for this machine; all are.
 pub fn measure(size: Size) -> Result<Vec<Tried>, ChartError> {
-    let most = match size {
-        Size::Small => MOST - 3,
-        Size::Full => MOST,
+    let max = match size {
+        Size::Small => MAX - 3,
+        Size::Full => MAX,
     };
     let [wide, narrow] = SPEEDS_MPS.map(Treatment::Smoothed);
     let tried = [
@@ -102,7 +102,7 @@ pub fn measure(size: Size) -> Result<Vec<Tried>, ChartError> {
         (Scheme::Rk4, Treatment::Contacts),
     ];
     let tried = tried.map(|(scheme, treatment)| {
-        let errors = (FEWEST..=most).map(|power| {
+        let errors = (MIN..=max).map(|power| {
             let steps = 1 << power;
             let step_s = END_S / f64::from(MOMENTS * steps);
             Ok((step_s, error(scheme, treatment, steps)?))
@@ -123,7 +123,7 @@ pub fn limit_s(speed_mps: f64) -> f64 {
 
 pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
     let tried = measure(size)?;
-    let least = |scheme: Scheme, treatment: Treatment| {
+    let min = |scheme: Scheme, treatment: Treatment| {
         let found = tried
             .iter()
             .find(|tried| (tried.scheme, tried.treatment) == (scheme, treatment));
@@ -157,12 +157,12 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
              {:.1e}; beyond {:.2} ms RK4 shakes there, and contacts that stick or slide have no such error: RK4 comes to {:.0e}, SDIRK4 to \
              {:.0e}.",
             wide * 1e3,
-            least(Scheme::Rk4, Treatment::Smoothed(wide)),
+            min(Scheme::Rk4, Treatment::Smoothed(wide)),
             narrow * 1e3,
-            least(Scheme::Rk4, Treatment::Smoothed(narrow)),
+            min(Scheme::Rk4, Treatment::Smoothed(narrow)),
             limit_s(narrow) * 1e3,
-            least(Scheme::Rk4, Treatment::Contacts),
-            least(Scheme::Sdirk4, Treatment::Contacts),
+            min(Scheme::Rk4, Treatment::Contacts),
+            min(Scheme::Sdirk4, Treatment::Contacts),
         ),
     })
 }

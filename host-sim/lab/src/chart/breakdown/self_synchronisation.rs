@@ -158,14 +158,14 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     let (free_two, free_four) = (free(TWO_M)?, free(FOUR_M)?);
     let (two, four) = (forced(TWO_M)?, forced(FOUR_M)?);
     let last = |resultant: &Resultant| resultant.last().map_or(f64::NAN, |point| point.1);
-    let least = |resultant: &Resultant| {
+    let min = |resultant: &Resultant| {
         resultant
             .iter()
             .map(|point| point.1)
             .fold(f64::MAX, f64::min)
     };
     let (free_two_end, free_four_end) = (last(&free_two), last(&free_four));
-    let (two_least, four_least) = (least(&two), least(&four));
+    let (min_two, min_four) = (min(&two), min(&four));
     Ok(Shown {
         key: "self-synchronisation",
         title: "Exciters of a screen: kept in phase, and self-synchronised".to_owned(),
@@ -180,7 +180,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
         levels: Vec::new(),
         says: format!(
             "Free motors settle where the box moves least, with {free_two_end:.2} (two) and {free_four_end:.2} (four) of the resultant; the controller keeps at least \
-             {two_least:.4} and {four_least:.4}, with 60 N·m of friction on one shaft.",
+             {min_two:.4} and {min_four:.4}, with 60 N·m of friction on one shaft.",
         ),
     })
 }

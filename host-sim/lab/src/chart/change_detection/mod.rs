@@ -194,14 +194,14 @@ fn panels(all: &[Measured]) -> Vec<Panel> {
 
 /// Delay of a drift against the largest load that causes no alarm as it comes and goes slowly.
 fn trade(all: &[Measured], noise: Noise) -> Panel {
-    const MOST: f64 = LOADS.0;
+    const MAX: f64 = LOADS.0;
     let mut lines = vec![Line {
         stroke: Stroke::Dotted,
         marked: false,
         ..Line::new(
             "load / drift",
             Ink::Grey,
-            vec![(0.0, 0.0), (MOST, MOST / COMPARED_DRIFT)],
+            vec![(0.0, 0.0), (MAX, MAX / COMPARED_DRIFT)],
         )
     }];
     for rule in Rule::ALL {
@@ -226,8 +226,8 @@ fn trade(all: &[Measured], noise: Noise) -> Panel {
             "drift of {COMPARED_DRIFT} r a turn, errors {}",
             noise.name()
         ),
-        x: Axis::linear("largest slow load without an alarm, r", 0.0, MOST),
-        y: Axis::linear("mean turns to the alarm", 0.0, MOST / COMPARED_DRIFT),
+        x: Axis::linear("largest slow load without an alarm, r", 0.0, MAX),
+        y: Axis::linear("mean turns to the alarm", 0.0, MAX / COMPARED_DRIFT),
         lines,
         levels: Vec::new(),
     }

@@ -109,12 +109,12 @@ impl Errors {
         radius * cosine
     }
 
-    /// Draws a standard normal variable that exceeds `least` > 0 (Robert 1995).
-    pub fn normal_above(&mut self, least: f64) -> f64 {
+    /// Draws a standard normal variable that exceeds `min` > 0 (Robert 1995).
+    pub fn normal_above(&mut self, min: f64) -> f64 {
         loop {
-            let beyond = -(1.0 - self.uniform()).ln() / least;
+            let beyond = -(1.0 - self.uniform()).ln() / min;
             if self.uniform() < (-0.5 * beyond * beyond).exp() {
-                return least + beyond;
+                return min + beyond;
             }
         }
     }

@@ -23,7 +23,7 @@ const PRELOAD_N: f64 = 500.0;
 /// Turns before the one that is measured.
 pub const SETTLING: u32 = 4;
 /// Steps per turn: the fewest, and the number of doublings.
-const FEWEST: u32 = 64;
+const MIN: u32 = 64;
 const DOUBLINGS: u32 = 8;
 
 /// Wrapper at a speed.
@@ -44,9 +44,9 @@ pub fn contact_n(chain: &Chain, t_s: f64, state: &[f64]) -> f64 {
 }
 
 /// Returns the least of evenly spaced values, on a parabola through the lowest and its neighbours.
-pub fn least(values: impl Iterator<Item = f64>) -> f64 {
+pub fn min(values: impl Iterator<Item = f64>) -> f64 {
     let (mut before, mut at) = (f64::INFINITY, f64::INFINITY);
-    let mut least = f64::INFINITY;
+    let mut min = f64::INFINITY;
     for after in values {
         if at <= before && at <= after && before.is_finite() {
             let (slope, bend) = (0.5 * (after - before), after - 2.0 * at + before);
@@ -55,11 +55,11 @@ pub fn least(values: impl Iterator<Item = f64>) -> f64 {
             } else {
                 0.0
             };
-            least = least.min(at - dip);
+            min = min.min(at - dip);
         }
         (before, at) = (at, after);
     }
-    least
+    min
 }
 
 impl Decision for LiftOff {
@@ -86,7 +86,7 @@ impl Decision for LiftOff {
 
     fn steps_s(&self) -> Vec<f64> {
         (0..=DOUBLINGS)
-            .map(|i| 1.0 / (REFERENCE_HZ * f64::from(FEWEST << i)))
+            .map(|i| 1.0 / (REFERENCE_HZ * f64::from(MIN << i)))
             .collect()
     }
 
@@ -108,7 +108,7 @@ impl Decision for LiftOff {
             }
             method.step(&counted, t_s, &mut state)?;
         }
-        Ok((least(samples.into_iter()) < 0.0, counted.evaluations()))
+        Ok((min(samples.into_iter()) < 0.0, counted.evaluations()))
     }
 }
 

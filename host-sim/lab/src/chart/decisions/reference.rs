@@ -29,19 +29,19 @@ const ABSOLUTE: f64 = 1e-15;
 /// Absolute tolerance of the chain. The stiffest link causes rounding errors of 1e-13 m/s per step in its velocities. The errors of
 /// positions are smaller by its frequencies: 2e-15 m, or 1e-8 N at the cam.
 const ABSOLUTE_OF_CHAIN: f64 = 1e-11;
-const MOST_STEPS: usize = 10_000_000;
+const MAX_STEPS: usize = 10_000_000;
 
 /// Returns the states at evenly spaced times, or at the end only.
 macro_rules! solved {
-    ($ivp:expr, $library:expr, $absolute:expr, $most_s:expr) => {
+    ($ivp:expr, $library:expr, $absolute:expr, $max_s:expr) => {
         match $library {
             Library::Dop853 => {
                 $ivp.method(
                     ExplicitRungeKutta::dop853()
                         .rtol(RELATIVE)
                         .atol($absolute)
-                        .h_max($most_s)
-                        .max_steps(MOST_STEPS),
+                        .h_max($max_s)
+                        .max_steps(MAX_STEPS),
                 )
                 .solve()
                 .expect("DOP853")
@@ -52,8 +52,8 @@ macro_rules! solved {
                     ExplicitRungeKutta::rkv989e()
                         .rtol(RELATIVE)
                         .atol($absolute)
-                        .h_max($most_s)
-                        .max_steps(MOST_STEPS),
+                        .h_max($max_s)
+                        .max_steps(MAX_STEPS),
                 )
                 .solve()
                 .expect("RKV 9(8)")
@@ -101,7 +101,7 @@ fn is_out(machine: &PullsOut, drive: f64, library: Library) -> bool {
 
 /// Returns the least contact force in the last turn. Steps are at most a 4096th of the turn, with 16 samples in each. Between
 /// samples, the error of a parabola is less than 1e-12 of the contribution of the fastest mode that takes part, 5610 rad/s.
-fn least_contact_n(drive: f64, library: Library) -> f64 {
+fn min_contact_n(drive: f64, library: Library) -> f64 {
     const SAMPLES: u32 = 65_536;
     let chain = lift_off::chain(drive);
     let cycle_s = chain.cam.cycle_s();
@@ -124,7 +124,7 @@ fn least_contact_n(drive: f64, library: Library) -> f64 {
         .iter()
         .zip(&states)
         .map(|(t_s, state)| lift_off::contact_n(&chain, *t_s, state));
-    lift_off::least(contact)
+    lift_off::min(contact)
 }
 
 /// Returns the drive at which an outcome changes, between two drives, to 1e-13 of it.
@@ -144,14 +144,14 @@ fn bisected(low: f64, high: f64, beyond: impl Fn(f64) -> bool) -> f64 {
 
 /// Returns the drive at which the least force is 0, by secants. Unlike the other outcomes, this force is a smooth function.
 fn lift_off_hz(low: f64, high: f64, library: Library) -> f64 {
-    let mut points = [low, high].map(|hz| (hz, least_contact_n(hz, library)));
+    let mut points = [low, high].map(|hz| (hz, min_contact_n(hz, library)));
     for _ in 0..8 {
         let [(a, at_a), (b, at_b)] = points;
         let next = b - at_b * (b - a) / (at_b - at_a);
         if (next - b).abs() < 1e-13 * b {
             return next;
         }
-        points = [points[1], (next, least_contact_n(next, library))];
+        points = [points[1], (next, min_contact_n(next, library))];
     }
     points[1].0
 }
@@ -178,7 +178,7 @@ fn thresholds_match_the_library_solvers() {
     let machine = PullsOut::new();
     assert_reference(&machine, |drive, library| is_out(&machine, drive, library));
     assert_reference(&LiftOff, |drive, library| {
-        least_contact_n(drive, library) < 0.0
+        min_contact_n(drive, library) < 0.0
     });
 }
 

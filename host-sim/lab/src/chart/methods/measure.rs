@@ -32,28 +32,28 @@ pub struct Curve {
 }
 
 /// Fewest step lengths of a curve.
-const FEWEST: usize = 6;
+const MIN: usize = 6;
 /// Most step lengths of a curve in a small chart.
 const SMALL: usize = 7;
 
 impl Curve {
-    /// Halves the step until further points would be outside the chart, with at least `FEWEST` lengths.
+    /// Halves the step until further points would be outside the chart, with at least `MIN` lengths.
     pub fn measure(
         problem: &Problem,
         scheme: Scheme,
         size: Size,
         yardstick: Yardstick,
     ) -> Result<Self, ChartError> {
-        let (fewest, doublings) = problem.steps;
+        let (min, doublings) = problem.steps;
         let mut runs: Vec<Run> = Vec::new();
         for doubling in 0..=doublings {
             // One error below the range may be a zero crossing of the curve. Two errors below the range are its end.
             let unresolved = |run: &Run| run.error < problem.shown().0;
             let is_over = runs.len() >= 2 && runs[runs.len() - 2..].iter().all(unresolved);
-            if runs.len() >= FEWEST && is_over || size == Size::Small && runs.len() >= SMALL {
+            if runs.len() >= MIN && is_over || size == Size::Small && runs.len() >= SMALL {
                 break;
             }
-            runs.push(run(problem, scheme, fewest << doubling, yardstick)?);
+            runs.push(run(problem, scheme, min << doubling, yardstick)?);
         }
         Ok(Self { scheme, runs })
     }

@@ -21,9 +21,9 @@ use measure::Curve;
 use problems::Problem;
 
 /// Smallest error that is shown, relative to the required error.
-const LEAST: f64 = 1e-5;
+const MIN: f64 = 1e-5;
 /// Largest error that is shown, relative to the required error.
-const MOST: f64 = 1e4;
+const MAX: f64 = 1e4;
 /// Ratio of the smallest error shown to the difference of two references, at least.
 const UNCERTAINTY_MARGIN: f64 = 10.0;
 
@@ -31,8 +31,8 @@ impl Problem {
     /// Returns the smallest and the largest error that is shown.
     pub fn shown(&self) -> (f64, f64) {
         (
-            (UNCERTAINTY_MARGIN * self.uncertainty).max(LEAST * self.required_error),
-            MOST * self.required_error,
+            (UNCERTAINTY_MARGIN * self.uncertainty).max(MIN * self.required_error),
+            MAX * self.required_error,
         )
     }
 }
@@ -97,12 +97,12 @@ fn panel(problem: &Problem, curves: &[Curve]) -> Panel {
     let costs = curves.iter().flat_map(|curve| &curve.runs);
     let costs = costs.filter(|run| (from..=to).contains(&run.error));
     let costs = costs.map(|run| run.evaluations as f64);
-    let (least, most) = costs.fold((f64::INFINITY, 0.0_f64), |(least, most), cost| {
-        (least.min(cost), most.max(cost))
+    let (min, max) = costs.fold((f64::INFINITY, 0.0_f64), |(min, max), cost| {
+        (min.min(cost), max.max(cost))
     });
     // If all methods failed, the panel has axes without curves.
-    let costs = if least < most {
-        (0.7 * least, 1.4 * most)
+    let costs = if min < max {
+        (0.7 * min, 1.4 * max)
     } else {
         (1.0, 10.0)
     };
@@ -141,7 +141,7 @@ impl Cheapest {
         let costs = curves
             .iter()
             .filter_map(|curve| Some((curve.scheme, cost(curve)?)));
-        let Some((best, least)) = costs.clone().min_by(|a, b| a.1.total_cmp(&b.1)) else {
+        let Some((best, min)) = costs.clone().min_by(|a, b| a.1.total_cmp(&b.1)) else {
             return;
         };
         match self.of.iter_mut().find(|(scheme, _)| *scheme == best) {
@@ -150,7 +150,7 @@ impl Cheapest {
         }
         for (scheme, cost) in costs {
             if problem.default == Some(scheme) {
-                self.default_at_worst = self.default_at_worst.max(cost / least);
+                self.default_at_worst = self.default_at_worst.max(cost / min);
             }
         }
     }

@@ -169,8 +169,8 @@ fn panels(runs: &[Vec<Run>], cycles: &[Cycles; 2], rates: &[u32]) -> Vec<Panel> 
             ..Line::new("processor, worst tick", Ink::Purple, share(&cycles[1]))
         },
     ];
-    let most_deg = runs.iter().flatten().map(|run| run.spread_deg);
-    let most_deg = most_deg.fold(0.01, f64::max);
+    let max_deg = runs.iter().flatten().map(|run| run.spread_deg);
+    let max_deg = max_deg.fold(0.01, f64::max);
     vec![
         panel(
             "held amplitude, worst error",
@@ -184,7 +184,7 @@ fn panels(runs: &[Vec<Run>], cycles: &[Cycles; 2], rates: &[u32]) -> Vec<Panel> 
         ),
         panel(
             "cranks out of phase, worst (0 where they are as commanded)",
-            Axis::linear("spread, deg", 0.0, 1.3 * most_deg),
+            Axis::linear("spread, deg", 0.0, 1.3 * max_deg),
             lines(|run| run.spread_deg),
         ),
         panel(

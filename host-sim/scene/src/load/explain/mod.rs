@@ -10,10 +10,10 @@ use crate::file::{MACHINES, Scene};
 use crate::keys;
 
 /// Longest piece of a file that a message repeats, in characters.
-const MOST_QUOTED: usize = 48;
+const MAX_QUOTED: usize = 48;
 
 /// Longest line that a message proposes, in characters.
-const MOST_REPAIRED: usize = 160;
+const MAX_REPAIRED: usize = 160;
 
 /// The problem of a key that no scene has at its place.
 const UNKNOWN_KEY: &str = "unknown key";
@@ -78,7 +78,7 @@ pub(super) fn not_toml(
         return "lists and tables are nested too deep; a program's blocks go 8 deep at most"
             .to_owned();
     }
-    let quoted_source = quoted(source, MOST_QUOTED);
+    let quoted_source = quoted(source, MAX_QUOTED);
     let is_text = keys::row(key).is_none_or(|row| matches!(row.kind, Kind::Text | Kind::Word(_)));
     let meant = repaired.filter(|repaired| is_text || repaired.rules != [QUOTES]);
     let Some(Repaired { rules, line, .. }) = meant else {
@@ -95,14 +95,14 @@ pub(super) fn not_toml(
             message => message,
         };
         let form = match keys::example(key) {
-            Some(example) => format!("the form is `{}`", quoted(&example, MOST_REPAIRED)),
+            Some(example) => format!("the form is `{}`", quoted(&example, MAX_REPAIRED)),
             None => "write `key = value`, a line each, under `[table]` headings: text in quotes, numbers without units".to_owned(),
         };
         return format!("is not TOML, at `{quoted_source}`: {problem}; {form}");
     };
     let rules = rules.join("; ");
     let right = line.map_or(String::new(), |line| {
-        format!(": write `{}`", quoted(&line, MOST_REPAIRED))
+        format!(": write `{}`", quoted(&line, MAX_REPAIRED))
     });
     format!("is not TOML, at `{quoted_source}`: {rules}{right}")
 }
@@ -277,7 +277,7 @@ pub(super) fn wrong_form(path: &str, kind: &Kind, value: &DeValue, written: &str
     };
     let right = match (value, written.trim_matches(['"', '\''])) {
         (DeValue::Table(_), table)
-            if expected == "a list" && !table.contains('\n') && table.len() < MOST_REPAIRED =>
+            if expected == "a list" && !table.contains('\n') && table.len() < MAX_REPAIRED =>
         {
             format!("; write [{table}]")
         }
@@ -319,14 +319,14 @@ pub(super) fn one_line(message: &str) -> String {
 }
 
 pub(super) fn short(text: &str) -> String {
-    quoted(text, MOST_QUOTED)
+    quoted(text, MAX_QUOTED)
 }
 
 /// Returns the first line of a text, shortened if it is long.
-fn quoted(text: &str, most: usize) -> String {
+fn quoted(text: &str, max: usize) -> String {
     let line = text.lines().next().unwrap_or_default();
-    let cut = line.chars().count() > most || line.len() < text.trim_end().len();
-    let mut kept: String = line.chars().take(most).collect();
+    let cut = line.chars().count() > max || line.len() < text.trim_end().len();
+    let mut kept: String = line.chars().take(max).collect();
     if cut {
         kept.push('…');
     }

@@ -21,10 +21,10 @@ use rules::REPAIRS;
 use unclosed::unclosed;
 
 /// Longest line that is repaired, bytes.
-const MOST_BYTES: usize = 4096;
+const MAX_BYTES: usize = 4096;
 
 /// Mistakes that one line has at most.
-const MOST_MISTAKES: usize = 5;
+const MAX_MISTAKES: usize = 5;
 
 /// A line with its mistakes repaired, and the rules that it broke.
 #[derive(Debug, PartialEq, Eq)]
@@ -67,7 +67,7 @@ pub(super) fn repair(text: &str, error_at: usize) -> Option<Repaired> {
 fn repair_line(text: &str, begin: usize, end: usize) -> Option<Repaired> {
     let length = text[begin..].find('\n').unwrap_or(text.len() - begin);
     let (line, after) = text[begin..].split_at(length);
-    if line.len() > MOST_BYTES {
+    if line.len() > MAX_BYTES {
         return None;
     }
     let with = |line: &str| format!("{}{line}{after}", &text[..begin]);
@@ -83,7 +83,7 @@ fn repair_line(text: &str, begin: usize, end: usize) -> Option<Repaired> {
             line: None,
         });
     }
-    for _ in 0..MOST_MISTAKES {
+    for _ in 0..MAX_MISTAKES {
         let now = with(&line);
         // An error at the end of the line is one of the line.
         let error = error_at(&now).filter(|at| at + rest <= now.len());

@@ -14,7 +14,7 @@ const INSIDE_RAD: f64 = 1e-10;
 
 /// Turns after which the last one counts as the periodic regime. Each turn reduces a deviation to a tenth, so the speed settles to
 /// 1e-10 rad/s long before.
-const MOST_TURNS: u32 = 100;
+const MAX_TURNS: u32 = 100;
 
 /// Speeds of the shaft over one turn.
 #[derive(Clone, Debug, PartialEq)]
@@ -259,7 +259,7 @@ fn settled(
     turn: impl Fn(f64) -> Result<Speeds, Diverged>,
 ) -> Result<Speeds, Diverged> {
     let mut speeds = turn(guess_rad_s)?;
-    for _ in 0..MOST_TURNS {
+    for _ in 0..MAX_TURNS {
         let start = speeds.end_rad_s();
         speeds = turn(start)?;
         if (speeds.end_rad_s() - start).abs() < 1e-10 {

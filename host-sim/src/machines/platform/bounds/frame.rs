@@ -40,7 +40,7 @@ pub fn share(platform: &OnCranks<'_>, duty: &Duty<'_>) -> f64 {
             );
             harmonic * answer
         });
-        parts.sum::<f64>() * (omega / duty.top_rad_s).powi(2) / mechanism.greatest_h()
+        parts.sum::<f64>() * (omega / duty.top_rad_s).powi(2) / mechanism.max_h()
     };
     let even = (1..=SPEEDS).map(|i| duty.top_rad_s * f64::from(i) / f64::from(SPEEDS));
     let met = modes_rad_s(

@@ -67,7 +67,7 @@ struct Crank {
     torque_nm: [Complex<f64>; HARMONICS + 1],
     /// Upper bound on the load's torque, with or without feed-forward: the sum of its harmonics.
     required_nm: f64,
-    most_nm: f64,
+    max_nm: f64,
 }
 
 impl Crank {
@@ -138,20 +138,20 @@ pub fn worst(platform: &OnCranks<'_>, duty: &Duty<'_>) -> Worst {
             .collect();
         at_speed(&cranks, platform, duty, &mut worst);
     }
-    let greatest_nm = greatest_nm(body, duty.top_rad_s);
-    worst.torque /= greatest_nm;
+    let max_nm = max_nm(body, duty.top_rad_s);
+    worst.torque /= max_nm;
     let mechanism = &body.mechanism;
     let lever_m = mechanism.crank_radius_m() * required.lever_squared.sqrt();
     let share_kg = body.load.mass_kg / axes as f64;
     worst.torque_of_amax =
-        (share_kg * lever_m * mechanism.amax_mps2(duty.top_rad_s) / greatest_nm).max(1.0);
-    worst.spring_per_rad /= greatest_nm;
+        (share_kg * lever_m * mechanism.amax_mps2(duty.top_rad_s) / max_nm).max(1.0);
+    worst.spring_per_rad /= max_nm;
     let swing = swing(platform, duty, &required);
-    let lever = mechanism.crank_radius_m() * mechanism.greatest_s();
+    let lever = mechanism.crank_radius_m() * mechanism.max_s();
     worst.amax += 2.0 * swing.rad_s / duty.top_rad_s
         + lever * swing.rad_s2 / mechanism.amax_mps2(duty.top_rad_s);
     let heaviest = body.rotors_kgm2.iter().copied().fold(0.0, f64::max);
-    worst.torque += (heaviest + load_inertia_kgm2(body, &required)) * swing.rad_s2 / greatest_nm;
+    worst.torque += (heaviest + load_inertia_kgm2(body, &required)) * swing.rad_s2 / max_nm;
     worst.frequency_ratio = frequency_ratio(platform, duty, &required);
     worst
 }
@@ -183,9 +183,9 @@ fn at_speed(cranks: &[Crank], platform: &OnCranks<'_>, duty: &Duty<'_>, worst: &
         } else {
             0.0
         };
-        let ratio = (feed_forward_nm + lag * crank.stiffness.1) / crank.most_nm;
+        let ratio = (feed_forward_nm + lag * crank.stiffness.1) / crank.max_nm;
         worst.torque_ratio[i] = worst.torque_ratio[i].max(ratio);
-        let required = crank.required_nm / crank.most_nm;
+        let required = crank.required_nm / crank.max_nm;
         worst.torque_ratio_required[i] = worst.torque_ratio_required[i].max(required);
     }
     for (i, one) in cranks.iter().enumerate() {
@@ -276,7 +276,7 @@ fn crank(
         damping_nms: motor.damping_nms(),
         torque_nm,
         required_nm,
-        most_nm: motor.most_nm(omega),
+        max_nm: motor.max_nm(omega),
         following_rad: motor.following_error_rad(omega),
         has_feed_forward,
     }
@@ -291,7 +291,7 @@ fn load_inertia_kgm2(body: &Body, required: &RequiredTorque) -> f64 {
 }
 
 /// Returns the greatest torque of the load on a crank at a steady speed, N·m.
-fn greatest_nm(body: &Body, omega_rad_s: f64) -> f64 {
+fn max_nm(body: &Body, omega_rad_s: f64) -> f64 {
     let at = |alpha| {
         let torque = body
             .mechanism
@@ -317,7 +317,7 @@ fn swing(platform: &OnCranks<'_>, duty: &Duty<'_>, required: &RequiredTorque) ->
     let body = platform.body;
     let load = load_inertia_kgm2(body, required);
     let motors = platform.motors.iter().enumerate();
-    motors.fold(Swing::default(), |most, (i, motor)| {
+    motors.fold(Swing::default(), |max, (i, motor)| {
         let acceleration = duty.acceleration_rad_s2 * duty.ratios[i].abs();
         let jerk = duty.jerk_rad_s3 * duty.ratios[i].abs();
         let stiffness = motor.stiffness_nm(duty.top_rad_s);
@@ -330,8 +330,8 @@ fn swing(platform: &OnCranks<'_>, duty: &Duty<'_>, required: &RequiredTorque) ->
         };
         let rad_s = 2.0 * motor.following_error_rad(acceleration).abs();
         Swing {
-            rad_s: most.rad_s.max(rad_s),
-            rad_s2: most
+            rad_s: max.rad_s.max(rad_s),
+            rad_s2: max
                 .rad_s2
                 .max((jerk * late_s).min(acceleration) + rad_s * fastest),
         }

@@ -74,14 +74,14 @@ impl Cranks {
         let has_elastic_rods = rods == Rods::Elastic;
         Self {
             // Corners that are off by ± half the spread tilt the plane of 3 to 6 of them by at most 0.71 of it, and of two by 0.5.
-            tilt_mrad: 0.75e3 * mechanism.crank_radius_m() * mechanism.greatest_s()
+            tilt_mrad: 0.75e3 * mechanism.crank_radius_m() * mechanism.max_s()
                 / body.mount_radius_m,
             // The nearest sample is at most half a tick from the peak.
             sampling: mechanism.peak_sharpness() * step_rad * step_rad / 8.0,
             limited: platform
                 .motors
                 .iter()
-                .map(|motor| motor.most_nm(0.0).is_finite())
+                .map(|motor| motor.max_nm(0.0).is_finite())
                 .collect(),
             in_phase: !duty.leads_apart
                 && (body.axes() <= 3 || duty.standing_apart_rad == 0.0 && worst.spread_rad == 0.0),
@@ -225,8 +225,8 @@ impl Bounds for Cranks {
 
     fn numbers(&self) -> String {
         let worst = &self.worst;
-        let most = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
-        let required = most(&worst.torque_ratio_required);
+        let max = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
+        let required = max(&worst.torque_ratio_required);
         if !required.is_finite() {
             return "at top speed a motor has no torque left".to_owned();
         }
@@ -243,7 +243,7 @@ impl Bounds for Cranks {
                 "the motors need {:.0} % of their torque at a steady speed (bounds: {:.0} % with ramps, {:.0} % with oscillations)",
                 100.0 * self.steady_load,
                 100.0 * required,
-                100.0 * most(&worst.torque_ratio)
+                100.0 * max(&worst.torque_ratio)
             )
         };
         format!(

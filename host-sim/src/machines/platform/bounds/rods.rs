@@ -34,7 +34,7 @@ pub fn share(body: &Body, zeta: f64, duty: &Duty<'_>) -> f64 {
             let follows = spring / (spring - ratio * ratio);
             harmonic * (follows - 1.0).norm()
         });
-        parts.sum::<f64>() * (omega / duty.top_rad_s).powi(2) / body.mechanism.greatest_h()
+        parts.sum::<f64>() * (omega / duty.top_rad_s).powi(2) / body.mechanism.max_h()
     };
     let even = (1..=SPEEDS).map(|i| duty.top_rad_s * f64::from(i) / f64::from(SPEEDS));
     let met = (1..=HARMONICS)
@@ -54,7 +54,7 @@ pub fn quasi_static_m(body: &Body, zeta: f64, duty: &Duty<'_>) -> f64 {
         second += amax * harmonic * radians * radians;
     }
     // Quasi-static rods hold the platform at the position of its cranks. Springs deflect by the load, at amax in both directions.
-    let carried = amax * body.mechanism.greatest_h() + body.load.gravity_mps2;
+    let carried = amax * body.mechanism.max_h() + body.load.gravity_mps2;
     carried / (mode * mode) + static_response_off(first, second, mode, zeta)
 }
 

@@ -34,7 +34,7 @@ pub struct Body {
 }
 
 /// A function that takes more stack than the chip has was misread.
-const MOST_DEPTH: u32 = 1 << 20;
+const MAX_DEPTH: u32 = 1 << 20;
 
 /// Before a jump through a table, its address is taken at most so many instructions earlier.
 const TABLE_WINDOW: usize = 12;
@@ -185,7 +185,7 @@ impl<'a> Code<'a> {
                 let Some(place) = self.places.get(&at) else {
                     continue;
                 };
-                if depth > MOST_DEPTH {
+                if depth > MAX_DEPTH {
                     known = false;
                     continue;
                 }

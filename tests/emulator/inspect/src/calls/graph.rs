@@ -145,14 +145,14 @@ impl<'a> Graph<'a> {
                 "{name} moves its stack by amounts that are not constant"
             ));
         };
-        let mut most = (own, own, None);
+        let mut max = (own, own, None);
         above.push(function);
         for (callee, depth) in body.calls {
             match callee {
                 Callee::Function(next) if !self.is_panic(next) => {
                     let bytes = depth + self.stack(next, above, known)?;
-                    if bytes > most.0 {
-                        most = (bytes, depth, Some(next));
+                    if bytes > max.0 {
+                        max = (bytes, depth, Some(next));
                     }
                 }
                 Callee::Unknown | Callee::Nowhere(_) => {
@@ -162,8 +162,8 @@ impl<'a> Graph<'a> {
             }
         }
         above.pop();
-        known.insert(function, most);
-        Ok(most.0)
+        known.insert(function, max);
+        Ok(max.0)
     }
 }
 

@@ -7,15 +7,15 @@ use std::path::Path;
 use crate::error::{self, Error};
 
 /// Growth of a figure, in percent, above which it must be blessed.
-const MOST_GROWTH: u64 = 5;
+const MAX_GROWTH: u64 = 5;
 
 /// Shrinkage of a figure, in percent, above which it must be blessed, so that it cannot grow back
 /// unnoticed.
-const MOST_SHRINKAGE: u64 = 20;
+const MAX_SHRINKAGE: u64 = 20;
 
 /// Changes of fewer bytes are ignored, whatever their percentage: small figures vary by a few
 /// words.
-const LEAST_CHANGE: u64 = 64;
+const MIN_CHANGE: u64 = 64;
 
 /// The figures by their names.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,9 +77,9 @@ impl Golden {
 }
 
 fn differs(was: u64, is: u64) -> bool {
-    let most = was.saturating_add(was.saturating_mul(MOST_GROWTH) / 100);
-    let least = was - was.saturating_mul(MOST_SHRINKAGE) / 100;
-    is.abs_diff(was) >= LEAST_CHANGE && !(least..=most).contains(&is)
+    let max = was.saturating_add(was.saturating_mul(MAX_GROWTH) / 100);
+    let min = was - was.saturating_mul(MAX_SHRINKAGE) / 100;
+    is.abs_diff(was) >= MIN_CHANGE && !(min..=max).contains(&is)
 }
 
 impl fmt::Display for Change {
@@ -92,14 +92,14 @@ impl fmt::Display for Change {
             return write!(f, "{name}: grew from 0 to {is}");
         }
         let percent = (*is as f64 / was as f64 - 1.0) * 100.0;
-        let (verb, most) = if *is > was {
-            ("grew", MOST_GROWTH)
+        let (verb, max) = if *is > was {
+            ("grew", MAX_GROWTH)
         } else {
-            ("shrank", MOST_SHRINKAGE)
+            ("shrank", MAX_SHRINKAGE)
         };
         write!(
             f,
-            "{name}: {verb} from {was} to {is}, by {:.1} %; up to {most} % goes unremarked",
+            "{name}: {verb} from {was} to {is}, by {:.1} %; up to {max} % goes unremarked",
             percent.abs()
         )
     }

@@ -17,7 +17,7 @@ use golden::Golden;
 const NAMED: usize = 10;
 
 /// Smaller variables are not buffers.
-const LEAST_BUFFER: u32 = 64;
+const MIN_BUFFER: u32 = 64;
 
 /// Size of the firmware, bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -150,7 +150,7 @@ fn print(out: &mut impl Write, firmware: &Firmware, size: &Size) -> Result<(), E
         .iter()
         .map(|f| (f.end - f.address, f.name()));
     list(out, "largest functions", functions.collect())?;
-    let buffers = firmware.variables.iter().filter(|v| v.size >= LEAST_BUFFER);
+    let buffers = firmware.variables.iter().filter(|v| v.size >= MIN_BUFFER);
     list(
         out,
         "largest variables in RAM",

@@ -87,7 +87,7 @@ impl Height {
         Some(Self {
             coefficients,
             factors,
-            residual_m: residuals.iter().fold(0.0, |most, one| one.abs().max(most)),
+            residual_m: residuals.iter().fold(0.0, |max, one| one.abs().max(max)),
             variance_m2: squares / (angles.len() - size) as f64,
             range_m: high - low,
         })

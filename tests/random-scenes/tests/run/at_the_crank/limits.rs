@@ -31,10 +31,10 @@ pub fn check(stated: &Stated, trace: &Trace) -> Result<(), String> {
                 let moves = stated.homing_offset_hz * time_s + for_all.max(1.25 * coarsest) + step;
                 let offset = f64::from(1 << (order - 1)) * moves;
                 let allowed = limit * time_s.powi(order) * (1.0 + ROUNDING) + steps + offset;
-                match largest(turns, span, order) {
-                    Some(most) if most > allowed => Err(format!(
+                match max(turns, span, order) {
+                    Some(max) if max > allowed => Err(format!(
                         "crank {axis} has {what} of at least {} over {span} ticks, and {key} = {limit}",
-                        (most - steps - offset) / time_s.powi(order)
+                        (max - steps - offset) / time_s.powi(order)
                     )),
                     _ => Ok(()),
                 }
@@ -61,7 +61,7 @@ pub fn check(stated: &Stated, trace: &Trace) -> Result<(), String> {
 }
 
 /// Largest magnitude of the first, second or third difference over a number of rows.
-fn largest(turns: &[f64], span: usize, order: i32) -> Option<f64> {
+fn max(turns: &[f64], span: usize, order: i32) -> Option<f64> {
     let weights: &[f64] = match order {
         1 => &[-1.0, 1.0],
         2 => &[1.0, -2.0, 1.0],

@@ -125,7 +125,7 @@ fn measure(
     let step = stated
         .steps
         .iter()
-        .fold(0.0, |most, steps| f64::max(most, 1.0 / steps));
+        .fold(0.0, |max, steps| f64::max(max, 1.0 / steps));
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else {
         return Ok(None);
     };
@@ -176,12 +176,12 @@ fn check_trace(stated: &Stated, trace: &Trace, steady: &Steady) -> Result<(), St
         steady.hz_error + rounded + 1e-6,
     )?;
     let accelerations = &trace.column("accel_mps2")?[steady.rows.clone()];
-    let most = accelerations
+    let max = accelerations
         .iter()
-        .fold(0.0, |most: f64, one| most.max(one.abs()));
-    if most > steady.amax_mps2 * (1.0 + error) {
+        .fold(0.0, |max: f64, one| max.max(one.abs()));
+    if max > steady.amax_mps2 * (1.0 + error) {
         return Err(format!(
-            "accel_mps2 reaches {most}, and the platform accelerates by {}",
+            "accel_mps2 reaches {max}, and the platform accelerates by {}",
             steady.amax_mps2
         ));
     }
@@ -337,11 +337,11 @@ fn check_limit(stated: &Stated, text: &str, peak: Peak, folder: &Path) -> Result
         amax_g.parse::<f64>().ok()
     });
     match (run.status, printed) {
-        (Status::BadInput, Some(most_g)) => {
+        (Status::BadInput, Some(max_g)) => {
             let rounded = 0.011 / limit_g;
             equal(
                 "the largest amax_g of a refusal",
-                most_g,
+                max_g,
                 limit_g,
                 error + rounded,
             )
