@@ -21,7 +21,7 @@ fn settings(scene: &str) -> Vec<u8> {
     let command = Command::try_parse_from(["cophase", "settings", scene, "-o", path]);
     let status = command
         .expect("arguments")
-        .carry_out(&mut Vec::new(), &mut Vec::new());
+        .run(&mut Vec::new(), &mut Vec::new());
     assert_ne!(status, Status::BadInput);
     std::fs::read(file).expect("a file")
 }

@@ -25,12 +25,12 @@ pub fn queue() -> (Producer<'static, Note>, Consumer<'static, Note>) {
 pub struct Note {
     /// Control ticks since power-up.
     tick: u32,
-    what: What,
+    kind: NoteKind,
 }
 
 #[derive(Clone, Copy)]
 #[repr(u32)] // With a tag of a byte the rest is copied byte by byte: 1,300 cycles a note.
-enum What {
+enum NoteKind {
     /// New state of the machine, and the phase errors at its start.
     State {
         state: State,
@@ -53,13 +53,13 @@ impl Note {
     /// Tick and event, for hosts.
     #[cold]
     pub fn event(&self) -> (u32, Event) {
-        let event = match self.what {
-            What::State { state, .. } => Event::State(state as u8),
-            What::Event { fault, latched } => (&Change::Event { fault, latched }).into(),
-            What::Refused(refused) => (&Change::Refused(refused)).into(),
-            What::Missed(all) => Event::Missed(all),
-            What::Late(all) => Event::Late(all),
-            What::Lost(notes) => Event::Lost(notes),
+        let event = match self.kind {
+            NoteKind::State { state, .. } => Event::State(state as u8),
+            NoteKind::Event { fault, latched } => (&Change::Event { fault, latched }).into(),
+            NoteKind::Refused(refused) => (&Change::Refused(refused)).into(),
+            NoteKind::Missed(all) => Event::Missed(all),
+            NoteKind::Late(all) => Event::Late(all),
+            NoteKind::Lost(notes) => Event::Lost(notes),
         };
         (self.tick, event)
     }
@@ -101,29 +101,29 @@ struct NoteQueue {
 impl NoteQueue {
     #[inline(never)] // The check of the linked firmware for panics finds it by name.
     fn note(&mut self, tick: u32, change: Change, output: &Output, axes: usize) {
-        let what = match change {
-            Change::State(state) => What::State {
+        let kind = match change {
+            Change::State(state) => NoteKind::State {
                 state,
                 has_drives_on: output.drives_enabled,
                 phase_error: output.telemetry.phase_error,
                 axes,
             },
-            Change::Event { fault, latched } => What::Event { fault, latched },
-            Change::Refused(refused) => What::Refused(refused),
-            Change::Missed(all) => What::Missed(all),
-            Change::Late(all) => What::Late(all),
+            Change::Event { fault, latched } => NoteKind::Event { fault, latched },
+            Change::Refused(refused) => NoteKind::Refused(refused),
+            Change::Missed(all) => NoteKind::Missed(all),
+            Change::Late(all) => NoteKind::Late(all),
         };
-        self.push(tick, what);
+        self.push(tick, kind);
     }
 
-    fn push(&mut self, tick: u32, what: What) {
+    fn push(&mut self, tick: u32, kind: NoteKind) {
         if self.lost > 0 {
-            let what = What::Lost(self.lost);
-            if self.notes.enqueue(Note { tick, what }).is_ok() {
+            let kind = NoteKind::Lost(self.lost);
+            if self.notes.enqueue(Note { tick, kind }).is_ok() {
                 self.lost = 0;
             }
         }
-        if self.notes.enqueue(Note { tick, what }).is_err() {
+        if self.notes.enqueue(Note { tick, kind }).is_err() {
             self.lost = self.lost.saturating_add(1);
         }
     }
@@ -133,8 +133,8 @@ impl NoteQueue {
 #[cold]
 pub fn log(note: &Note) {
     let tick = note.tick;
-    match note.what {
-        What::State {
+    match note.kind {
+        NoteKind::State {
             state,
             has_drives_on,
             phase_error,
@@ -151,8 +151,8 @@ pub fn log(note: &Note) {
                 drives
             );
         }
-        What::Event { fault, latched } => log_fault(tick, &fault, latched),
-        What::Refused(refused) => {
+        NoteKind::Event { fault, latched } => log_fault(tick, &fault, latched),
+        NoteKind::Refused(refused) => {
             defmt::warn!(
                 "tick {=u32}: refused: {=str} in state {}, {}",
                 tick,
@@ -161,13 +161,13 @@ pub fn log(note: &Note) {
                 refused.reason
             );
         }
-        What::Missed(all) => {
+        NoteKind::Missed(all) => {
             defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all);
         }
-        What::Late(all) => {
+        NoteKind::Late(all) => {
             defmt::warn!("tick {=u32}: {=u32} deadlines met late in all", tick, all);
         }
-        What::Lost(notes) => defmt::warn!("tick {=u32}: {=u32} notes lost", tick, notes),
+        NoteKind::Lost(notes) => defmt::warn!("tick {=u32}: {=u32} notes lost", tick, notes),
     }
 }
 

@@ -53,9 +53,9 @@ fn main() {
     let began = Instant::now();
 
     let mut truth = Truth::default();
-    controller.tick(&Feedback::of(Some(Command::Start)));
+    controller.tick(&Feedback::with_command(Some(Command::Start)));
     for tick in 1..=ticks {
-        let output = controller.tick(&Feedback::of(None));
+        let output = controller.tick(&Feedback::with_command(None));
         truth.turned += i128::from(output.telemetry.motion.speed.to_bits());
         if tick.is_multiple_of(3600 * tick_hz) || tick == ticks {
             truth.check(output);

@@ -73,7 +73,7 @@ fn core(count: usize) -> Work {
     let mut record = |controller: &mut Controller, command| {
         let feedback = Feedback {
             index: sensors.index.into(),
-            ..Feedback::of(command)
+            ..Feedback::with_command(command)
         };
         let telemetry = &controller.tick(&feedback).telemetry;
         sensors.follow(std::array::from_fn(|axis| telemetry.axis_phase(axis)));
@@ -90,7 +90,10 @@ fn core(count: usize) -> Work {
         .filter(|one| one.index.of(count - 1).is_some());
     assert!(pulses.count() > 200, "the sensors are passed once per turn");
     // If pulses are read in a wrong tick, the phase errors are some degrees. Rounding to whole cycles gives only some millidegrees.
-    let errors = controller.tick(&Feedback::of(None)).telemetry.phase_error;
+    let errors = controller
+        .tick(&Feedback::with_command(None))
+        .telemetry
+        .phase_error;
     let furthest = errors.iter().map(|error| error.abs()).max().unwrap();
     assert!(furthest != 0 && furthest.to_num::<f64>() < 0.01 / 360.0);
 
@@ -99,7 +102,7 @@ fn core(count: usize) -> Work {
         for feedback in &recorded {
             black_box(controller.tick(feedback));
         }
-        let telemetry = &controller.tick(&Feedback::of(None)).telemetry;
+        let telemetry = &controller.tick(&Feedback::with_command(None)).telemetry;
         assert_eq!((telemetry.state, telemetry.fault), (State::Run, None));
         TICKS as u64 + 1
     })

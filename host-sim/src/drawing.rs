@@ -5,7 +5,7 @@
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
-use crate::ink::{INK, MUTED, svg, text, text_anchored};
+use crate::style::{INK, MUTED, svg, text, text_anchored};
 
 /// Width of the sheet, px.
 pub const WIDTH: f64 = 900.0;

@@ -63,7 +63,7 @@ fn core<const N: usize>() -> Work {
     let mut record = |controller: &mut Controller<N>, command| {
         let feedback = Feedback {
             index: sensors.index,
-            ..Feedback::of(command)
+            ..Feedback::with_command(command)
         };
         sensors.follow(controller.tick(&feedback).telemetry.axis_phase);
         feedback
@@ -77,7 +77,7 @@ fn core<const N: usize>() -> Work {
     let pulses = recorded.iter().filter(|one| one.index[N - 1].is_some());
     assert!(pulses.count() > 200, "the sensors are passed once per turn");
     // Were pulses read in a wrong tick, cranks would seem to be degrees behind. Cycles are whole: some millidegrees.
-    let errors = controller.tick(&Feedback::of(None)).telemetry.drift;
+    let errors = controller.tick(&Feedback::with_command(None)).telemetry.drift;
     let furthest = errors.iter().map(|error| error.abs()).max().unwrap();
     assert!(furthest != 0 && furthest.to_num::<f64>() < 0.01 / 360.0);
 
@@ -86,7 +86,7 @@ fn core<const N: usize>() -> Work {
         for feedback in &recorded {
             black_box(controller.tick(feedback));
         }
-        let telemetry = &controller.tick(&Feedback::of(None)).telemetry;
+        let telemetry = &controller.tick(&Feedback::with_command(None)).telemetry;
         assert_eq!((telemetry.state, telemetry.fault), (State::Run, None));
         TICKS as u64 + 1
     })

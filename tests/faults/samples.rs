@@ -89,7 +89,7 @@ pub fn observe(checked: &Checked) -> Samples {
 pub fn readings(checked: &Checked, ticks: std::ops::Range<u64>) -> Vec<Feedback> {
     let mut faults = host_sim::faults::Faults::new(checked);
     let read = |tick: u64| {
-        let mut feedback = Feedback::of(None);
+        let mut feedback = Feedback::with_command(None);
         faults.read((tick * 500).saturating_sub(500), tick * 500, &mut feedback);
         feedback
     };

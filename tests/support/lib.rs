@@ -113,7 +113,7 @@ impl Run {
 pub fn record(checked: &Checked, every: Every, window: Window) -> Run {
     let (mut csv, mut vcd) = (Cursor::new(Vec::new()), Cursor::new(Vec::new()));
     let files = [(Format::Csv, &mut csv), (Format::Vcd, &mut vcd)];
-    let scope = ScopeData::new(checked.scene.axes.count, ScopeFrame::of(checked));
+    let scope = ScopeData::new(checked.scene.axes.count, ScopeFrame::for_scene(checked));
     let mut recorder = Recorder::new(checked, files, None, every, window, scope)
         .expect("a header can be written to memory");
     let outcome = simulate(checked, &mut recorder, |_, _| {}).expect("a checked scene runs");

@@ -65,7 +65,7 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
 pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl Io) {
     let tick = Duration::from_micros(1_000_000 / u64::from(controller.tick_hz()));
     let mut deadline = first;
-    let mut feedback = Feedback::of(None);
+    let mut feedback = Feedback::with_command(None);
     let mut held_over = 0;
     loop {
         io.until(deadline).await;

@@ -27,7 +27,7 @@ pub struct Feedback {
 
 impl Feedback {
     /// Feedback that contains at most a command: no pulse, no alarm, and inputs that let the machine run.
-    pub const fn of(command: Option<Command>) -> Self {
+    pub const fn with_command(command: Option<Command>) -> Self {
         Self {
             index: IndexPulses::NONE,
             encoder: [0; MAX_AXES],

@@ -444,7 +444,7 @@ fn bytes(controller: &Controller) -> Vec<u8> {
 fn output() -> core::ops::Range<usize> {
     let mut controller = Box::new(Controller::new());
     let start = core::ptr::from_ref(&*controller).addr();
-    let output = controller.tick(&Feedback::of(None));
+    let output = controller.tick(&Feedback::with_command(None));
     let from = core::ptr::from_ref(output).addr() - start;
     from..from + size_of_val(output)
 }
@@ -472,7 +472,7 @@ fn play(
     mut observe: impl FnMut(u32, &mut Controller),
 ) -> (Vec<State>, u64) {
     let mut outputs = DefaultHasher::new();
-    let mut feedback = Feedback::of(None);
+    let mut feedback = Feedback::with_command(None);
     let mut states = Vec::new();
     let mut seed = 1_u64;
     let mut random = |below: u64| {
@@ -506,7 +506,7 @@ fn play(
         if !states.contains(&telemetry.state) {
             states.push(telemetry.state);
         }
-        feedback = Feedback::of(None);
+        feedback = Feedback::with_command(None);
         for (axis, own) in settings.axes.iter().enumerate() {
             if random(4000) == 0 {
                 errors[axis] += (random(200) as f64 - 100.0) * 1e-5;

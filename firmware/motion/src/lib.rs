@@ -31,7 +31,7 @@
 //! let lines = PulseSettings { width_ns: 400.0, dir_setup_ns: 500.0, dir_hold_ns: 500.0 };
 //! lines.check()?;
 //!
-//! let mut shaft = Shaft::new(ShaftLimits::of(&limits, TICK_HZ));
+//! let mut shaft = Shaft::new(ShaftLimits::from_settings(&limits, TICK_HZ));
 //! let timing = PulseTiming::new(&lines, CLOCK_HZ, TICK_HZ)?;
 //! let mut planner = Planner::new(timing, StepsPerTurn::whole(3200));
 //! let (mut rates, mut runs) = (StepRates::new(timing.tick()), Runs::new());

@@ -13,7 +13,7 @@ pub(crate) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    pub(crate) fn of(text: &'a str) -> Self {
+    pub(crate) fn parse(text: &'a str) -> Self {
         let (protocol, rest) = text
             .split_once("://")
             .map_or((None, text), |(protocol, rest)| (Some(protocol), rest));
@@ -114,7 +114,7 @@ mod tests {
                 Some("it takes a host and a port only"),
             ),
         ] {
-            let parts = Parts::of(text);
+            let parts = Parts::parse(text);
             assert_eq!(parts.full(), full, "{text}");
             assert_eq!(parts.problem().as_deref(), problem, "{text}");
         }

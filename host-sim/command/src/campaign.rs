@@ -342,7 +342,7 @@ fn replay(
     write_texts(&mut files, &[("scene.toml", &text)])?;
     files.commit().map_err(|error| unwritable(&error))?;
     let scene = folder.join("scene.toml");
-    let status = run::run(&run::RunArgs::of(&scene, &folder, args.quiet), out, err)?;
+    let status = run::run(&run::RunArgs::new(&scene, &folder, args.quiet), out, err)?;
     if !args.quiet {
         let row = serde_json::to_string_pretty(&row).map_err(|error| input("row", &error))?;
         writeln!(

@@ -107,7 +107,7 @@ fn expected_s(
 
 /// Creates an observer like that of a run, because the observer takes part of the time. It keeps nothing.
 fn recorder(checked: &Checked) -> impl Observer {
-    let scope = ScopeData::new(checked.scene.axes.count, ScopeFrame::of(checked));
+    let scope = ScopeData::new(checked.scene.axes.count, ScopeFrame::for_scene(checked));
     // It accepts all bytes like `io::sink()`, and has positions like a file.
     let files = [Format::Csv, Format::Vcd].map(|format| (format, io::empty()));
     let recorder = Recorder::new(

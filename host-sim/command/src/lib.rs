@@ -50,11 +50,11 @@ const AFTER_HELP: &str = "Folders of output files and output folders are created
 #[command(name = "cophase", version, arg_required_else_help = true, after_help = AFTER_HELP)]
 pub struct Command {
     #[command(subcommand)]
-    what: What,
+    action: Action,
 }
 
 #[derive(Debug, Subcommand)]
-enum What {
+enum Action {
     /// Run a scene: the control loop, in virtual time, against a simulated machine
     Run(run::RunArgs),
     /// Write the settings file of a scene, for the flash of a board
@@ -101,21 +101,21 @@ impl Command {
     }
 
     /// Carries the command out. Prints to `out`, and errors to `err`.
-    pub fn carry_out(self, out: &mut impl Write, err: &mut impl Write) -> Status {
+    pub fn run(self, out: &mut impl Write, err: &mut impl Write) -> Status {
         let (out, err) = (&mut Visible::new(out), &mut Visible::new(err));
-        let done = match self.what {
-            What::Run(args) => run::run(&args, out, err),
-            What::Settings(args) => settings::settings(&args, out),
-            What::Campaign(args) => campaign::campaign(&args, out, err),
-            What::Chart(args) => chart::chart(&args, out),
-            What::Reproduced(args) => reproduced::reproduced(&args, out),
-            What::Link(args) => link::link(&args, out, err),
-            What::Compare(args) => compare::compare(&args, out),
-            What::Scope(args) => scope::scope(&args, out),
-            What::Scenes(args) => scenes::scenes(&args, out),
-            What::Completions(args) => completions::completions(&args, Self::command(), out),
-            What::Man(args) => man::man(&args, Self::command(), out),
-            What::Design(args) => match design::run(&args, out) {
+        let done = match self.action {
+            Action::Run(args) => run::run(&args, out, err),
+            Action::Settings(args) => settings::settings(&args, out),
+            Action::Campaign(args) => campaign::campaign(&args, out, err),
+            Action::Chart(args) => chart::chart(&args, out),
+            Action::Reproduced(args) => reproduced::reproduced(&args, out),
+            Action::Link(args) => link::link(&args, out, err),
+            Action::Compare(args) => compare::compare(&args, out),
+            Action::Scope(args) => scope::scope(&args, out),
+            Action::Scenes(args) => scenes::scenes(&args, out),
+            Action::Completions(args) => completions::completions(&args, Self::command(), out),
+            Action::Man(args) => man::man(&args, Self::command(), out),
+            Action::Design(args) => match design::run(&args, out) {
                 Ok(()) => Ok(Status::Done),
                 Err(DesignCommandError::Write(error)) => Err(error.into()),
                 Err(bad_input) => Err(CommandError::Input(bad_input.to_string())),

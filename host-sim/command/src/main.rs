@@ -15,5 +15,5 @@ fn main() -> ExitCode {
     ));
     let command = Command::of_process();
     cophase::clean_up_on_signals();
-    ExitCode::from(command.carry_out(&mut io::stdout().lock(), &mut io::stderr()) as u8)
+    ExitCode::from(command.run(&mut io::stdout().lock(), &mut io::stderr()) as u8)
 }

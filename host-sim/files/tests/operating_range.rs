@@ -12,7 +12,7 @@ fn checked(text: &str) -> Checked {
 }
 
 fn range(checked: &Checked) -> OperatingRange {
-    let range = OperatingRange::of(checked).expect("a machine");
+    let range = OperatingRange::for_scene(checked).expect("a machine");
     range.expect("whose torque is known")
 }
 
@@ -101,7 +101,10 @@ fn each_picture_labels_its_curves_and_limits() {
         assert!(weak.contains(&format!(">{label}</text>")), "no {label}");
     }
     for name in ["patent-1", "wrapper", "screen", "five-bar"] {
-        assert!(OperatingRange::of(&of(name)).unwrap().is_none(), "{name}");
+        assert!(
+            OperatingRange::for_scene(&of(name)).unwrap().is_none(),
+            "{name}"
+        );
     }
 }
 

@@ -98,7 +98,7 @@ impl<R: Rule> Step<'_, R> {
     /// Writes the state at `t_s` + `h` into `next`, from the state `y` at `t_s`.
     pub fn make(&mut self, t_s: f64, h: f64, y: &[f64], next: &mut [f64]) -> Result<(), StepError> {
         // In most steps of a machine that turns, all contacts slide and go on to slide.
-        let contacts = Contacts::at(self.machine, t_s, y, &mut self.memory.rates);
+        let contacts = Contacts::in_state(self.machine, t_s, y, &mut self.memory.rates);
         if !contacts.contains(&Contact::Sticks) {
             self.advance(&contacts, t_s, h, y, next)?;
             let slides = |(contact, &speed): (&Contact, &usize)| match contact {
@@ -137,7 +137,8 @@ impl<R: Rule> Step<'_, R> {
     ) -> Result<(), StepError> {
         let mut from = 0.0;
         for _ in 0..EVENT_LIMIT {
-            let contacts = Contacts::at(self.machine, t_s + from, start, &mut self.memory.rates);
+            let contacts =
+                Contacts::in_state(self.machine, t_s + from, start, &mut self.memory.rates);
             let rest = h - from;
             self.advance(&contacts, t_s + from, rest, start, next)?;
             let slack = self.slack(&contacts, t_s + h, next);
@@ -152,7 +153,7 @@ impl<R: Rule> Step<'_, R> {
             }
             start.copy_from_slice(next);
         }
-        let contacts = Contacts::at(self.machine, t_s + from, start, &mut self.memory.rates);
+        let contacts = Contacts::in_state(self.machine, t_s + from, start, &mut self.memory.rates);
         self.advance(&contacts, t_s + from, h - from, start, next)?;
         let slack = self.slack(&contacts, t_s + h, next);
         self.stop(&contacts, &slack, next);

@@ -207,7 +207,7 @@ proptest! {
             speeds: (0..n).collect(),
         };
         let (y, mut rates) = (vec![0.0; n], vec![0.0; n]);
-        let contacts = Contacts::at(&machine, 0.0, &y, &mut rates);
+        let contacts = Contacts::in_state(&machine, 0.0, &y, &mut rates);
         friction::rates(&machine, 0.0, &y, &mut rates);
         // The friction that acts is what the inertia times the acceleration lacks.
         let inertia = machine.mobility.clone().try_inverse().unwrap();

@@ -29,7 +29,7 @@ pub struct SceneError {
 
 impl SceneError {
     /// Creates an error at a key. The caller adds the origin.
-    pub fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
+    pub fn for_key(key: impl Into<String>, problem: impl Into<String>) -> Self {
         Self {
             origin: String::new(),
             line: None,
@@ -51,10 +51,10 @@ impl SceneError {
     }
 
     /// Creates an error from a problem of the core at a key, with the unit of the key and the fix for a value out of its range.
-    pub fn of(key: impl Into<String>, problem: Problem) -> Self {
+    pub fn from_problem(key: impl Into<String>, problem: Problem) -> Self {
         let key = key.into();
         let sentence = range::sentence(&key, problem, range::reason(&key));
-        Self::at(key, sentence)
+        Self::for_key(key, sentence)
     }
 
     /// Returns the same error with its file.
@@ -79,7 +79,7 @@ impl Machine {
                 "missing; machine.mechanism = \"{}\" needs it, so give it",
                 self.mechanism.name()
             );
-            SceneError::at(key, problem)
+            SceneError::for_key(key, problem)
         })
     }
 }
@@ -97,9 +97,9 @@ impl From<SettingsError> for SceneError {
         match key.split_once(' ') {
             Some((key, part)) => {
                 let sentence = range::sentence(key, error.problem, None);
-                Self::at(key, format!("{part} {sentence}"))
+                Self::for_key(key, format!("{part} {sentence}"))
             }
-            None => Self::of(key, error.problem),
+            None => Self::from_problem(key, error.problem),
         }
     }
 }
@@ -138,5 +138,8 @@ pub fn in_range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneE
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    Err(SceneError::of(key, Problem::out_of_range(value, low, high)))
+    Err(SceneError::from_problem(
+        key,
+        Problem::out_of_range(value, low, high),
+    ))
 }

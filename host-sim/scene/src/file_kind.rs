@@ -92,7 +92,7 @@ const BEGIN_BYTES: u64 = 4096;
 
 impl FileKind {
     /// Returns the kind of a plain file, if it is known. A file that cannot be read has none.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub fn from_path(path: &Path) -> Option<Self> {
         // A pipe that has no writer cannot be opened.
         if !path.is_file() {
             return None;
@@ -201,9 +201,9 @@ mod tests {
         ] {
             let path = folder.path().join(name);
             std::fs::write(&path, content).unwrap();
-            assert_eq!(FileKind::of(&path), expected, "{name}");
+            assert_eq!(FileKind::from_path(&path), expected, "{name}");
         }
-        assert_eq!(FileKind::of(folder.path()), None);
-        assert_eq!(FileKind::of(&folder.path().join("none.csv")), None);
+        assert_eq!(FileKind::from_path(folder.path()), None);
+        assert_eq!(FileKind::from_path(&folder.path().join("none.csv")), None);
     }
 }

@@ -31,7 +31,7 @@ fn append(
     depth: usize,
 ) -> Result<(), SceneError> {
     if depth > MAX_NESTING {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             path,
             format!("blocks are nested more than {MAX_NESTING} deep; write some of them out"),
         ));
@@ -55,7 +55,7 @@ fn append(
             }),
         };
         if all.len() == CAPACITY {
-            return Err(SceneError::of(
+            return Err(SceneError::from_problem(
                 here,
                 Problem::ProgramTooLong(CAPACITY + 1, CAPACITY),
             ));
@@ -74,7 +74,7 @@ pub fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> 
     let (_, path) = all.get(error.entry?)?;
     Some(match name {
         ".amax_mps2" => in_g(format!("{path}.amax_g"), error.problem),
-        _ => SceneError::of(format!("{path}{name}"), error.problem),
+        _ => SceneError::from_problem(format!("{path}{name}"), error.problem),
     })
 }
 
@@ -87,7 +87,7 @@ fn in_g(key: String, problem: Problem) -> SceneError {
             needed_hz,
             limit_hz,
             max_mps2,
-        } => SceneError::at(
+        } => SceneError::for_key(
             key,
             format!(
                 "{} g ({requested_mps2:.2} m/s²) needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; \
@@ -97,7 +97,7 @@ fn in_g(key: String, problem: Problem) -> SceneError {
                 hundredths(g(max_mps2), f64::floor)
             ),
         ),
-        other => SceneError::of(key, other),
+        other => SceneError::from_problem(key, other),
     }
 }
 
@@ -117,7 +117,7 @@ fn block_or_level<'a>(entry: &'a Segment, path: &str) -> Result<Entry<'a>, Scene
                 ("shape", entry.shape.is_some()),
             ] {
                 if given {
-                    return Err(SceneError::at(
+                    return Err(SceneError::for_key(
                         key(name),
                         "belongs to a level, not to a block that is repeated; put it into the block's segments",
                     ));
@@ -125,19 +125,19 @@ fn block_or_level<'a>(entry: &'a Segment, path: &str) -> Result<Entry<'a>, Scene
             }
             Ok(Entry::Block { segments, times })
         }
-        (None, None, None) => Err(SceneError::at(
+        (None, None, None) => Err(SceneError::for_key(
             key("amax_g"),
             "missing; give the level to go to, or `repeat` and `segments`",
         )),
-        (None, Some(_), None) => Err(SceneError::at(
+        (None, Some(_), None) => Err(SceneError::for_key(
             key("repeat"),
             "missing; say how often `segments` are to be played",
         )),
-        (None, None, Some(_)) => Err(SceneError::at(
+        (None, None, Some(_)) => Err(SceneError::for_key(
             key("segments"),
             "missing; give the block that is to be repeated",
         )),
-        (Some(_), _, _) => Err(SceneError::at(
+        (Some(_), _, _) => Err(SceneError::for_key(
             key("amax_g"),
             "given together with a block; a program entry is either a level or a block: split it in two",
         )),

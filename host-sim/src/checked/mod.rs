@@ -193,14 +193,14 @@ impl Checked {
         }
         let SceneError { key, problem, .. } = error.into();
         let Some((axis, name)) = error.entry.zip(key.strip_prefix("axes.")) else {
-            return SceneError::at(key, problem);
+            return SceneError::for_key(key, problem);
         };
         let entry = self.scene.axis.iter().position(|a| a.number == axis);
         match entry.map(|entry| (entry, &self.scene.axis[entry])) {
             Some((entry, apart)) if apart.has(name) => {
-                SceneError::at(format!("axis[{entry}].{name}"), problem)
+                SceneError::for_key(format!("axis[{entry}].{name}"), problem)
             }
-            _ => SceneError::at(key, problem),
+            _ => SceneError::for_key(key, problem),
         }
     }
 

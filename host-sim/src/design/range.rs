@@ -67,7 +67,7 @@ pub struct OutOfRange {
 
 impl OutOfRange {
     /// All numbers that are out of their ranges, in order.
-    pub fn of(numbers: impl IntoIterator<Item = (Range, f64)>) -> Vec<Self> {
+    pub fn find_all(numbers: impl IntoIterator<Item = (Range, f64)>) -> Vec<Self> {
         numbers
             .into_iter()
             .filter(|(range, value)| !range.admits(*value))

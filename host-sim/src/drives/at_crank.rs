@@ -35,7 +35,7 @@ impl AtCrank {
 
     /// Motor with its drive of axis `number` of a scene, if the scene has their keys.
     pub fn motor(scene: &Scene, number: usize) -> Option<Motor> {
-        let model = DriveModel::of(scene.resolved(number).drive);
+        let model = DriveModel::for_drive(scene.resolved(number).drive);
         (model.motor)(&scene.axes, &Self::new(scene, number))
     }
 }

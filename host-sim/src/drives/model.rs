@@ -60,7 +60,7 @@ macro_rules! drives {
             pub const DRIVES: &'static [cophase_scene::file::Drive] = &[$(cophase_scene::file::Drive::$Drive),*];
 
             /// Model of a drive.
-            pub const fn of(drive: cophase_scene::file::Drive) -> &'static Self {
+            pub const fn for_drive(drive: cophase_scene::file::Drive) -> &'static Self {
                 match drive { $(cophase_scene::file::Drive::$Drive => &$module::MODEL,)* }
             }
         }
@@ -74,12 +74,13 @@ pub(super) use drives;
 /// # Errors
 /// The first key that acts on none.
 pub fn check_keys(scene: &Scene) -> Result<(), SceneError> {
-    let acts =
-        |key| (0..scene.axes.count).any(|i| DriveModel::of(scene.resolved(i).drive).uses(key));
+    let acts = |key| {
+        (0..scene.axes.count).any(|i| DriveModel::for_drive(scene.resolved(i).drive).uses(key))
+    };
     let keys = DriveModel::ALL.iter().flat_map(|model| model.keys);
     let mut given = keys.filter(|key| (key.is_given)(&scene.axes));
     match given.find(|key| !acts(key.key)) {
-        Some(key) => Err(SceneError::at(key.key, key.unused)),
+        Some(key) => Err(SceneError::for_key(key.key, key.unused)),
         None => Ok(()),
     }
 }

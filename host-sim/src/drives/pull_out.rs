@@ -22,7 +22,7 @@ impl PullOut {
     pub fn new(points: &[(f64, f64)]) -> Result<Self, SceneError> {
         for (i, &(speed_hz, torque_nm)) in points.iter().enumerate() {
             let wrong =
-                |problem: String| Err(SceneError::at(format!("axes.pull_out[{i}]"), problem));
+                |problem: String| Err(SceneError::for_key(format!("axes.pull_out[{i}]"), problem));
             for (column, value, max) in [
                 ("speed_hz", speed_hz, MAX_HZ),
                 ("torque_nm", torque_nm, 1e5),

@@ -42,7 +42,7 @@ pub(super) const MODEL: DriveModel = DriveModel {
     ),
     torque_key: "axes.pull_out",
     window_deg: |_| None,
-    motor: |axes, at_crank| Stepper::of(axes, at_crank).map(Motor::Stepper),
+    motor: |axes, at_crank| Stepper::for_axes(axes, at_crank).map(Motor::Stepper),
 };
 
 /// A micro-stepped motor. Its field acts as a spring that repeats every electrical cycle.
@@ -61,7 +61,7 @@ pub struct Stepper {
 
 impl Stepper {
     /// Motor of a scene at its crank, if the scene has its torque.
-    pub(super) fn of(axes: &Axes, at_crank: &AtCrank) -> Option<Self> {
+    pub(super) fn for_axes(axes: &Axes, at_crank: &AtCrank) -> Option<Self> {
         let turns = at_crank.motor_turns;
         (!axes.pull_out.is_empty()).then(|| Self {
             pull_out: at_crank.pull_out.clone(),

@@ -210,7 +210,7 @@ impl Driven {
 
     /// Returns the rates of a state in which the motors give these torques, N·m. See [`Equations::rates`].
     pub fn rates_under(&self, torques_nm: &[f64; MAX], t_s: f64, state: &[f64], rates: &mut [f64]) {
-        let contacts = Contacts::at(self, t_s, state, rates);
+        let contacts = Contacts::in_state(self, t_s, state, rates);
         self.rates_of(torques_nm, &contacts, state, rates);
     }
 

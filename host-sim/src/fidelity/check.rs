@@ -89,7 +89,7 @@ impl Trial {
                 .ok()
                 .filter(|_| is_undisturbed(checked)),
             resolution: checked.resolution,
-            is_whole: sample::of(&checked.scene) == checked.scene,
+            is_whole: sample::from_scene(&checked.scene) == checked.scene,
         }
     }
 

@@ -34,7 +34,7 @@ fn length_s(program: &[Segment]) -> f64 {
 /// # Errors
 /// The scene lacks data for the model level.
 pub fn on(checked: &Checked, model_level: Fidelity) -> Result<Checked, SceneError> {
-    let mut scene = of(&checked.scene);
+    let mut scene = from_scene(&checked.scene);
     scene.fidelity = model_level;
     let mut sample = Checked::new(scene)?;
     sample.resolution = checked.resolution;
@@ -43,7 +43,7 @@ pub fn on(checked: &Checked, model_level: Fidelity) -> Result<Checked, SceneErro
 }
 
 /// Returns the sample of a scene.
-pub fn of(scene: &Scene) -> Scene {
+pub fn from_scene(scene: &Scene) -> Scene {
     let mut sample = scene.clone();
     let is_timed = !(scene.command.is_empty()
         && scene.input.is_empty()
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn holds_are_cut_and_levels_kept() {
         let scene = library::SCENES[0].scene();
-        let sample = of(&scene);
+        let sample = from_scene(&scene);
         let levels = |program: &[Segment]| -> Vec<Option<f64>> {
             program.iter().map(|segment| segment.amax_g).collect()
         };
@@ -97,6 +97,6 @@ mod tests {
             at_s: 3.0,
             by_us: 700.0,
         });
-        assert_eq!(of(&scene), scene);
+        assert_eq!(from_scene(&scene), scene);
     }
 }

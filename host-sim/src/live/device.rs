@@ -117,7 +117,7 @@ impl SimulatedDevice {
     /// # Errors
     /// The fault is not one that the machine of the scene can have. The error names the key, as in a scene.
     pub fn inject(&mut self, fault: &FaultAt) -> Result<(), SceneError> {
-        let refused = |key: &str, problem: &str| Err(SceneError::at(key, problem));
+        let refused = |key: &str, problem: &str| Err(SceneError::for_key(key, problem));
         if !self.is_open {
             return refused(
                 "",

@@ -29,7 +29,7 @@ use cophase_core::settings::{AxisSettings, Settings};
 use cophase_scene::file::Fidelity;
 use cophase_scene::{Scene, SceneError};
 
-use crate::dynamics::plant::{OnPlant, Plant, Record};
+use crate::dynamics::plant::{Plant, PlantRotors, Record};
 use crate::dynamics::{Driven, Dynamics, RotorParts};
 use crate::mechanism::SquareLaw;
 use follower::{Follower, Nothing, Peaks, RunStart, Steady};
@@ -158,13 +158,13 @@ pub trait Machine: Debug + Send + Sync {
         let name = self.name();
         let Some(plant) = self.plant() else {
             let problem = format!("\"{}\" moves no axis of {name} by torque", level.name());
-            return Err(SceneError::at("fidelity", problem));
+            return Err(SceneError::for_key("fidelity", problem));
         };
         let RotorParts {
             inertia_kgm2,
             friction_nm,
         } = rotors;
-        Ok(Box::new(OnPlant::new(inertia_kgm2, friction_nm, plant)))
+        Ok(Box::new(PlantRotors::new(inertia_kgm2, friction_nm, plant)))
     }
 
     /// Checks that the motors can turn the shafts as commanded, on a model level on which torque moves them. `apart` is the key, or the kind

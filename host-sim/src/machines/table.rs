@@ -96,7 +96,7 @@ impl Made {
             shaft != master
         };
         if let Some(i) = (0..scene.axes.count).find(turns_on) {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 "axes.ratio",
                 format!(
                     "axis {i} does not turn once with the master, and amplitude, bands and figures of {} are those of the master's speed; for a belt \
@@ -108,7 +108,7 @@ impl Made {
         if let Some(i) =
             (0..scene.axes.count).find(|&i| !scene.resolved(i).drive.kind().takes_pulses())
         {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 "axes.drive",
                 format!(
                     "axis {i} is a servo with torque setpoints, and the controller knows no torque of {}; give a drive that takes STEP and DIR, such as drive = \"pulse-servo\"",
@@ -118,7 +118,7 @@ impl Made {
         }
         let length_m = machine.law().length_m();
         if !(1e-4..=0.5).contains(&length_m) {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 length_key,
                 format!(
                     "makes an amplitude of {:.4} mm times the squared speed, outside 0.1 to 500 mm; change it",
@@ -134,7 +134,7 @@ impl Made {
 fn check_keys_of_platforms(scene: &Scene, table: &str, axis_noun: &str) -> Result<(), SceneError> {
     let of_platform = |key: &str, so: &str| {
         let problem = format!("is of a platform, and [{table}] has none; {so}leave it out");
-        Err(SceneError::at(key, problem))
+        Err(SceneError::for_key(key, problem))
     };
     if scene.drift.tilt_limit_mrad != Drift::default().tilt_limit_mrad {
         let so = format!("drift.warp_limit_deg limits how far {axis_noun}s may be apart, so ");

@@ -50,7 +50,7 @@ macro_rules! any {
                     let has_it = has_it.iter().filter(|(_, keys)| keys.contains(&key));
                     let others: Vec<_> = has_it.map(|(name, _)| format!("\"{name}\"")).collect();
                     let own: Vec<_> = keys.iter().map(|key| key.trim_start_matches("machine.")).collect();
-                    return Err(SceneError::at(
+                    return Err(SceneError::for_key(
                         key,
                         format!(
                             "is no dimension of machine.mechanism = \"{}\", which has {}; leave it out, or let machine.mechanism be {}",
@@ -65,9 +65,9 @@ macro_rules! any {
                 })
             }
 
-            fn of(settings: &MechanismSettings, crank_radius_m: f64) -> Self {
+            fn from_settings(settings: &MechanismSettings, crank_radius_m: f64) -> Self {
                 match settings {
-                    $(MechanismSettings::$Name(settings) => Self::$Name($Name::of(settings, crank_radius_m)),)*
+                    $(MechanismSettings::$Name(settings) => Self::$Name($Name::from_settings(settings, crank_radius_m)),)*
                 }
             }
         }

@@ -28,5 +28,5 @@ pub trait Configured: Mechanism {
     fn settings(machine: &Machine) -> Result<Self::Settings, SceneError>;
 
     /// Creates the mechanism from settings that the core has checked, and from a crank radius in m.
-    fn of(settings: &Self::Settings, crank_radius_m: f64) -> Self;
+    fn from_settings(settings: &Self::Settings, crank_radius_m: f64) -> Self;
 }

@@ -16,7 +16,7 @@ const TICK_HZ: u32 = 2000;
 fn all() -> impl Iterator<Item = (MechanismSettings, AnyMechanism)> {
     MechanismSettings::samples().map(|settings| {
         settings.check().expect("settings that the core accepts");
-        (settings, AnyMechanism::of(&settings, RADIUS_M))
+        (settings, AnyMechanism::from_settings(&settings, RADIUS_M))
     })
 }
 

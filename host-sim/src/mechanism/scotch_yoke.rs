@@ -31,7 +31,7 @@ impl Configured for ScotchYoke {
         Ok(ScotchYokeSettings {})
     }
 
-    fn of(_: &ScotchYokeSettings, crank_radius_m: f64) -> Self {
+    fn from_settings(_: &ScotchYokeSettings, crank_radius_m: f64) -> Self {
         Self { crank_radius_m }
     }
 }

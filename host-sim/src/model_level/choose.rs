@@ -121,7 +121,7 @@ fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
         Err(lacking) => {
             let requested = judge(None, &questions, Fidelity::Rigid, RESOLUTION);
             let key = requested.first().map_or("", |judged| judged.output.key());
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 format!("questions.{key}"),
                 format!(
                     "cannot be answered: {} is needed for that ({}); give it, or leave the question out",

@@ -70,7 +70,7 @@ impl OperatingRange {
     ///
     /// # Errors
     /// The machine cannot be created from the numbers of the scene.
-    pub fn of(checked: &Checked) -> Result<Option<Self>, SceneError> {
+    pub fn for_scene(checked: &Checked) -> Result<Option<Self>, SceneError> {
         let range = Self::new(checked)?;
         Ok(range.filter(|range| range.motors.iter().any(Option::is_some)))
     }

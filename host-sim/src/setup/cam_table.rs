@@ -18,7 +18,7 @@ const MAX_OFF_LAW: f64 = 0.15;
 pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAMS>, SceneError> {
     let tables = &scene.cam_table;
     if tables.len() > MAX_CAMS {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "cam_table",
             format!(
                 "{} tables are more than the {MAX_CAMS} that a machine holds; axes may share one, each with a cam_shift_deg of its own",
@@ -29,7 +29,7 @@ pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAM
     let names = tables.iter().enumerate();
     for (i, table) in names.clone() {
         if let Some((other, _)) = names.clone().take(i).find(|(_, t)| t.name == table.name) {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 format!("cam_table[{i}].name"),
                 format!(
                     "\"{}\" is the name of the {} [[cam_table]] entry already; give another one",
@@ -48,16 +48,16 @@ fn one(entry: usize, table: &CamTable) -> Result<CamSettings, SceneError> {
         (_, true) if !table.points_turns.is_empty() => {
             Ok(table.points_turns.iter().copied().collect())
         }
-        (Some(_), true) => Err(SceneError::at(
+        (Some(_), true) => Err(SceneError::for_key(
             key("file"),
             "can be read beside a scene file only; give segments",
         )),
         (None, false) => sampled(entry, table),
-        (Some(_), false) => Err(SceneError::at(
+        (Some(_), false) => Err(SceneError::for_key(
             key("segment"),
             "given together with file, which has the same meaning; leave one out",
         )),
-        (None, true) => Err(SceneError::at(
+        (None, true) => Err(SceneError::for_key(
             key("segment"),
             "missing; give segments such as { deg = 120, turns = 2.5 }, or the points as a CSV file with file = \"…\"",
         )),
@@ -81,7 +81,7 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
         end_deg += segment.deg;
         travel += segment.turns;
         if end_deg > 360.0 + 1e-9 {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 key("deg"),
                 format!(
                     "the segments up to here extend over {end_deg} of the 360 degrees of a turn; shorten them"
@@ -90,7 +90,7 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
         }
     }
     if (travel - f64::from(table.net_turns)).abs() > 1e-9 {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             format!("cam_table[{entry}].net_turns"),
             format!(
                 "{} is not the travel of the segments, {travel} turns; {}after a turn of the master the axis must be whole turns further, or back",
@@ -121,7 +121,7 @@ fn sampled(entry: usize, table: &CamTable) -> Result<Points, SceneError> {
     let (number, deg) = segments
         .max_by(|(_, a), (_, b)| steepness(a).total_cmp(&steepness(b)))
         .map_or((0, 0.0), |(number, segment)| (number, segment.deg));
-    Err(SceneError::at(
+    Err(SceneError::for_key(
         format!("cam_table[{entry}].segment[{number}].deg"),
         format!(
             "{deg} is too short: the curve through {} points, the best for these segments, is off the law's acceleration by {:.0} % of its peak, \
@@ -169,7 +169,7 @@ fn check_axis(
         if own.cam_shift_deg == 0.0 {
             return Ok(());
         }
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             key("cam_shift_deg"),
             "shifts nothing: the axis follows no table; give cam = \"…\", or leave it out",
         ));
@@ -177,7 +177,7 @@ fn check_axis(
     let names: Vec<_> = scene.cam_table.iter().map(|t| t.name.as_str()).collect();
     if !names.contains(&name.as_str()) {
         let meant = nearest(name, &names).map(|name| format!("did you mean \"{name}\"? "));
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             key("cam"),
             format!(
                 "there is no [[cam_table]] of the name \"{name}\"; {}given are: {}",
@@ -187,13 +187,13 @@ fn check_axis(
         ));
     }
     if own.ratio.is_some() {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             key("ratio"),
             "given together with cam; an axis has a gear or follows a table, so leave one out",
         ));
     }
     if !machine.axes_follow_tables() {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             key("cam"),
             "turns neither a crank nor a cam evenly: only pushers on screws follow a table here, so give [cam] with cam.screw_lead_mm",
         ));

@@ -15,7 +15,7 @@ pub(super) fn correction(
     let both = given.coupling.is_some() && given.coupling_per_s.is_some();
     let gains = if given.couple && !both {
         let gains = servos(scene, machine)?.gains().ok_or_else(|| {
-            SceneError::at(
+            SceneError::for_key(
                 "correction.couple",
                 format!(
                     "the drives of [axes.servo] leave no room for a coupling that keeps {APART} away from swinging; damp them \
@@ -44,14 +44,14 @@ pub(super) fn correction(
 pub fn servos(scene: &Scene, machine: &dyn Machine) -> Result<Plant, SceneError> {
     let axes = &scene.axes;
     let servo = axes.servo.ok_or_else(|| {
-        SceneError::at(
+        SceneError::for_key(
             "axes.servo",
             "missing; correction.couple derives its gains from those of the drives, so give [axes.servo], or \
              correction.coupling and correction.coupling_per_s themselves",
         )
     })?;
     if axes.rotor_inertia_kgm2 <= 0.0 {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "axes.rotor_inertia_kgm2",
             "is 0; correction.couple derives its gains from the rotors' inertia, so give it, or correction.coupling and \
              correction.coupling_per_s themselves",

@@ -88,7 +88,7 @@ pub(super) fn check(scene: &Scene) -> Vec<SceneError> {
 
 fn check_noise(noise: &Noise, axes: &Axes) -> Result<(), SceneError> {
     if noise.encoder_counts > 0.0 && !axes.encoder {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "noise.encoder_counts",
             "is noise of encoders, and none is read: set axes.encoder = true, or leave it out",
         ));
@@ -105,7 +105,7 @@ fn check_keys(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
     for (key, given) in given(fault) {
         let needs = needed.contains(&key);
         if needs && !given {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 at(i, key),
                 format!(
                     "missing; \"{}\" needs {}",
@@ -116,7 +116,7 @@ fn check_keys(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
         }
         if given && !needs && !may.contains(&key) {
             let all: Vec<&str> = needed.iter().chain(may).copied().collect();
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 at(i, key),
                 format!(
                     "\"{}\" takes no {key}; beside at_s it takes {}; leave this out",
@@ -133,7 +133,7 @@ fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
     if let Some(for_s) = fault.for_s {
         let min_s = MIN_ENABLE_LOSS_US as f64 * 1e-6;
         if fault.kind == FaultName::EnableLoss && for_s < min_s {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 at(i, "for_s"),
                 format!(
                     "{for_s} s is too short: a controller takes an enable loss of less than {min_s} s for noise; give {min_s} or more"
@@ -152,7 +152,7 @@ fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
     };
     let (low, high) =
         keys::row(&at(i, key)).map_or((f64::MIN, f64::MAX), |row| (row.low, row.high));
-    Err(SceneError::at(
+    Err(SceneError::for_key(
         at(i, key),
         format!("0 is no fault; give a number from {low} to {high} other than 0"),
     ))
@@ -161,7 +161,7 @@ fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
 fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError> {
     for (key, axis) in [("axis", fault.axis), ("with", fault.with)] {
         if axis.is_some_and(|axis| axis >= scene.axes.count) {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 at(i, key),
                 format!(
                     "there is no axis {}; with axes.count = {} they are 0 to {}",
@@ -176,7 +176,7 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
         return Ok(());
     };
     let takes_pulses = |axis| scene.resolved(axis).drive.kind().takes_pulses();
-    let wrong = |key: &str, problem: String| Err(SceneError::at(at(i, key), problem));
+    let wrong = |key: &str, problem: String| Err(SceneError::for_key(at(i, key), problem));
     match fault.kind {
         FaultName::SwappedWiring if fault.with == Some(axis) => wrong(
             "with",

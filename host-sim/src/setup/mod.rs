@@ -71,7 +71,7 @@ impl Checked {
         board::check_rate(&self.settings).map_err(|unfit| {
             let sentence = unfit.to_string();
             let (key, problem) = sentence.split_once(": ").unwrap_or_default();
-            SceneError::at(key, problem)
+            SceneError::for_key(key, problem)
         })
     }
 }
@@ -116,7 +116,7 @@ fn check_count(table: &dyn Table, count: usize) -> Result<(), SceneError> {
         let problem = Problem::out_of_range(count as f64, min as f64, max as f64);
         range::sentence("axes.count", problem, Some(&reason))
     };
-    Err(SceneError::at("axes.count", problem))
+    Err(SceneError::for_key("axes.count", problem))
 }
 
 /// Returns the table of the scene's machine. The reader refuses a second one.
@@ -124,6 +124,6 @@ fn table(scene: &Scene) -> Result<Box<dyn Table>, SceneError> {
     machines::tables(scene).next().ok_or_else(|| {
         let listed = MACHINES.map(|key| format!("[{key}]")).join(" or ");
         let problem = format!("missing; a scene has one machine: give {listed}");
-        SceneError::at("machine", problem)
+        SceneError::for_key("machine", problem)
     })
 }

@@ -55,7 +55,7 @@ impl Coast {
             return;
         }
         if self.off_ticks == 0 {
-            self.places = Places::at(moment.actual_turns);
+            self.places = Places::new(moment.actual_turns);
         }
         self.off_ticks += 1;
         if self.places.take(moment.actual_turns) {
@@ -69,7 +69,7 @@ impl Coast {
         let stands_ticks = (STANDS_S / self.tick_s).ceil() as u64;
         let still_ticks = self.off_ticks - self.moved.unwrap_or(0);
         if still_ticks.is_multiple_of(stands_ticks) {
-            self.places = Places::at(moment.actual_turns);
+            self.places = Places::new(moment.actual_turns);
         }
     }
 

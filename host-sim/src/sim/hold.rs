@@ -33,7 +33,7 @@ impl FaultHold {
         if !was_on {
             figures.tilt_at_stop_mrad = tilt_mrad;
             figures.tilt_worst_held_mrad = tilt_mrad;
-            self.places = Places::at(moment.actual_turns);
+            self.places = Places::new(moment.actual_turns);
             self.still_ticks = 0;
         }
         if let Some((worst_mrad, tilt_mrad)) = figures.tilt_worst_held_mrad.as_mut().zip(tilt_mrad)

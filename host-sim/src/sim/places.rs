@@ -10,7 +10,7 @@ pub(super) struct Places(Vec<f64>);
 
 impl Places {
     /// Records the present positions of the cranks.
-    pub fn at(turns: &[f64]) -> Self {
+    pub fn new(turns: &[f64]) -> Self {
         Self(turns.to_vec())
     }
 

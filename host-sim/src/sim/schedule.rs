@@ -129,7 +129,7 @@ impl Schedule {
             scene.fault[entry].at_s,
             self.stands_us as f64 / TICKS_PER_S as f64
         );
-        Err(SceneError::at(format!("fault[{entry}].at_s"), problem))
+        Err(SceneError::for_key(format!("fault[{entry}].at_s"), problem))
     }
 
     /// Returns the command that is due, if there is one. Each is returned once.

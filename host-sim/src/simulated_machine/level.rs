@@ -30,7 +30,7 @@ fn check_level(machine: &dyn Machine, model_level: Fidelity) -> Result<(), Scene
         return Ok(());
     }
     let names: Vec<_> = levels.iter().map(|level| level.name()).collect();
-    Err(SceneError::at(
+    Err(SceneError::for_key(
         "fidelity",
         format!(
             "\"{}\" is no model level of {}; it has {}",
@@ -48,7 +48,7 @@ fn check_faults(checked: &Checked, model_level: Fidelity) -> Result<(), SceneErr
         .moving_fault()
         .filter(|_| !checked.machine.has_level_of_torque())
     {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             format!("fault[{i}].kind"),
             format!(
                 "\"{}\" has a {} be elsewhere than commanded, and those of {} are where commanded on each model level; leave it out",
@@ -72,13 +72,13 @@ fn check_faults(checked: &Checked, model_level: Fidelity) -> Result<(), SceneErr
     };
     let load_step = |fault: &FaultAt| fault.kind == FaultName::LoadStep;
     if let Some(i) = scene.fault.iter().position(load_step) {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             format!("fault[{i}].kind"),
             format!("\"load-step\" is a torque, and {right}"),
         ));
     }
     if scene.noise.load_nm > 0.0 {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "noise.load_nm",
             format!("is a torque, and {right}"),
         ));

@@ -82,7 +82,7 @@ impl SimulatedMachine {
             let axis = checked.scene.resolved(i);
             let own = &settings.axes[i];
             let motor = AtCrank::new(&checked.scene, i);
-            let window_deg = (DriveModel::of(axis.drive).window_deg)(in_common);
+            let window_deg = (DriveModel::for_drive(axis.drive).window_deg)(in_common);
             let window_turns = window_deg.map(|deg| deg / 360.0);
             let drive = AxisDrive::new(own.drive, own.cycle_steps, window_turns);
             let start_turns = axis.own.start_deg / 360.0;

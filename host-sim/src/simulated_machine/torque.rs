@@ -42,7 +42,7 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
     let needs_positions =
         |scheme: &Scheme| scheme.facts().needs == Needs::SecondOrder && !scheme.suits(&driven);
     if let Some(scheme) = chosen.scheme.filter(needs_positions) {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "method.name",
             format!(
                 "{scheme} needs {}, and axes.servo.integral_s gives each servo a component more, which is neither; let it \
@@ -62,7 +62,7 @@ pub fn rotors(checked: &Checked, axes: &[SimulatedAxis]) -> Result<Option<Rotors
     };
     Rotors::new(driven, commanded.collect(), tick_s, chosen)
         .map(|rotors| Some(rotors.watched(limit)))
-        .map_err(|problem| SceneError::at("method", problem))
+        .map_err(|problem| SceneError::for_key("method", problem))
 }
 
 /// Returns the equations of motion that the model level gives the machine.
@@ -80,7 +80,7 @@ fn rotors_kgm2(checked: &Checked) -> Result<Vec<f64>, SceneError> {
         .map(|i| AtCrank::new(&checked.scene, i).rotor_inertia_kgm2)
         .collect();
     if rotors_kgm2.contains(&0.0) {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "axes.rotor_inertia_kgm2",
             format!(
                 "is 0; fidelity = \"{}\" moves rotors by torque, so give their inertia, or let fidelity be \"kinematic\"",
@@ -99,8 +99,8 @@ fn friction_nm(checked: &Checked) -> Vec<f64> {
 
 fn motor(checked: &Checked, i: usize) -> Result<Motor, SceneError> {
     AtCrank::motor(&checked.scene, i).ok_or_else(|| {
-        let (key, what) = DriveModel::of(checked.scene.resolved(i).drive).needs;
-        SceneError::at(
+        let (key, what) = DriveModel::for_drive(checked.scene.resolved(i).drive).needs;
+        SceneError::for_key(
             key,
             format!(
                 "missing; fidelity = \"{}\" moves rotors by torque, so give {what}, or let fidelity be \"kinematic\"",

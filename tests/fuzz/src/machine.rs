@@ -177,7 +177,7 @@ impl Machine {
         for crank in &mut self.cranks {
             crank.move_on();
         }
-        let mut feedback = Feedback::of(self.command.take());
+        let mut feedback = Feedback::with_command(self.command.take());
         feedback.inputs.enable = self.enable;
         feedback.inputs.stop = self.stop;
         feedback.alarms = self.alarms;

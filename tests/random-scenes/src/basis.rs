@@ -39,7 +39,7 @@ pub(crate) enum Kind {
     Screws,
 }
 
-/// Drawn values that several tables depend on.
+/// RandomScene values that several tables depend on.
 pub(crate) struct Basis {
     pub(crate) kinds: Kinds,
     pub(crate) kind: Kind,
@@ -78,7 +78,7 @@ impl Basis {
     /// True if a key of drives acts on an axis.
     pub(crate) fn uses(&self, key: &str) -> bool {
         let mut drives = [Some(self.drive), self.other_drive].into_iter().flatten();
-        drives.any(|drive| DriveModel::of(drive).uses(key))
+        drives.any(|drive| DriveModel::for_drive(drive).uses(key))
     }
 
     /// Greatest acceleration at the greatest speed, m/s².

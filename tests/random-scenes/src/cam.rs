@@ -7,7 +7,7 @@ use host_sim::machines::cam::cam_of;
 use host_sim::mechanism::{AnyMechanism, Configured};
 
 use crate::basis::{Basis, Kind, Kinds};
-use crate::drawn::TABLE_FILE;
+use crate::random_scene::TABLE_FILE;
 use crate::source::Source;
 
 const LAWS: [LawName; 4] = [
@@ -63,7 +63,7 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
 /// The mechanism of the same greatest acceleration: amax = κ ω², as a Scotch yoke has with R = κ.
 pub fn mechanism(shaft: Option<&CamShaft>) -> AnyMechanism {
     let yoke = MechanismSettings::ScotchYoke(ScotchYokeSettings {});
-    AnyMechanism::of(&yoke, shaft.map_or(0.0, |shaft| cam_of(shaft).peak_m()))
+    AnyMechanism::from_settings(&yoke, shaft.map_or(0.0, |shaft| cam_of(shaft).peak_m()))
 }
 
 /// Cam tables, if axes follow them, and the file of one of them.

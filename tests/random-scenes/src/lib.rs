@@ -14,7 +14,6 @@ mod axes;
 mod basis;
 mod cam;
 mod control;
-mod drawn;
 mod events;
 mod faults;
 mod fidelity;
@@ -22,6 +21,7 @@ mod machine;
 mod motors;
 mod plain;
 mod program;
+mod random_scene;
 mod source;
 mod steady;
 mod tables;
@@ -32,11 +32,11 @@ use host_sim::checked::Checked;
 use source::Source;
 
 pub use basis::Kinds;
-pub use drawn::{Drawn, TABLE_FILE};
+pub use random_scene::{RandomScene, TABLE_FILE};
 pub use steady::steady;
 
 /// Draws a scene of any kind.
-pub fn scene(seed: u64) -> Drawn {
+pub fn scene(seed: u64) -> RandomScene {
     draw(seed, Kinds::ALL)
 }
 
@@ -44,9 +44,9 @@ pub fn scene(seed: u64) -> Drawn {
 ///
 /// # Panics
 /// Never: every scene can be written as TOML.
-pub fn draw(seed: u64, kinds: Kinds) -> Drawn {
+pub fn draw(seed: u64, kinds: Kinds) -> RandomScene {
     let (scene, table) = tables::scene_and_table(&mut Source::new(seed), kinds, seed);
-    Drawn {
+    RandomScene {
         text: toml::to_string(&scene).expect("a scene can be written as TOML"),
         table,
     }

@@ -72,7 +72,7 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
 pub fn mechanism(machine: &Machine) -> AnyMechanism {
     let settings = AnyMechanism::settings(machine).expect("the keys of its mechanism");
     let radius_m = AnyMechanism::radius_m(machine).expect("the keys of its mechanism");
-    AnyMechanism::of(&settings, radius_m)
+    AnyMechanism::from_settings(&settings, radius_m)
 }
 
 /// The machine with its rods. Half of the scenes where nothing bends the rods have the default. Most others have rods on which the rotors

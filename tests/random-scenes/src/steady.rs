@@ -12,7 +12,7 @@ use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 use host_sim::mechanism::{AnyMechanism, Mechanism};
 
 use crate::basis::Kinds;
-use crate::drawn::Drawn;
+use crate::random_scene::RandomScene;
 use crate::source::{Source, at_most};
 use crate::tables::scene_and_table;
 use crate::{axes, machine};
@@ -32,7 +32,7 @@ const MAX_MPS2: f64 = 10_000.0;
 ///
 /// # Panics
 /// Never: every scene can be written as TOML.
-pub fn steady(seed: u64) -> Drawn {
+pub fn steady(seed: u64) -> RandomScene {
     let kinds = Kinds {
         disturbed: false,
         has_questions: false,
@@ -69,7 +69,7 @@ pub fn steady(seed: u64) -> Drawn {
     if source.percent(15) {
         turn_otherwise(source, &mut scene);
     }
-    Drawn {
+    RandomScene {
         text: toml::to_string(&scene).expect("a scene can be written as TOML"),
         table: None,
     }

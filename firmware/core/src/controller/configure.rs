@@ -93,7 +93,10 @@ impl Controller {
         self.coupling = servo_part(coupling(settings)?);
         self.tick_hz = settings.tick_hz;
         self.mechanism = settings.mechanism();
-        self.shaft = Shaft::new(ShaftLimits::of(&settings.limits, settings.tick_hz));
+        self.shaft = Shaft::new(ShaftLimits::from_settings(
+            &settings.limits,
+            settings.tick_hz,
+        ));
         self.park_crank = Phase::from_turns(turns(settings.park_turns)).within_turn();
         let settle_ticks = libm::ceil(settings.settle_s * f64::from(settings.tick_hz));
         let jog_ticks = libm::ceil(JOG_S * f64::from(settings.tick_hz));

@@ -42,7 +42,7 @@ impl Controller {
             Step::Verify => {
                 if let Some(fault) = self.homing.corrected(&self.monitor, &self.offsets) {
                     self.state.correction.step = Step::Wait;
-                    return Some(Finding::of(fault));
+                    return Some(Finding::from_fault(fault));
                 }
                 Step::Compute
             }

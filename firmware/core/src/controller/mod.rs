@@ -9,11 +9,11 @@ mod checksum;
 mod configure;
 mod correct;
 mod correction;
+mod deadline_monitor;
 mod drive;
 mod events;
 mod hold;
 mod homing;
-mod punctuality;
 mod tick;
 mod wiring_proof;
 
@@ -32,9 +32,9 @@ use crate::units::{Amax, AxisSet, MAX_AXES, Phase, Turns};
 use channel::Channel;
 use checksum::SettingsCheck;
 use correction::Correction;
+use deadline_monitor::DeadlineMonitor;
 use hold::HoldWatch;
 use homing::Homing;
-use punctuality::Punctuality;
 
 /// The control loop: its settings in use, its parts, and its own state.
 #[derive(Clone, Debug)]
@@ -78,7 +78,7 @@ struct LoopState {
     stop_input: bool,
     /// Axis that has a plan of its own, because its phase offset moves.
     apart: Option<usize>,
-    punctuality: Punctuality,
+    deadlines: DeadlineMonitor,
     motion: Motion,
     /// Speed that the program requested last.
     requested: Turns,
@@ -105,7 +105,7 @@ impl LoopState {
             was_late: false,
             stop_input: false,
             apart: None,
-            punctuality: Punctuality::new(),
+            deadlines: DeadlineMonitor::new(),
             motion: Motion::AT_REST,
             requested: Turns::ZERO,
             ticks: 0,
@@ -204,7 +204,7 @@ impl Controller {
 
     const fn stood(&mut self, missed: u32) {
         self.state.was_late = true;
-        if self.state.punctuality.missed(missed) {
+        if self.state.deadlines.missed(missed) {
             self.state.overrun = Some(Fault::new(FaultKind::Overrun));
         }
     }

@@ -43,7 +43,7 @@ impl Controller {
         }
         let is_new = self.supervisor.has_fault() && (was_well || input.supersedes);
         if could_hold && self.supervisor.cuts() && !is_new && reported.is_none() {
-            reported = Some(harder_fault(&input));
+            reported = Some(disabling_fault(&input));
         }
         let stop = feedback.inputs.stop && !self.state.stop_input;
         self.state.stop_input = feedback.inputs.stop;
@@ -61,7 +61,7 @@ impl Controller {
         } else {
             0
         };
-        self.state.punctuality.met();
+        self.state.deadlines.on_time();
         &self.output
     }
 
@@ -91,7 +91,7 @@ impl Controller {
         if self.supervisor.holds()
             && let Some(fault) = self.check_hold(feedback)
         {
-            found = Some(Finding::of(fault));
+            found = Some(Finding::from_fault(fault));
         }
         match self.supervisor.state() {
             State::Homing if found.is_none() => found = self.advance_homing(),
@@ -170,7 +170,7 @@ impl Controller {
         let fault = self
             .homing
             .advance(monitor, &mut self.offsets, speed, has_time);
-        fault.map(Finding::of)
+        fault.map(Finding::from_fault)
     }
 
     /// Returns the fault with which homing would end, if it is known before anything moves: a crank was left beyond the limits of the
@@ -298,7 +298,7 @@ impl Controller {
 
 /// Returns the fault that switches the drives off, where they would have held after the latched one.
 #[inline(never)]
-fn harder_fault(input: &SupervisorInput) -> Fault {
+fn disabling_fault(input: &SupervisorInput) -> Fault {
     input
         .fault
         .unwrap_or_else(|| Fault::new(FaultKind::EnableLost))

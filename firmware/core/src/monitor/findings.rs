@@ -19,7 +19,7 @@ pub struct Finding {
 
 impl Finding {
     /// A finding that is outside the limits, and was not reported before.
-    pub(crate) const fn of(fault: Fault) -> Self {
+    pub(crate) const fn from_fault(fault: Fault) -> Self {
         Self {
             fault,
             within_limits: false,
@@ -141,7 +141,7 @@ mod tests {
         findings.push(fault(FaultKind::EncoderGlitch), true, false);
         findings.push(fault(FaultKind::Reversed), false, false);
         let first = findings.next().expect("one is reported");
-        assert_eq!(first, Finding::of(fault(FaultKind::Reversed)));
+        assert_eq!(first, Finding::from_fault(fault(FaultKind::Reversed)));
         let second = findings.next().map(|second| second.fault.kind);
         assert_eq!(second, Some(FaultKind::EncoderGlitch));
         assert_eq!(findings.next(), None);

@@ -31,7 +31,7 @@ const BETWEEN: core::ops::RangeInclusive<Turns> = Turns::lit("0.34")..=Turns::li
 
 /// Kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum What {
+enum EventKind {
     /// Nothing, yet.
     Nothing,
     /// The crank moved since the turn before.
@@ -46,7 +46,7 @@ enum What {
 
 #[derive(Clone, Copy, Debug)]
 struct Event {
-    what: What,
+    kind: EventKind,
     by: Angle,
     /// Turn of the crank in which it happened.
     turn: u32,
@@ -66,7 +66,7 @@ pub(super) struct Events {
 impl Events {
     pub(super) const fn new() -> Self {
         const NONE: Event = Event {
-            what: What::Nothing,
+            kind: EventKind::Nothing,
             by: Angle::ZERO,
             turn: 0,
             is_ahead: false,
@@ -83,10 +83,10 @@ impl Events {
     }
 
     #[inline(never)]
-    fn record(&mut self, what: What, by: Angle, is_ahead: bool) {
+    fn record(&mut self, kind: EventKind, by: Angle, is_ahead: bool) {
         let turn = self.turn;
         let mut event = Event {
-            what,
+            kind,
             by,
             turn,
             is_ahead,
@@ -98,24 +98,24 @@ impl Events {
 
     /// Records that the crank jumped, forward if `by` is positive, and whether it is ahead of its command now.
     pub(super) fn jump(&mut self, by: Angle, is_ahead: bool) {
-        self.record(What::Jump, by, is_ahead);
+        self.record(EventKind::Jump, by, is_ahead);
     }
 
     /// Records that the crank moved on its shaft, or slowly over many turns.
     pub(super) fn slip(&mut self, by: Angle) {
-        self.record(What::SlowSlip, by, false);
+        self.record(EventKind::SlowSlip, by, false);
     }
 
     /// Records pulses at the spacing of a crank that runs.
     pub(super) fn run(&mut self) {
-        self.record(What::Run, Angle::ZERO, true);
+        self.record(EventKind::Run, Angle::ZERO, true);
     }
 
     /// Records a pulse where no flag is. Returns false if the sensor has failed.
     pub(super) fn extra(&mut self, by: Angle) -> bool {
-        self.record(What::Extra, by, false);
+        self.record(EventKind::Extra, by, false);
         let mut events = self.events.iter();
-        events.any(|event| event.what != What::Extra || self.age(event) >= EVENTS as u32)
+        events.any(|event| event.kind != EventKind::Extra || self.age(event) >= EVENTS as u32)
     }
 
     const fn age(&self, event: &Event) -> u32 {
@@ -125,7 +125,7 @@ impl Events {
     /// True if a pulse came where no flag is, and none in its place since.
     pub(super) fn had_extra(&self) -> bool {
         let mut events = self.events.iter();
-        events.any(|event| event.what == What::Extra && self.age(event) == 0)
+        events.any(|event| event.kind == EventKind::Extra && self.age(event) == 0)
     }
 
     /// True if the crank jumped forward when its index showed it last.
@@ -140,7 +140,7 @@ impl Events {
         let [last, ..] = &self.events;
         let spacing = forward(last.by);
         let late = forward(-by).wrapping_sub(spacing).abs();
-        last.what == What::Extra
+        last.kind == EventKind::Extra
             && self.age(last) == 1
             && spacing <= *BETWEEN.end()
             && config.is_beyond_gate(by - last.by)
@@ -148,13 +148,15 @@ impl Events {
     }
 
     fn jumps(&self) -> impl Iterator<Item = &Event> {
-        self.events.iter().filter(|event| event.what == What::Jump)
+        self.events
+            .iter()
+            .filter(|event| event.kind == EventKind::Jump)
     }
 
     /// The latest motion, if it still explains where the crank is.
     #[inline(never)]
     fn latest(&self) -> Option<&Event> {
-        let moves = |event: &&Event| !matches!(event.what, What::Nothing | What::Extra);
+        let moves = |event: &&Event| !matches!(event.kind, EventKind::Nothing | EventKind::Extra);
         let latest = self.events.iter().find(moves);
         latest.filter(|&event| self.age(event) < FORGOTTEN_AFTER)
     }
@@ -180,9 +182,9 @@ impl Events {
     pub(super) fn name(&self, config: &AxisConfig) -> Option<FaultKind> {
         let latest = self.latest()?;
         let by = of_angle(latest.by);
-        match latest.what {
-            What::Jump => {}
-            What::Run => return Some(FaultKind::Runaway),
+        match latest.kind {
+            EventKind::Jump => {}
+            EventKind::Run => return Some(FaultKind::Runaway),
             _ => return Some(FaultKind::Slip),
         }
         // Jumps the same way in the turns before this one, without a break.

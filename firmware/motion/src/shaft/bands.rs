@@ -189,7 +189,7 @@ mod tests {
                 .into_iter()
                 .collect(),
         };
-        let limits = ShaftLimits::of(&settings, 2000);
+        let limits = ShaftLimits::from_settings(&settings, 2000);
         let edges = limits.bands.iter().flat_map(|band| [band.from, band.to]);
         let places: std::vec::Vec<i64> = edges
             .chain([0, limits.speed])

@@ -104,7 +104,7 @@ impl Blend {
 fn share(rest: i64, whole: i64) -> u64 {
     const DIGIT: u32 = 21;
     let (mut share, mut rest) = (0, rest);
-    let inverse = Inverse::of(whole);
+    let inverse = Inverse::new(whole);
     // Long division in three digits; the estimate of each is off by at most one.
     for _ in 0..63 / DIGIT {
         let mut digit = inverse.times(rest, DIGIT) as u32;

@@ -42,7 +42,7 @@ pub(super) struct Inverse {
 
 impl Inverse {
     /// Reciprocal of `d`, which must be above 0.
-    pub const fn of(d: i64) -> Self {
+    pub const fn new(d: i64) -> Self {
         let (d, up) = normalised(d.unsigned_abs());
         Self {
             inverse: reciprocal(d),
@@ -72,7 +72,7 @@ impl Inverse {
 
 /// Quotient `x / d`, rounded down, for quotients below 2²⁴.
 pub(super) fn quotient(x: i64, d: i64) -> u32 {
-    let about = Inverse::of(d).times(x, 0) as u32;
+    let about = Inverse::new(d).times(x, 0) as u32;
     let rest = x - times(about, d);
     if rest < 0 {
         about - 1

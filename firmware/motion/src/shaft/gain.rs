@@ -78,7 +78,7 @@ impl Gain {
     pub const fn new(jerk: u64, max: u64, speed: u64) -> Self {
         let fastest = settling(speed, jerk);
         let max = if max > fastest { max } else { fastest };
-        let per_jerk = Inverse::of(jerk as i64);
+        let per_jerk = Inverse::new(jerk as i64);
         let scale = 32_u32.saturating_sub((max | jerk).leading_zeros());
         Self {
             jerk,

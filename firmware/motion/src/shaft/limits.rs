@@ -112,7 +112,7 @@ impl ShaftLimits {
 
     /// Converts settings that [`LimitSettings::check`] has accepted, for a tick rate in Hz.
     #[cold]
-    pub fn of(settings: &LimitSettings, tick_hz: u32) -> Self {
+    pub fn from_settings(settings: &LimitSettings, tick_hz: u32) -> Self {
         let hz = f64::from(tick_hz);
         let speed = turns_at_most(settings.speed_hz / hz);
         let usual = RampLimits::new(

@@ -194,7 +194,7 @@ mod tests {
             homing_speed_hz: 1.0,
             bands: heapless::Vec::new(),
         };
-        let limits = crate::shaft::ShaftLimits::of(&settings, 2000);
+        let limits = crate::shaft::ShaftLimits::from_settings(&settings, 2000);
         let (top, limits) = (limits.speed, limits.usual);
         let fall = limits.acceleration * 3 / 10;
         let start = top / 2;

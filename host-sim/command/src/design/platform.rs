@@ -153,7 +153,8 @@ fn picture(design: &Design, motor: &MotorChoice) -> Result<String, DesignCommand
             "--svg: the picture is that of the design's scene. {error}"
         ))
     })?;
-    let range = checked_from_text(&scene, None).and_then(|checked| OperatingRange::of(&checked));
+    let range =
+        checked_from_text(&scene, None).and_then(|checked| OperatingRange::for_scene(&checked));
     match range.map_err(DesignCommandError::input)? {
         Some(range) => Ok(draw_operating_range(&range)),
         None => Err(DesignCommandError::Input(

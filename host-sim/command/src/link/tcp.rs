@@ -30,7 +30,7 @@ const FRAME_END: u8 = 0;
 
 impl Tcp {
     pub(super) fn new(address: &str) -> Result<Self, String> {
-        let parts = Parts::of(address);
+        let parts = Parts::parse(address);
         let wrong = |problem: &str, address: &str| {
             format!("{problem}; give tcp:{address}, where the controller's server listens")
         };

@@ -71,7 +71,7 @@ pub(crate) fn open(
         Some(to) => to.to_owned(),
         None => ports::only_controller()?,
     };
-    let parts = Parts::of(&to);
+    let parts = Parts::parse(&to);
     if let Some(protocol) = parts.protocol {
         let wrong = of_protocol(protocol, &to, &parts);
         return Err(format!("--to {to}: {wrong}"));
@@ -129,7 +129,7 @@ struct Serial {
 impl Serial {
     fn new(name: String, baud: u32) -> Result<Self, String> {
         let port = open_port(&name, baud).map_err(|e| {
-            let parts = Parts::of(&name);
+            let parts = Parts::parse(&name);
             match near_kind(&name) {
                 Some(meant) => format!("--to {name}: {e}; {meant}"),
                 None if is_of_network(&name, &parts) => format!(

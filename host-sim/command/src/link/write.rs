@@ -58,7 +58,7 @@ pub(super) fn load(
 /// Returns the refusal of a file that cannot be loaded, if it is of another kind than a scene.
 fn instead(path: &Path) -> Option<String> {
     let name = path.display();
-    Some(match FileKind::of(path)? {
+    Some(match FileKind::from_path(path)? {
         FileKind::Scene => return None,
         FileKind::Settings => format!(
             "{name}: is a settings file, but its name does not end in .settings; rename it to {}",

@@ -20,7 +20,7 @@ impl Live {
     /// # Errors
     /// The receiver cannot be reached. The error is a message for the user.
     pub(super) fn new(args: &RunArgs, checked: &Checked) -> Result<Self, String> {
-        let open = |receiver| match RowsUdp::new(receiver, RowShape::of(checked)) {
+        let open = |receiver| match RowsUdp::new(receiver, RowShape::for_scene(checked)) {
             Ok(rows) => Ok((receiver, rows)),
             Err(error) => Err(format!(
                 "--udp: no way to {receiver}: {error}; give a receiver that can be reached"

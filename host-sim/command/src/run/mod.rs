@@ -18,7 +18,7 @@ use super::numbers::whole;
 use super::{CommandError, Status, expected, scenes};
 use cophase_files::report::draw_operating_range;
 use cophase_files::report::{self, Report};
-use cophase_files::trace::Written;
+use cophase_files::trace::TraceInfo;
 use cophase_files::trace::{
     Every, Format, Recorder, RunFiles, ScopeData, ScopeFrame, SentRows, Window, gtkwave_layout,
 };
@@ -67,7 +67,7 @@ pub(super) struct RunArgs {
 
 impl RunArgs {
     /// Creates the arguments of a run with a scene file and an output folder.
-    pub(super) fn of(scene: &Path, out: &Path, quiet: bool) -> Self {
+    pub(super) fn new(scene: &Path, out: &Path, quiet: bool) -> Self {
         Self {
             scene: scene.display().to_string(),
             out: out.to_path_buf(),
@@ -133,7 +133,7 @@ pub(super) fn run(
     }
     check_window(args, &checked).map_err(CommandError::Input)?;
     let mut live = Live::new(args, &checked).map_err(CommandError::Input)?;
-    let range = OperatingRange::of(&checked).map_err(refused)?;
+    let range = OperatingRange::for_scene(&checked).map_err(refused)?;
     let range = range.map(|range| draw_operating_range(&range));
     let (checked, outcome, written, removed) =
         record(args, checked, began, &mut live, range.as_deref()).map_err(CommandError::Input)?;
@@ -166,7 +166,7 @@ pub(super) fn run(
 }
 
 /// Returns the name of a file of the trace, with its content in brackets.
-fn described(format: Format, written: Written) -> String {
+fn described(format: Format, written: TraceInfo) -> String {
     let window_s = written.window_from_s.zip(written.window_to_s);
     let shows = match (window_s.filter(|_| format.has_edges()), written.every) {
         (Some((from_s, to_s)), _) => format!("{from_s:.3} to {to_s:.3} s; --window shows others"),
@@ -208,7 +208,7 @@ fn record(
     began: Instant,
     live: &mut Live,
     range: Option<&str>,
-) -> Result<(Checked, Outcome, Written, Vec<&'static str>), String> {
+) -> Result<(Checked, Outcome, TraceInfo, Vec<&'static str>), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     let names = args.files().map(Format::file_name);
     let names = names.chain([REPORT, PAGE]);
@@ -216,7 +216,9 @@ fn record(
     let names: Vec<_> = names.collect();
     refuse_folders(&args.out, names.iter().copied())?;
     let is_requested = args.window.is_some() || checked.scene.scope.is_some();
-    let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
+    let window = args
+        .window
+        .unwrap_or_else(|| Window::for_scene(&checked.scene));
     let (mut files, checked, outcome, written) =
         record_window(args, checked, began, window, Some(live))?;
     // Two cases are detected only after the run: a slip or a latched fault without an injected fault, and a run that ended before its
@@ -284,13 +286,15 @@ fn check_window(args: &RunArgs, checked: &Checked) -> Result<(), String> {
     if !args.files().any(Format::has_edges) {
         return Ok(());
     }
-    let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
+    let window = args
+        .window
+        .unwrap_or_else(|| Window::for_scene(&checked.scene));
     let ticks = expected_ticks(checked).map_err(|error| error.in_file(&args.scene).to_string())?;
     let run_s = ticks as f64 / f64::from(checked.settings.tick_hz);
     (window.check_length(checked, run_s)).map_err(|error| match args.window {
         Some(_) => format!("--window: {error}"),
         None => {
-            let wrong = SceneError::at("scope.to_s", error.to_string());
+            let wrong = SceneError::for_key("scope.to_s", error.to_string());
             wrong.in_file(&args.scene).to_string()
         }
     })
@@ -313,7 +317,7 @@ fn outside(args: &RunArgs, checked: &Checked, outcome: &Outcome) -> String {
         }
         (_, Some(scope)) => {
             let problem = wrong(scope.from_s, scope.to_s);
-            SceneError::at("scope.from_s", problem)
+            SceneError::for_key("scope.from_s", problem)
                 .in_file(&args.scene)
                 .to_string()
         }
@@ -328,7 +332,7 @@ fn record_window(
     began: Instant,
     window: Window,
     live: Option<&mut Live>,
-) -> Result<(RunFiles, Checked, Outcome, Written), String> {
+) -> Result<(RunFiles, Checked, Outcome, TraceInfo), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     let mut files = RunFiles::create(&args.out)
         .map_err(|e| format!("--out: {e}; give a directory that is there or can be made"))?;
@@ -352,7 +356,7 @@ fn record_window(
         udp,
         every,
         window,
-        ScopeData::new(checked.scene.axes.count, ScopeFrame::of(&checked)),
+        ScopeData::new(checked.scene.axes.count, ScopeFrame::for_scene(&checked)),
     )
     .map_err(|e| place(&e))?;
 

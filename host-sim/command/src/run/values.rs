@@ -49,7 +49,7 @@ pub(super) fn formats() -> impl TypedValueParser<Value = Format> {
 }
 
 pub(super) fn receiver(text: &str) -> Result<SocketAddr, String> {
-    let parts = Parts::of(text);
+    let parts = Parts::parse(text);
     if let Some(problem) = parts.problem() {
         let full = parts.full();
         return Err(format!(

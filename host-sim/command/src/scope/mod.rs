@@ -65,7 +65,7 @@ pub(crate) struct ScopeArgs {
 /// Parses an address of this computer.
 fn address(text: &str) -> Result<IpAddr, String> {
     text.parse().map_err(|_| {
-        let parts = Parts::of(text);
+        let parts = Parts::parse(text);
         let host = parts.host.parse().ok();
         let host = host.filter(|host: &IpAddr| !host.is_unspecified());
         let port = parts.port_number();

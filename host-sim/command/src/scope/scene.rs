@@ -20,7 +20,7 @@ pub(super) fn text(args: &ScopeArgs, identity: &Identity) -> Result<String, Stri
     };
     match library::find(name) {
         Some(built_in) if !Path::new(name).exists() => Ok(built_in.text.to_owned()),
-        _ => match FileKind::of(Path::new(name)) {
+        _ => match FileKind::from_path(Path::new(name)) {
             None | Some(FileKind::Scene) => input_file::read_text(Path::new(name), load::MAX_BYTES)
                 .map_err(|e| format!("{name}: {e}; give a scene file")),
             Some(kind) => Err(format!(

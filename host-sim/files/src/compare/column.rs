@@ -105,7 +105,7 @@ pub(super) fn check(runs: [&Run; 2], tolerances: &Tolerances) -> Result<(), Comp
     for (name, tolerance) in &tolerances.0 {
         if !known.contains(&name.as_str()) {
             let meant = load::nearest(name, &known).map(|near| format!("; did you mean `{near}`?"));
-            return Err(CompareError::at(
+            return Err(CompareError::for_argument(
                 format!("--tolerance {name}"),
                 format!(
                     "the traces have no such column{}",
@@ -116,7 +116,7 @@ pub(super) fn check(runs: [&Run; 2], tolerances: &Tolerances) -> Result<(), Comp
             ));
         }
         if tolerance.is_nan() || *tolerance < 0.0 {
-            return Err(CompareError::at(
+            return Err(CompareError::for_argument(
                 format!("--tolerance {name}"),
                 format!("{tolerance} is below zero; give 0 or more"),
             ));

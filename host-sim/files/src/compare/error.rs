@@ -13,11 +13,11 @@ pub struct CompareError {
 impl CompareError {
     /// Problem of a file or folder.
     pub(super) fn new(path: &Path, problem: impl Into<String>) -> Self {
-        Self::at(path.display().to_string(), problem)
+        Self::for_argument(path.display().to_string(), problem)
     }
 
     /// Problem of an argument.
-    pub(super) fn at(place: impl Into<String>, problem: impl Into<String>) -> Self {
+    pub(super) fn for_argument(place: impl Into<String>, problem: impl Into<String>) -> Self {
         Self {
             place: place.into(),
             problem: problem.into(),

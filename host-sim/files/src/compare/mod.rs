@@ -14,9 +14,9 @@ mod error;
 mod events;
 mod points;
 mod run;
-mod surplus;
 mod text;
 mod trace;
+mod unpaired_rows;
 mod wire;
 
 pub use column::{EDGES, Tolerances};
@@ -26,9 +26,9 @@ pub use error::CompareError;
 pub use events::EventDifference;
 pub use points::{Matching, Point};
 pub use run::{Origin, Run};
-pub use surplus::Surplus;
 pub use text::summary;
 pub use trace::{Trace, Values};
+pub use unpaired_rows::UnpairedRows;
 
 use serde::Serialize;
 
@@ -52,7 +52,7 @@ pub struct Comparison {
     /// Differences of each column.
     pub columns: Vec<ColumnDifference>,
     /// Rows of one run before the other begins, or after it ends.
-    pub surplus: Vec<Surplus>,
+    pub surplus: Vec<UnpairedRows>,
     /// Events that differ. `None` if a run has no `report.json`.
     pub events: Option<EventDifference>,
     /// Edges. `None` if a run has no `steps.vcd`.
@@ -103,7 +103,7 @@ pub fn compare(
     let (matching, points) =
         points::find([&times[0], &times[1]]).ok_or_else(|| no_overlap(runs))?;
     let columns = difference::columns(runs, &points, tolerances);
-    let surplus = surplus::find(runs, [&times[0], &times[1]], tolerances);
+    let surplus = unpaired_rows::find(runs, [&times[0], &times[1]], tolerances);
     let events = events::compare(runs, origins);
     let edges = edges::compare(runs, origins, tolerances.edges_ns())?;
     let parts = first_part(&columns, &surplus, events.as_ref(), edges.as_ref());
@@ -130,7 +130,7 @@ pub fn compare(
 /// Returns the earliest of all differences beyond their tolerances.
 fn first_part(
     columns: &[ColumnDifference],
-    surplus: &[Surplus],
+    surplus: &[UnpairedRows],
     events: Option<&EventDifference>,
     edges: Option<&EdgeComparison>,
 ) -> Option<Part> {

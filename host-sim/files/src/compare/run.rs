@@ -128,7 +128,7 @@ fn without_trace(path: &Path, trace: &Path) -> Option<String> {
 
 /// Returns what is wrong with a file that is not a table, if its kind is known.
 fn instead(path: &Path) -> Option<String> {
-    let kind = FileKind::of(path)?;
+    let kind = FileKind::from_path(path)?;
     match kind {
         FileKind::Table => return None,
         FileKind::Scene => {

@@ -8,8 +8,8 @@
 //! (`derived_edges`), as long as every tick since power-up at rest is known.
 
 mod derived_edges;
+mod events;
 mod gaps;
-mod happened;
 mod stream;
 
 pub use derived_edges::NoEdges;
@@ -27,7 +27,7 @@ use cophase_link::message::{Counters, EventRecord};
 use cophase_link::sample::{Channel, Sample, flags};
 use host_sim::sim::{RunRecord, RunRecorder, Unwrapped};
 
-use crate::trace::Written;
+use crate::trace::TraceInfo;
 use crate::trace::{
     ControllerRows, Every, Format, RecordError, Row, ScopeData, ScopeFrame, TraceSetup, Traces,
     Window,
@@ -57,7 +57,7 @@ pub struct Recording<W: Write + Seek> {
 #[derive(Clone, Debug)]
 pub struct Recorded {
     /// Format of the written files.
-    pub written: Written,
+    pub written: TraceInfo,
     /// Reason why there are no edges; `None` if there are.
     pub no_edges: Option<NoEdges>,
     /// Data for `scope.svg`.
@@ -268,7 +268,7 @@ impl<W: Write + Seek + 'static> Recording<W> {
         });
         record.figures.late_deadlines = counters.late_deadlines;
         record.figures.missed_deadlines = counters.missed_deadlines;
-        record.events = happened::events(events, &self.starts, self.tick_ns);
+        record.events = events::events(events, &self.starts, self.tick_ns);
         let (mut written, scope) = self.traces.finish()?;
         written.every = self.stream.every.into();
         if no_edges.is_some() {

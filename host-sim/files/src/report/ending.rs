@@ -11,7 +11,7 @@ use host_sim::sim::events::{Event, EventKind, StoppedBy};
 use host_sim::sim::record::rounded;
 
 use super::causes::{causes, causes_in_words};
-use super::words::{fault_words, plural};
+use super::phrases::{fault_words, plural};
 
 /// Distance of a crank from its command beyond which it did not follow, turns. A crank moves less after a stop.
 const FOLLOWS_TURNS: f64 = 0.75;

@@ -8,20 +8,20 @@ mod marks;
 mod model;
 mod motors;
 mod operating_range;
+mod phrases;
 mod questions;
 mod remedy;
-mod standing;
+mod standstill;
 mod summary;
 mod warnings;
-mod words;
 
 pub use controller::{Frames, recorded_summary};
 pub use marks::mark;
 pub use operating_range::draw_operating_range;
+pub use phrases::{describe, fault_words, notable, refused_words};
 pub use remedy::remedy;
 pub use summary::{coupling, summary};
 pub use warnings::warnings;
-pub use words::{describe, fault_words, notable, refused_words};
 
 use cophase_core::settings::{AxisSettings, Settings};
 use cophase_core::supervisor::State;
@@ -35,8 +35,8 @@ use host_sim::sim::record::{AxisRecord, Figures, RunRecord, TimeInState, rounded
 use serde::Serialize;
 
 use crate::record::{Gaps, Recorded};
-use crate::trace::Written;
-use crate::trace::written::WrittenBy;
+use crate::trace::TraceInfo;
+use crate::trace::trace_info::WrittenBy;
 use controller::{ControllerReport, recording_warnings};
 use lists::{
     CorrectionReport, EventReport, FaultReport, InjectedReport, correction_report, event_report,
@@ -86,7 +86,7 @@ pub struct Report<'a> {
     #[serde(flatten)]
     stream: Option<StreamReport<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    written: Option<Written>,
+    written: Option<TraceInfo>,
     #[serde(flatten)]
     simulation: Option<SimulationReport<'a>>,
 }
@@ -215,7 +215,7 @@ impl<'a> Report<'a> {
     pub fn new(
         checked: &'a Checked,
         outcome: &'a Outcome,
-        written: Option<Written>,
+        written: Option<TraceInfo>,
         wall_s: f64,
     ) -> Self {
         let record = &outcome.record;

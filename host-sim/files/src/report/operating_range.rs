@@ -1,8 +1,8 @@
 //! Picture of an operating range: three panels over the speed of the cranks.
 
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
-use host_sim::ink::{INK, MUTED, VERMILION, svg, text};
 use host_sim::operating_range::OperatingRange;
+use host_sim::style::{INK, MUTED, VERMILION, svg, text};
 use kuva::plot::LinePlot;
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion, TextAnnotation};
@@ -364,7 +364,7 @@ mod tests {
                     [[program]]\namax_g = 60\nramp_s = 2\nhold_s = 1\n";
         let checked = Checked::new(load::parse(text).unwrap()).unwrap();
         let checked = fidelity::check(checked).unwrap();
-        let range = OperatingRange::of(&checked).unwrap().unwrap();
+        let range = OperatingRange::for_scene(&checked).unwrap().unwrap();
         // The equations of the slider-crank: x = R cos a + sqrt(L^2 - R^2 sin^2 a), and torque = -m (g + x'') dx/da / N.
         let (radius_m, rod_m) = (9.97e-3_f64, 45.33e-3_f64);
         let lambda = radius_m / rod_m;

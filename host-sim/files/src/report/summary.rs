@@ -12,10 +12,10 @@ use host_sim::sim::events::{Event, EventKind};
 use host_sim::sim::record::AxisRecord;
 
 use super::ending::{coasting, ending, held};
+use super::phrases::plural;
 use super::questions::model;
-use super::words::plural;
 use super::{describe, motors, notable, warnings};
-use crate::trace::written::Written;
+use crate::trace::trace_info::TraceInfo;
 
 /// Number of events that are listed at most, and number of those from the end.
 const LISTED: usize = 24;
@@ -25,7 +25,7 @@ const LISTED_LAST: usize = 8;
 pub fn summary(
     checked: &Checked,
     outcome: &Outcome,
-    written: Option<Written>,
+    written: Option<TraceInfo>,
     wall_s: f64,
 ) -> String {
     let mut page = String::new();
@@ -38,7 +38,7 @@ fn write_page(
     page: &mut String,
     checked: &Checked,
     outcome: &Outcome,
-    written: Option<Written>,
+    written: Option<TraceInfo>,
     wall_s: f64,
 ) -> std::fmt::Result {
     let scene = &checked.scene;

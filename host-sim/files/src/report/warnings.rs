@@ -10,7 +10,7 @@ use host_sim::operating_range::{Load, OperatingRange};
 use host_sim::sim::Outcome;
 use host_sim::sim::events::StoppedBy;
 
-use super::standing::faults_at_standstill;
+use super::standstill::faults_at_standstill;
 
 /// Returns the warnings, a sentence each.
 pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
@@ -134,7 +134,7 @@ fn lacking(checked: &Checked) -> Option<String> {
         format!(
             "The motors lack torque: that of axis {axis} needs {ratio:.1} times what it has. Lower the program's speed or the load, \
              or take stronger motors ({}).",
-            DriveModel::of(checked.scene.resolved(axis).drive).torque_key
+            DriveModel::for_drive(checked.scene.resolved(axis).drive).torque_key
         )
     })
 }
@@ -153,7 +153,7 @@ fn lacking_in_ramps(checked: &Checked) -> Option<String> {
              needs {ratio:.2} times what it has at {speed_hz:.1} rev/s. Lower that limit or the inertia (axes.rotor_inertia_kgm2), or take stronger \
              motors ({}).",
             checked.scene.limits.acceleration_hz_per_s,
-            DriveModel::of(checked.scene.resolved(axis).drive).torque_key
+            DriveModel::for_drive(checked.scene.resolved(axis).drive).torque_key
         )
     })
 }

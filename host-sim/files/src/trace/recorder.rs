@@ -68,7 +68,7 @@ impl<'a> Recorder<'a> {
             .map(|(format, w)| (format, Box::new(w) as Box<dyn File + 'a>))
             .collect();
         let setup = TraceSetup {
-            shape: RowShape::of(checked),
+            shape: RowShape::for_scene(checked),
             every,
             window,
             unknown: &[],
@@ -88,7 +88,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// The first error of a file.
-    pub fn finish(self) -> Result<(super::Written, ScopeData), RecordError> {
+    pub fn finish(self) -> Result<(super::TraceInfo, ScopeData), RecordError> {
         match self.failed {
             Some(error) => Err(error),
             None => self.traces.finish(),
@@ -125,7 +125,7 @@ impl Observer for Recorder<'_> {
             return;
         }
         self.fill(moment);
-        let edges = TickEdges::of(moment, &self.reversed);
+        let edges = TickEdges::from_moment(moment, &self.reversed);
         let done = self
             .traces
             .push_row(&self.row)
@@ -146,7 +146,7 @@ mod tests {
     fn recorded(text: &str, format: Format, every: u64) -> String {
         let checked = Checked::new(load::parse(text).unwrap()).unwrap();
         let mut file = Cursor::new(Vec::new());
-        let scope = ScopeData::new(checked.scene.axes.count, ScopeFrame::of(&checked));
+        let scope = ScopeData::new(checked.scene.axes.count, ScopeFrame::for_scene(&checked));
         let (every, files) = (Every::Ticks(every), [(format, &mut file)]);
         let mut recorder = Recorder::new(&checked, files, None, every, Window::All, scope).unwrap();
         simulate(&checked, &mut recorder, |_, _| ()).unwrap();

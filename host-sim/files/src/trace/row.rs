@@ -16,7 +16,7 @@ pub struct RowShape {
 
 impl RowShape {
     /// Shape of the rows of a scene.
-    pub fn of(checked: &Checked) -> Self {
+    pub fn for_scene(checked: &Checked) -> Self {
         Self {
             axes: checked.scene.axes.count,
             pitches: checked.machine.pitches(),

@@ -39,7 +39,7 @@ pub struct SensedEdges<'a> {
 
 impl<'a> TickEdges<'a> {
     /// Edges of a tick of a simulated run.
-    pub fn of(moment: &Moment<'a>, reversed: &'a [bool]) -> Self {
+    pub fn from_moment(moment: &Moment<'a>, reversed: &'a [bool]) -> Self {
         Self {
             start_ns: moment.start_ns,
             end_ns: moment.end_ns,

@@ -2,7 +2,7 @@
 
 use std::io::{Seek, Write};
 
-use super::Written;
+use super::TraceInfo;
 use super::edges::EdgeOutputs;
 use super::mcap::TraceMcap;
 use super::rows::{Every, RowWriter, Rows};
@@ -94,10 +94,10 @@ impl<'a, W: Write + Seek + 'a> Traces<'a, W> {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn finish(self) -> Result<(Written, ScopeData), RecordError> {
+    pub fn finish(self) -> Result<(TraceInfo, ScopeData), RecordError> {
         let (every, rows) = self.rows.finish()?;
         let (from_ns, to_ns) = self.steps.finish(self.axes)?;
-        let written = Written {
+        let written = TraceInfo {
             every,
             rows,
             window_from_s: Some(from_ns as f64 * 1e-9),

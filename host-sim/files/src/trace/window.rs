@@ -34,7 +34,7 @@ const BEFORE_FAULT_NS: u64 = 50_000_000;
 impl Window {
     /// Returns the window of a scene. The default is around the first injected fault, else the first motion. Wrong wiring exists from
     /// power-up on, and shows when the machine first moves.
-    pub fn of(scene: &Scene) -> Self {
+    pub fn for_scene(scene: &Scene) -> Self {
         if let Some(scope) = scene.scope {
             return Self::seconds(scope.from_s, scope.to_s);
         }
@@ -342,7 +342,7 @@ mod tests {
                  [axes]\ncount = 3\ndrive = \"servo\"\nsteps_per_turn = 4096\nencoder = true\n\
                  [[program]]\namax_g = 1\nhold_s = 1\n{more}"
             );
-            Window::of(&load::parse(&text).unwrap())
+            Window::for_scene(&load::parse(&text).unwrap())
         };
         let fault =
             |at_s: f64, what: &str| format!("[[fault]]\nat_s = {at_s}\nkind = \"{what}\"\n");

@@ -98,7 +98,7 @@ fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, beyond_limi
 /// or the same as for a stepper if it has no window.
 fn lag_turns(scene: &Scene) -> f64 {
     let axes = &scene.axes;
-    match (DriveModel::of(axes.drive).window_deg)(axes) {
+    match (DriveModel::for_drive(axes.drive).window_deg)(axes) {
         Some(window_deg) => 2.0 * window_deg / 360.0,
         None => 2.0 / f64::from(axes.full_steps_per_turn) / scene.resolved(0).gear.ratio(),
     }

@@ -33,7 +33,7 @@ impl Geometry {
     /// Geometry of a scene. None for a scene with cams, whose pushers do not tilt, or with a machine that its check refuses.
     pub fn new(scene: &Scene) -> Option<Self> {
         let machine = platform(scene.machine.as_ref()?).ok()?;
-        let mechanism = AnyMechanism::of(&machine.mechanism, machine.crank_radius_m);
+        let mechanism = AnyMechanism::from_settings(&machine.mechanism, machine.crank_radius_m);
         let longest_travel_m = angles()
             .map(|alpha| mechanism.x_dot_mps(alpha, 1.0).abs())
             .fold(0.0, f64::max);

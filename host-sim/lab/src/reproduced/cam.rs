@@ -18,9 +18,10 @@ fn periodic(law: Law, shaft: Shaft) -> Result<[f64; 4], ReproducedError> {
     let step_s = cam.cycle_s() / f64::from(STEPS);
     let mut method = Scheme::Exact
         .prepare(&chain, step_s)
-        .map_err(ReproducedError::of)?;
+        .map_err(ReproducedError::from_error)?;
     let (mut y, mut rates) = ([0.0; 6], [0.0; 6]);
-    advance(method.as_mut(), &chain, 0.0, SETTLING * STEPS, &mut y).map_err(ReproducedError::of)?;
+    advance(method.as_mut(), &chain, 0.0, SETTLING * STEPS, &mut y)
+        .map_err(ReproducedError::from_error)?;
     let mut found = [0.0_f64; 4];
     for i in SETTLING * STEPS..(SETTLING + 1) * STEPS {
         let t_s = f64::from(i) * step_s;
@@ -33,7 +34,7 @@ fn periodic(law: Law, shaft: Shaft) -> Result<[f64; 4], ReproducedError> {
         found[3] += power_kw / f64::from(STEPS);
         method
             .step(&chain, t_s, &mut y)
-            .map_err(ReproducedError::of)?;
+            .map_err(ReproducedError::from_error)?;
     }
     Ok(found)
 }

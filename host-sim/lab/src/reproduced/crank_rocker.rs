@@ -15,7 +15,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         time_ratio: 0.9,
         screw_lead_mm: Some(12.0),
     })
-    .map_err(ReproducedError::of)?;
+    .map_err(ReproducedError::from_error)?;
     let linkage = found.linkage;
     let [stretched, folded] = found.dead_centres_deg();
     let printed = Linkage {

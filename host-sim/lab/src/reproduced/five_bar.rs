@@ -16,16 +16,16 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         x_m: 0.0,
         y_m: 0.3,
     })
-    .map_err(ReproducedError::of)?;
+    .map_err(ReproducedError::from_error)?;
     let first = found
         .solutions
         .iter()
         .copied()
         .max_by(|one, other| one.q1_rad.total_cmp(&other.q1_rad))
-        .ok_or_else(|| ReproducedError::of("the arm reaches the point"))?;
+        .ok_or_else(|| ReproducedError::from_error("the arm reaches the point"))?;
     let (from, to) = ([0.0, 0.3], [0.2, 0.3]);
-    let by_speed = Line::with_speed(from, to, 0.02, 0.5).map_err(ReproducedError::of)?;
-    let by_time = Line::with_duration(from, to, 10.0, 0.5).map_err(ReproducedError::of)?;
+    let by_speed = Line::with_speed(from, to, 0.02, 0.5).map_err(ReproducedError::from_error)?;
+    let by_time = Line::with_duration(from, to, 10.0, 0.5).map_err(ReproducedError::from_error)?;
     let rope = Load::Rope {
         lift_n: 19.62,
         length_m: 1.0,

@@ -16,9 +16,11 @@ fn fitted(shape: Shape) -> Result<(OnMains, Speeds), ReproducedError> {
     let empty = OnMains::SOURCE;
     let peak_n = empty
         .fitted_peak_n(shape, SLOWEST, 28.0)
-        .map_err(ReproducedError::of)?;
+        .map_err(ReproducedError::from_error)?;
     let crusher = empty.with_rock(shape, peak_n);
-    let speeds = crusher.periodic(0.0, 28.0).map_err(ReproducedError::of)?;
+    let speeds = crusher
+        .periodic(0.0, 28.0)
+        .map_err(ReproducedError::from_error)?;
     Ok((crusher, speeds))
 }
 
@@ -33,7 +35,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         diameter_m: 0.762,
         speeds_rad_s: Some([28.303, SLOWEST]),
     })
-    .map_err(ReproducedError::of)?;
+    .map_err(ReproducedError::from_error)?;
     let inertia = (0..3600_u32).map(|i| {
         OnMains::SOURCE
             .inertia_kgm2(f64::from(i) * std::f64::consts::TAU / 3600.0)
@@ -49,7 +51,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     };
     let without_rock = flywheel
         .turn(0.0, SLOWEST)
-        .map_err(ReproducedError::of)?
+        .map_err(ReproducedError::from_error)?
         .end_rad_s();
     let (crusher, linear) = fitted(Shape::LinearRise)?;
     let (_, half) = fitted(Shape::SecondHalf)?;
@@ -57,7 +59,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     let pair = |speeds: &Speeds| [speeds.fastest_rad_s(), speeds.mean_rad_s()];
     let by_18 = crusher
         .periodic_by_source(18, std::f64::consts::TAU * 30.0 / 360.0, 28.0)
-        .map_err(ReproducedError::of)?;
+        .map_err(ReproducedError::from_error)?;
     let distance_nm = linear
         .nodes
         .iter()

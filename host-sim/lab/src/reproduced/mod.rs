@@ -111,7 +111,7 @@ impl Figure {
 pub struct ReproducedError(String);
 
 impl ReproducedError {
-    fn of(error: impl std::fmt::Display) -> Self {
+    fn from_error(error: impl std::fmt::Display) -> Self {
         Self(error.to_string())
     }
 }

@@ -33,7 +33,8 @@ fn examples(gravity_mps2: f64) -> Result<Vec<Design>, ReproducedError> {
                 gravity_mps2,
             })
         });
-    all.collect::<Result<_, _>>().map_err(ReproducedError::of)
+    all.collect::<Result<_, _>>()
+        .map_err(ReproducedError::from_error)
 }
 
 fn each(designs: &[Design], of: impl Fn(&Design) -> f64) -> [f64; 4] {
@@ -41,7 +42,7 @@ fn each(designs: &[Design], of: impl Fn(&Design) -> f64) -> [f64; 4] {
 }
 
 fn of_lambda(lambda: f64) -> Result<SliderCrank, ReproducedError> {
-    SliderCrank::new(lambda, 1.0).map_err(ReproducedError::of)
+    SliderCrank::new(lambda, 1.0).map_err(ReproducedError::from_error)
 }
 
 /// Returns the lowest exact and two-term acceleration for λ, relative to R ω², each with its angle, degrees.
@@ -66,7 +67,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         .map(|lambda| of_lambda(lambda).map(|mechanism| 100.0 * mechanism.two_term_error().value));
     let [a, b, c, d] = errors;
     let step = 1.8_f64.to_radians();
-    let printed = SliderCrank::new(0.040, 0.040 / 0.6).map_err(ReproducedError::of)?;
+    let printed = SliderCrank::new(0.040, 0.040 / 0.6).map_err(ReproducedError::from_error)?;
     let ramp_ms = |freq_hz: f64| 1e3 * (2.0 * TAU * freq_hz).powf(-2.0 / 3.0);
     Ok(Section {
         title: "Slider-crank platform",

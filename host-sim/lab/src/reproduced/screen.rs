@@ -24,7 +24,7 @@ fn screen(vibrating_kg: f64, moment_kg_m: f64, speed_rpm: f64) -> Result<Design,
         wheel_mm: Requirement::SOURCE_WHEEL_MM,
         deck_deg: None,
     })
-    .map_err(ReproducedError::of)
+    .map_err(ReproducedError::from_error)
 }
 
 /// Returns the largest amplitude of a run-up, mm, with the shaft's speed there, rpm, and both at the end of the run-up.
@@ -33,14 +33,14 @@ fn run_up(torque_over_rated: f64) -> Result<[f64; 4], ReproducedError> {
     let screen = Screen { torque_over_rated };
     let mut method = Scheme::Rk4
         .prepare(&screen, STEP_S)
-        .map_err(ReproducedError::of)?;
+        .map_err(ReproducedError::from_error)?;
     let mut state = [0.0; Screen::DIMENSION];
     let now = |state: &[f64]| [1e3 * Screen::amplitude_m(state), state[5] * 60.0 / TAU];
     let mut max = [0.0; 2];
     for step in 0..30_000_u32 {
         method
             .step(&screen, f64::from(step) * STEP_S, &mut state)
-            .map_err(ReproducedError::of)?;
+            .map_err(ReproducedError::from_error)?;
         let here = now(&state);
         if here[0] > max[0] {
             max = here;

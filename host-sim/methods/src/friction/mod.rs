@@ -79,7 +79,7 @@ impl Deref for Contacts {
 
 impl Contacts {
     /// Returns the contacts of a machine in a state. `rates` is memory for its rates.
-    pub fn at(machine: &dyn DryFriction, t_s: f64, y: &[f64], rates: &mut [f64]) -> Self {
+    pub fn in_state(machine: &dyn DryFriction, t_s: f64, y: &[f64], rates: &mut [f64]) -> Self {
         let speeds = machine.speeds();
         let mut contacts = Self {
             all: [Contact::Sticks; MAX_CONTACTS],
@@ -104,6 +104,6 @@ impl Contacts {
 
 /// Writes the rates of a machine with dry friction in a state. It is [`Equations::rates`](crate::Equations::rates) of such a machine.
 pub fn rates(machine: &dyn DryFriction, t_s: f64, y: &[f64], rates: &mut [f64]) {
-    let contacts = Contacts::at(machine, t_s, y, rates);
+    let contacts = Contacts::in_state(machine, t_s, y, rates);
     machine.rates_with(t_s, y, &contacts, rates);
 }

@@ -93,11 +93,11 @@ impl Chain {
             stiffness_n_m: Self::STIFFNESS_N_M,
             damping_n_s_m,
         };
-        Self::of(cam, shaft, &links)
+        Self::with_links(cam, shaft, &links)
     }
 
     /// Returns a chain of other links.
-    pub fn of(cam: Cam, shaft: Shaft, links: &Links) -> Self {
+    pub fn with_links(cam: Cam, shaft: Shaft, links: &Links) -> Self {
         let mass_kg = Vector3::from(links.mass_kg);
         let stiffness_n_m = Vector3::from(links.stiffness_n_m);
         let damping_n_s_m = Vector3::from(links.damping_n_s_m);

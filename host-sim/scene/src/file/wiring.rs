@@ -17,19 +17,19 @@ keys! {
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
     pub struct Wiring left out if is_unset, {
         /// STEP outputs: a step pulse.
-        step: Level = or_value(Level::of(DEFAULT.step).name()),
+        step: Level = or_value(Level::from_level(DEFAULT.step).name()),
         /// DRIVE ENABLE output: drives on.
-        drive_enable: Level = or_value(Level::of(DEFAULT.drive_enable).name()),
+        drive_enable: Level = or_value(Level::from_level(DEFAULT.drive_enable).name()),
         /// INDEX inputs: a crank passes its sensor.
-        index: Level = or_value(Level::of(DEFAULT.index.active).name()),
+        index: Level = or_value(Level::from_level(DEFAULT.index.active).name()),
         /// ALARM inputs: an alarm.
-        alarm: Level = or_value(Level::of(DEFAULT.alarm.active).name()),
+        alarm: Level = or_value(Level::from_level(DEFAULT.alarm.active).name()),
         /// ENABLE input: drives may be on.
-        enable: Level = or_value(Level::of(DEFAULT.enable.active).name()),
+        enable: Level = or_value(Level::from_level(DEFAULT.enable.active).name()),
         /// STOP input: the machine must stop.
-        stop: Level = or_value(Level::of(DEFAULT.stop.active).name()),
+        stop: Level = or_value(Level::from_level(DEFAULT.stop.active).name()),
         /// START input: the button is pressed.
-        start: Level = or_value(Level::of(DEFAULT.start.active).name()),
+        start: Level = or_value(Level::from_level(DEFAULT.start.active).name()),
         /// Inputs whose pull resistor on the board is off.
         no_pull: Vec<InputName> = or_value("[]"),
     }
@@ -64,7 +64,7 @@ words! {
 }
 
 impl Level {
-    const fn of(level: ActiveLevel) -> Self {
+    const fn from_level(level: ActiveLevel) -> Self {
         match level {
             ActiveLevel::Low => Self::Low,
             ActiveLevel::High => Self::High,

@@ -32,7 +32,7 @@ pub(super) fn read_all(scene: &mut Scene, folder: Option<&Path>) -> Result<(), S
             .and_then(|folder| read_text(&folder.join(name)))
             .and_then(|text| points(&text, table));
         table.points_turns = read.map_err(|problem| {
-            SceneError::at(
+            SceneError::for_key(
                 format!("cam_table[{entry}].file"),
                 format!("{name}{problem}"),
             )

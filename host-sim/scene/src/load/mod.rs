@@ -61,8 +61,8 @@ pub fn read_text<T>(
 }
 
 fn from_path(path: &Path) -> Result<String, SceneError> {
-    let whole = |problem: String| SceneError::at("", problem);
-    if let Some(kind) = FileKind::of(path).filter(|kind| *kind != FileKind::Scene) {
+    let whole = |problem: String| SceneError::for_key("", problem);
+    if let Some(kind) = FileKind::from_path(path).filter(|kind| *kind != FileKind::Scene) {
         return Err(whole(format!(
             "is {kind} and no scene; a scene is a TOML file: {START_FROM}"
         )));
@@ -116,7 +116,7 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
         };
         SceneError {
             line: Some(line),
-            ..SceneError::at(
+            ..SceneError::for_key(
                 place::key_on_line(&latin_1, line),
                 format!("is not text: {what}; a scene is a TOML file, so save it as UTF-8"),
             )
@@ -159,7 +159,7 @@ fn scene<T>(
     let document = document(text)?;
     let document = document.get_ref();
     if document.is_empty() {
-        return Err(SceneError::at("", format!("is empty; {START_FROM}")));
+        return Err(SceneError::for_key("", format!("is empty; {START_FROM}")));
     }
     read::scene(text, document)
         .and_then(then)
@@ -192,7 +192,7 @@ fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
         );
         SceneError {
             line: Some(line),
-            ..SceneError::at(key, problem)
+            ..SceneError::for_key(key, problem)
         }
     })
 }

@@ -140,7 +140,7 @@ mod tests {
             ("", None),
         ] {
             let document = DeTable::parse(TEXT).unwrap();
-            let placed = placed(SceneError::at(path, ""), TEXT, document.get_ref());
+            let placed = placed(SceneError::for_key(path, ""), TEXT, document.get_ref());
             assert_eq!(placed.line, line, "{path}");
         }
     }

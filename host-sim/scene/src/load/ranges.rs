@@ -58,7 +58,7 @@ fn wrong(scene: &Table, key: &Key, path: &str, value: &Value) -> Option<SceneErr
     }
     let number = |path: &str| right(scene, path);
     let problem = outside_of(path, key, as_number(value)?, number)?;
-    Some(SceneError::at(path, problem))
+    Some(SceneError::for_key(path, problem))
 }
 
 /// Returns the number of a key that is given, or has a default, and is in its range.

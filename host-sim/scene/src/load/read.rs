@@ -47,7 +47,7 @@ defaults!(Correction, Link, Method, Noise, Questions, Segment, Wiring);
 
 /// Makes a struct from values that fit its rows.
 fn made<T: for<'de> Deserialize<'de>>(table: Table) -> Result<T, SceneError> {
-    T::deserialize(Value::Table(table)).map_err(|error| SceneError::at("", error.to_string()))
+    T::deserialize(Value::Table(table)).map_err(|error| SceneError::for_key("", error.to_string()))
 }
 
 struct Reader<'a> {
@@ -72,7 +72,7 @@ impl<'a> Reader<'a> {
     /// Adds an error at a key. `at` is its byte in the text, if it has one.
     fn refuse(&mut self, at: Option<usize>, path: &str, problem: String) {
         let line = at.map(|byte| line_at(self.text, byte));
-        let error = SceneError::at(path, problem);
+        let error = SceneError::for_key(path, problem);
         self.errors.push(SceneError { line, ..error });
     }
 

@@ -69,7 +69,7 @@ impl Answer {
         let others = std::mem::take(&mut error.others);
         let errors = std::iter::once(error).chain(others);
         Self {
-            mistakes: errors.map(Mistake::of).collect(),
+            mistakes: errors.map(Mistake::from_error).collect(),
             scene: None,
         }
     }
@@ -85,7 +85,7 @@ impl Answer {
 
 impl Mistake {
     /// Converts an error. The text does not repeat the line, because the page marks it.
-    fn of(error: SceneError) -> Self {
+    fn from_error(error: SceneError) -> Self {
         let line = error.line;
         let unplaced = SceneError {
             origin: String::new(),

@@ -58,7 +58,7 @@ fn of_the_command(text: &str) -> String {
         folder.path().join("out").as_os_str(),
     ]);
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let status = command.expect("arguments").carry_out(&mut out, &mut err);
+    let status = command.expect("arguments").run(&mut out, &mut err);
     assert_eq!(status, Status::BadInput, "of this text:\n{text}");
     let printed = String::from_utf8(err).expect("UTF-8");
     let lines = printed

@@ -228,7 +228,7 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
         (TIME_RATIO, time_ratio),
     ];
     let lead = screw_lead_mm.map(|lead_mm| (SCREW_LEAD, lead_mm));
-    let wrong = OutOfRange::of(numbers.into_iter().chain(lead));
+    let wrong = OutOfRange::find_all(numbers.into_iter().chain(lead));
     if !wrong.is_empty() {
         return Err(DesignError::OutOfRange(wrong));
     }

@@ -114,7 +114,7 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
         x_m,
         y_m,
     } = *requirement;
-    let wrong = OutOfRange::of([
+    let wrong = OutOfRange::find_all([
         (link("--l1-m"), l1_m),
         (link("--l4-m"), l4_m),
         (place("--x-m"), x_m),

@@ -68,7 +68,7 @@ const FOUND: f64 = 1e-9;
 pub fn periodic(design: &Design, rock: &Rock) -> Result<Dynamic, DesignError> {
     let limit = rock.irregularity.map(|limit| (IRREGULARITY, limit));
     let numbers = [(PEAK, rock.peak_kn), (NODES, f64::from(rock.nodes))];
-    let wrong = OutOfRange::of(numbers.into_iter().chain(limit));
+    let wrong = OutOfRange::find_all(numbers.into_iter().chain(limit));
     if !wrong.is_empty() {
         return Err(DesignError::OutOfRange(wrong));
     }

@@ -277,7 +277,7 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
     ];
     let speeds = requirement.speeds_rad_s.into_iter();
     let speeds = speeds.flat_map(|[fastest, slowest]| [(FASTEST, fastest), (SLOWEST, slowest)]);
-    let wrong = OutOfRange::of(numbers.into_iter().chain(speeds));
+    let wrong = OutOfRange::find_all(numbers.into_iter().chain(speeds));
     if !wrong.is_empty() {
         return Err(DesignError::OutOfRange(wrong));
     }

@@ -42,9 +42,13 @@ impl MotorChoice {
             (GEAR, f64::from(self.gear.crank_turns)),
             (STEPS, f64::from(self.steps_per_turn)),
         ];
-        let mut wrong = OutOfRange::of(own);
+        let mut wrong = OutOfRange::find_all(own);
         let inertia = self.rotor_inertia_kgm2.map(|kgm2| (INERTIA, kgm2));
-        wrong.extend(inertia.into_iter().flat_map(|one| OutOfRange::of([one])));
+        wrong.extend(
+            inertia
+                .into_iter()
+                .flat_map(|one| OutOfRange::find_all([one])),
+        );
         wrong
     }
 

@@ -55,7 +55,7 @@ impl Requirement {
 
     /// All numbers that are out of their ranges, in the order of the fields. Empty if there are none.
     pub fn out_of_range(&self) -> Vec<OutOfRange> {
-        OutOfRange::of([
+        OutOfRange::find_all([
             (LOAD, self.load_kg),
             (AMAX, self.amax_g),
             (FREQ, self.freq_hz),

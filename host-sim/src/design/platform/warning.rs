@@ -75,12 +75,12 @@ pub enum Warning {
 impl Design {
     /// Returns the warnings about the method and its printed form for this design.
     pub fn warnings(&self, motor: &MotorChoice) -> Vec<Warning> {
-        of(self, motor)
+        applicable(self, motor)
     }
 }
 
 /// The warnings that apply to a design, in the order of its steps.
-fn of(design: &Design, motor: &MotorChoice) -> Vec<Warning> {
+fn applicable(design: &Design, motor: &MotorChoice) -> Vec<Warning> {
     let omega = design.speed_rad_s();
     let gravity = design.requirement.gravity_mps2;
     let mut all = Vec::new();

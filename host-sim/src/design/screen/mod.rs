@@ -191,7 +191,7 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
         (WHEEL, requirement.wheel_mm),
     ];
     let deck = requirement.deck_deg.map(|deck_deg| (DECK, deck_deg));
-    let wrong = OutOfRange::of(numbers.into_iter().chain(deck));
+    let wrong = OutOfRange::find_all(numbers.into_iter().chain(deck));
     if wrong.is_empty() {
         Ok(Design {
             requirement: *requirement,

@@ -1,12 +1,12 @@
 //! Machines whose shafts move something other than a platform on cranks: their equations, and their figures.
 
 mod figure;
-mod on_plant;
+mod plant_rotors;
 mod record;
 mod shafts;
 
 pub use figure::Figure;
-pub use on_plant::OnPlant;
+pub use plant_rotors::PlantRotors;
 pub use record::{CloneRecord, Record, State, Tick};
 pub use shafts::Shafts;
 

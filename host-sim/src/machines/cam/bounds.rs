@@ -46,7 +46,7 @@ impl OfFollower {
             missed.sum::<f64>() * (omega / top_rad_s).powi(2)
         };
         let speeds = (1..=SPEEDS).map(|i| top_rad_s * f64::from(i) / f64::from(SPEEDS));
-        let slowest = Chain::of(cam, shaft, &links).modes()[0];
+        let slowest = Chain::with_links(cam, shaft, &links).modes()[0];
         Self {
             off: speeds.map(at_speed).fold(0.0, f64::max) / cam.peak_m() + TAIL,
             frequency_ratio: top_rad_s / slowest_rad_s(&links),

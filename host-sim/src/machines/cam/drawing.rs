@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use super::CamShafts;
 use crate::drawing::{Drawing, FIRST, Place, SECOND};
-use crate::ink::{INK, MUTED};
+use crate::style::{INK, MUTED};
 
 /// Draws a follower as SVG text, with the cam of its law on a base circle whose radius is the stroke. A pusher on a screw has no cam: the
 /// drawing shows its lift over a turn.

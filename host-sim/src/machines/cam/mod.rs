@@ -95,7 +95,7 @@ impl Machine for CamShafts {
 
     fn check_data(&self, _: &Scene, level: Fidelity) -> Result<(), SceneError> {
         if level == Fidelity::Elastic && self.links.is_none() {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 "cam.masses_kg",
                 "missing; fidelity = \"elastic\" needs cam.masses_kg, cam.stiffness_n_per_mm, and cam.zeta or \
                  cam.dampers_ns_per_m; or let fidelity be \"kinematic\"",

@@ -102,9 +102,9 @@ impl Pushers {
                 MovedBy::Screw(Screws::new(lead_m, start.shifts_turns.iter().copied()))
             }
             (None, Some((links, shaft)), Fidelity::Elastic) => {
-                let chain = Chain::of(cam, shaft, &links);
+                let chain = Chain::with_links(cam, shaft, &links);
                 let mut elastic = Elastic::new(chain, start.tick_s, start.chosen)
-                    .map_err(|problem| SceneError::at("method", problem))?;
+                    .map_err(|problem| SceneError::for_key("method", problem))?;
                 for (state, pusher) in elastic.states.iter_mut().zip(&pushers) {
                     state[..3].fill(pusher.place_m); // no spring is strained
                 }

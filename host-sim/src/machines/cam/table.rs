@@ -24,7 +24,7 @@ const RADII_M: (f64, f64) = (1e-4, 0.5);
 fn cam_shafts(shaft: &CamShaft) -> Result<CamShafts, SceneError> {
     let turn_deg = shaft.rise_deg + shaft.dwell_deg + shaft.return_deg;
     if turn_deg > 360.0 {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "cam.return_deg",
             format!(
                 "{} is too much: with cam.rise_deg and cam.dwell_deg it comes to {turn_deg} of the 360 that a turn has; \
@@ -40,7 +40,7 @@ fn cam_shafts(shaft: &CamShaft) -> Result<CamShafts, SceneError> {
         RADII_M.1 * (1.0 + LAMBDA) / cam.peak_m(),
     );
     if !(min_m..=max_m).contains(&1.0) {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "cam.rise_mm",
             format!(
                 "{} mm over {}° accelerates as a crank of {:.4} mm does, outside the {} to {} mm that the loop is made \
@@ -70,13 +70,13 @@ fn check_screws(shaft: &CamShaft, scene: &Scene) -> Result<(), SceneError> {
         return Ok(());
     }
     if shaft.masses_kg.is_some() {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "cam.masses_kg",
             "hang on a cam shaft, and with cam.screw_lead_mm there is none; leave it out",
         ));
     }
     if let Some(number) = (0..scene.axes.count).find(|&number| !follows(number)) {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "cam.screw_lead_mm",
             format!(
                 "makes a cam of a table for each axis, and axis {number} has none; give its [[axis]] a cam = \"…\""
@@ -86,7 +86,7 @@ fn check_screws(shaft: &CamShaft, scene: &Scene) -> Result<(), SceneError> {
     match (0..scene.axes.count).find(|&number| !scene.resolved(number).drive.kind().takes_pulses())
     {
         None => Ok(()),
-        Some(number) => Err(SceneError::at(
+        Some(number) => Err(SceneError::for_key(
             "axes.drive",
             format!(
                 "axis {number} is a servo with torque setpoints, and those are for cranks, not for screws; give a drive that takes STEP and DIR, such as drive = \"pulse-servo\""
@@ -103,7 +103,7 @@ fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {
                 ("cam.zeta", shaft.zeta.is_some()),
             ];
             return match useless.iter().find(|(_, given)| *given) {
-                Some((key, _)) => Err(SceneError::at(
+                Some((key, _)) => Err(SceneError::for_key(
                     *key,
                     "damps nothing: give cam.masses_kg and cam.stiffness_n_per_mm as well, or leave it out",
                 )),
@@ -122,11 +122,11 @@ fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {
             damping_n_s_m: dampers,
         })),
         (None, Some(zeta)) => Ok(Some(Links::damped(masses, stiffness_n_m, zeta))),
-        (Some(_), Some(_)) => Err(SceneError::at(
+        (Some(_), Some(_)) => Err(SceneError::for_key(
             "cam.zeta",
             "given together with cam.dampers_ns_per_m, which has the same meaning; leave one out",
         )),
-        (None, None) => Err(SceneError::at(
+        (None, None) => Err(SceneError::for_key(
             "cam.zeta",
             "missing; give the damping factor of the links, such as 0.1, or cam.dampers_ns_per_m",
         )),
@@ -134,7 +134,7 @@ fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {
 }
 
 fn missing(key: &str, beside: &str) -> SceneError {
-    SceneError::at(
+    SceneError::for_key(
         key,
         format!("missing beside {beside}; give three, from the shaft to the pusher, or neither"),
     )
@@ -150,7 +150,7 @@ fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     let axes = &scene.axes;
     let friction = (axes.friction_nm != 0.0).then_some("axes.friction_nm");
     match friction.into_iter().chain(keys_of_torque(axes)).next() {
-        Some(key) => Err(SceneError::at(
+        Some(key) => Err(SceneError::for_key(
             key,
             "concerns torque, but cams turn as commanded, and no model level of [cam] uses it; leave it out",
         )),

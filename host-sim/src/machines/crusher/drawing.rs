@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use super::Crusher;
 use crate::drawing::{Drawing, FIRST, Place, SECOND};
-use crate::ink::{INK, MUTED};
+use crate::style::{INK, MUTED};
 
 /// Angle of the eccentric in the drawing, rad.
 const PHI_RAD: f64 = 0.9;

@@ -67,7 +67,7 @@ fn check_turns(table: &CrusherTable) -> Result<(), SceneError> {
     if nearest > folded && furthest < stretched {
         return Ok(());
     }
-    Err(SceneError::at(
+    Err(SceneError::for_key(
         "crusher.ground_mm",
         format!(
             "{} puts the eccentric {nearest} to {furthest} mm from the toggle's pivot, and jaw and toggle plate span {folded} to {stretched} mm: the \

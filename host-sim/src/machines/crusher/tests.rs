@@ -5,7 +5,7 @@ use cophase_methods::{Equations, Scheme, advance};
 use super::*;
 use crate::drives::{Induction, Motor};
 use crate::dynamics::Driven;
-use crate::dynamics::plant::OnPlant;
+use crate::dynamics::plant::PlantRotors;
 
 const FLYWHEEL_KGM2: f64 = 40.79;
 
@@ -47,7 +47,7 @@ fn the_plant_moves_as_the_published_crusher() {
 #[test]
 fn energy_is_conserved() {
     let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
-    let on = OnPlant::new(
+    let on = PlantRotors::new(
         vec![FLYWHEEL_KGM2],
         vec![0.0],
         std::sync::Arc::new(crusher(0.0)),
@@ -77,7 +77,7 @@ fn rock_brakes_and_does_not_push() {
     };
     let acceleration = |crusher: &Crusher, omega: f64, load_nm: f64| {
         let rotors_kgm2 = vec![FLYWHEEL_KGM2];
-        let on = OnPlant::new(rotors_kgm2, vec![0.0], std::sync::Arc::new(crusher.clone()));
+        let on = PlantRotors::new(rotors_kgm2, vec![0.0], std::sync::Arc::new(crusher.clone()));
         let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
         let mut driven = Driven::new(Box::new(on), vec![off]);
         driven.loads_nm[0] = load_nm;

@@ -2,7 +2,7 @@
 
 use super::Arm;
 use crate::drawing::{Drawing, FIRST, Place, SECOND};
-use crate::ink::{INK, MUTED};
+use crate::style::{INK, MUTED};
 
 /// Draws the arm with its hand a quarter along the path, as SVG text.
 pub fn draw(arm: &Arm) -> String {

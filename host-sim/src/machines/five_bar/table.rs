@@ -43,7 +43,7 @@ fn links(table: &FiveBarTable) -> FiveBar {
 
 fn check(table: &FiveBarTable) -> Result<(), SceneError> {
     if table.path_mm.len() < 2 {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "five_bar.path_mm",
             "has fewer than two points; give the points of the path, such as [[0, 300], [200, 300]]",
         ));
@@ -55,7 +55,7 @@ fn check(table: &FiveBarTable) -> Result<(), SceneError> {
     let sensor = sensor(contact);
     // The law needs a reading above the force to hold it from both sides.
     if contact.force_n > sensor.max_n() - sensor.step_n() {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             key("force_n"),
             format!(
                 "{} N is beyond what the force sensor measures, so the law cannot hold it: five_bar.contact.sensor_n = {} N reaches {:.2} N; \
@@ -67,7 +67,7 @@ fn check(table: &FiveBarTable) -> Result<(), SceneError> {
         ));
     }
     if table.path_mm.len() > 2 {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "five_bar.contact",
             "is a plane surface along one line, and five_bar.path_mm has more than two points; give two",
         ));
@@ -82,7 +82,7 @@ fn path(table: &FiveBarTable) -> Result<Path, SceneError> {
         .map(|mm| mm.map(|mm| mm / 1e3))
         .collect();
     Path::new(&points, table.speed_mm_per_s / 1e3, table.blend_s).map_err(|short| {
-        SceneError::at(
+        SceneError::for_key(
             "five_bar.path_mm",
             format!(
                 "has a line of {:.4} mm, which is too short for blends of {} s at {} mm/s; lengthen it, shorten the blends or lower the speed",
@@ -116,7 +116,7 @@ fn tables(table: &FiveBarTable, path: &Path) -> Result<([Vec<f64>; 2], f64), Sce
                 table.margin
             ),
         };
-        SceneError::at("five_bar.path_mm", problem)
+        SceneError::for_key("five_bar.path_mm", problem)
     })
 }
 
@@ -209,7 +209,7 @@ impl Table for FiveBarTable {
         let is_made = |table: &CamTable| table.segment.is_empty() && table.file.is_none();
         let own = |table: &CamTable| is_made(table) && JOINTS.contains(&table.name.as_str());
         if let Some(i) = scene.cam_table.iter().position(|table| !own(table)) {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 format!("cam_table[{i}]"),
                 "is given beside [five_bar], whose path makes the tables of both joints; leave it out",
             ));
@@ -220,7 +220,7 @@ impl Table for FiveBarTable {
         };
         let given = |axis: &AxisOverrides| axis.cam_shift_deg != 0.0 || !is_own(axis);
         if let Some(i) = scene.axis.iter().position(given) {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 format!("axis[{i}].cam"),
                 "is given beside [five_bar], whose path makes the tables of both joints; leave it and cam_shift_deg out",
             ));

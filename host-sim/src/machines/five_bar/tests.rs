@@ -4,7 +4,7 @@ use cophase_methods::{Equations, Scheme, advance};
 use super::*;
 use crate::drives::{Motor, Servo};
 use crate::dynamics::Driven;
-use crate::dynamics::plant::OnPlant;
+use crate::dynamics::plant::PlantRotors;
 
 fn arm(gravity_mps2: f64) -> Arm {
     let path = Path::new(&[[0.0, 0.3], [0.2, 0.3]], 0.02, 0.5).unwrap();
@@ -91,7 +91,7 @@ fn energy_is_conserved() {
         limit_nm: f64::INFINITY,
         velocity_feed_forward: 0.0,
     });
-    let on = OnPlant::new(vec![0.05, 0.02], vec![0.0; 2], std::sync::Arc::new(ours));
+    let on = PlantRotors::new(vec![0.05, 0.02], vec![0.0; 2], std::sync::Arc::new(ours));
     let driven = Driven::new(Box::new(on), vec![no_torque; 2]);
     let mut state = vec![2.4, 0.6, 1.0, -0.5];
     let before = driven.energy_j(&state);

@@ -63,7 +63,7 @@ pub(super) fn check(
                     true => format!(", where its motor has {max_nm:.0} N·m"),
                     false => String::new(),
                 };
-                return Err(SceneError::at(
+                return Err(SceneError::for_key(
                     format!("axes.{key}"),
                     format!(
                         "has cranks apart on a platform that more than three hold: the rods would bend by {:.2} mm, and crank {i} would \

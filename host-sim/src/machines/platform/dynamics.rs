@@ -59,7 +59,7 @@ impl CranksUnderPlatform {
 }
 
 fn no_frame() -> SceneError {
-    SceneError::at(
+    SceneError::for_key(
         "frame",
         "missing; fidelity = \"elastic\" has the frame move on its suspension, so give frame.mass_kg and \
          frame.suspension_n_per_mm, or let fidelity be \"phased\"",

@@ -30,7 +30,7 @@ const ROUNDING_MRAD: f64 = 1e-6;
 impl Platform {
     /// Creates the platform of these settings on `axes` cranks.
     pub fn new(settings: &PlatformSettings, axes: usize) -> Self {
-        let mechanism = AnyMechanism::of(&settings.mechanism, settings.crank_radius_m);
+        let mechanism = AnyMechanism::from_settings(&settings.mechanism, settings.crank_radius_m);
         Self {
             max_lever_m: mechanism.crank_radius_m() * mechanism.max_s(),
             mechanism,

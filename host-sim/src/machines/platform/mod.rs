@@ -149,7 +149,7 @@ impl Machine for CranksUnderPlatform {
 
     fn check_data(&self, scene: &Scene, level: Fidelity) -> Result<(), SceneError> {
         if level == Fidelity::QuasiStatic && scene.axes.pull_out.is_empty() {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 "axes.pull_out",
                 "missing; fidelity = \"quasi-static\" compares torques, so give the motors' pull-out torque \
                  as [[speed_hz, torque_nm], …], or let fidelity be \"kinematic\"",
@@ -211,7 +211,7 @@ impl Machine for CranksUnderPlatform {
         apart: Option<&str>,
     ) -> Result<(), SceneError> {
         match apart {
-            Some(apart) if level == Fidelity::Rigid => Err(SceneError::at(
+            Some(apart) if level == Fidelity::Rigid => Err(SceneError::for_key(
                 "fidelity",
                 format!(
                     "\"rigid\" has all cranks at one angle on one shaft, and {apart} has them at others; let it be \"phased\""

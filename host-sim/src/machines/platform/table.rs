@@ -61,7 +61,7 @@ impl Table for file::Machine {
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
         if scene.questions.ground_percent.is_some() && scene.frame.is_none() {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 "questions.ground_percent",
                 "requests the force on the ground, which needs a frame on springs: give [frame], or leave the question out",
             ));

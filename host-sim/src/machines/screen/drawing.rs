@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use super::Screen;
 use crate::drawing::{Drawing, FIRST, SECOND};
-use crate::ink::{INK, MUTED};
+use crate::style::{INK, MUTED};
 
 /// Draws the screen, as SVG text. Blocks are at 60°, and their distance from the shaft is enlarged four times.
 pub fn draw(screen: &Screen) -> String {

@@ -13,7 +13,7 @@ use crate::machines::{Made, Table};
 
 fn screen(table: &ScreenTable, scene: &Scene) -> Result<Screen, SceneError> {
     if table.shafts_mm.len() != scene.axes.count {
-        return Err(SceneError::at(
+        return Err(SceneError::for_key(
             "screen.shafts_mm",
             format!(
                 "has {} places, and axes.count is {}; give one an axis",
@@ -71,8 +71,8 @@ fn check_torque(table: &ScreenTable, screen: &Screen, scene: &Scene) -> Result<(
     let enough_nm = screen.sufficient.enough_nm;
     match screen.sufficient.motor_nm {
         Some(motor_nm) if motor_nm < enough_nm && !table.allow_capture => {
-            let key = DriveModel::of(scene.axes.drive).torque_key;
-            Err(SceneError::at(
+            let key = DriveModel::for_drive(scene.axes.drive).torque_key;
+            Err(SceneError::for_key(
                 key,
                 format!(
                     "gives {motor_nm:.1} N·m of each motor at the resonance, and {enough_nm:.1} N·m are enough to turn there: the torque reserve is \
@@ -106,7 +106,7 @@ impl Table for ScreenTable {
         let top_hz = screen.top_hz;
         let covers_top = |(from_hz, to_hz): &&(f64, f64)| (*from_hz..=*to_hz).contains(&top_hz);
         if let Some((from_hz, to_hz)) = bands_hz.iter().find(covers_top) {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 "limits.speed_hz",
                 format!(
                     "{top_hz} rev/s lies where the box resonates, at {from_hz:.2} to {to_hz:.2} rev/s; give one below or above{}",

@@ -7,7 +7,7 @@ use num_complex::Complex;
 use super::*;
 use crate::drives::{Motor, Servo};
 use crate::dynamics::Driven;
-use crate::dynamics::plant::OnPlant;
+use crate::dynamics::plant::PlantRotors;
 
 /// Screen of the source, with several shafts in place of one.
 fn screen(places_m: &[f64]) -> Screen {
@@ -84,7 +84,7 @@ fn energy_is_conserved() {
             limit_nm: f64::INFINITY,
             velocity_feed_forward: 0.0,
         });
-        let on = OnPlant::new(vec![2.0; n], vec![0.0; n], std::sync::Arc::new(screen));
+        let on = PlantRotors::new(vec![2.0; n], vec![0.0; n], std::sync::Arc::new(screen));
         let driven = Driven::new(Box::new(on), vec![no_torque; n]);
         let mut state = vec![0.0; driven.dimension()];
         let positions = n + 3;
@@ -164,7 +164,7 @@ fn the_forbidden_bands_cover_the_speeds_at_which_the_ends_swing_up() {
     let mut screen = screen(&[1.2]);
     screen.zeta = 0.03;
     let ends_m = |hz: f64| {
-        let on = OnPlant::new(vec![1e9], vec![0.0], std::sync::Arc::new(screen.clone()));
+        let on = PlantRotors::new(vec![1e9], vec![0.0], std::sync::Arc::new(screen.clone()));
         let motor = Motor::Servo(Servo {
             position_gain_per_s: 0.0,
             velocity_gain_nms: 0.0,

@@ -31,7 +31,7 @@ impl Configured for CrankRocker {
         })
     }
 
-    fn of(settings: &CrankRockerSettings, unit_m: f64) -> Self {
+    fn from_settings(settings: &CrankRockerSettings, unit_m: f64) -> Self {
         let linkage = Linkage {
             crank: settings.crank,
             coupler: settings.coupler,

@@ -4,8 +4,8 @@ use core::f64::consts::TAU;
 
 use super::{CrankRocker, Linkage};
 use crate::drawing::{Drawing, FIRST, Place, SECOND, View};
-use crate::ink::{INK, MUTED};
 use crate::mechanism::drawing::{Mount, Unit, beside_plan};
+use crate::style::{INK, MUTED};
 
 impl Linkage {
     /// Drawing of the linkage at both dead centres, with its symbols, as SVG text.

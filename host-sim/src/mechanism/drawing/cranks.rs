@@ -10,8 +10,8 @@ use super::perspective::{Eye, Place3, cylinder, prism};
 use super::plan::{Unit, colour};
 use super::{Mount, beside_plan, mm};
 use crate::drawing::{Drawing, Place, View};
-use crate::ink::{INK, MUTED};
 use crate::mechanism::Mechanism;
+use crate::style::{INK, MUTED};
 
 /// Angle of the cranks in the drawing, from the dead centre at which the platform is farthest, rad.
 pub(super) const ALPHA_RAD: f64 = 0.9;

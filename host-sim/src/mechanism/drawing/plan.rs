@@ -6,7 +6,7 @@ use kuva::render::render::TextAnchor;
 
 use super::{Mount, mm};
 use crate::drawing::{Drawing, FIRST, Place, SECOND};
-use crate::ink::{INK, MUTED};
+use crate::style::{INK, MUTED};
 
 /// Crank radius in the drawing, relative to the mount radius.
 const CRANK: f64 = 0.2;

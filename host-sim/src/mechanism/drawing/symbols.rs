@@ -7,7 +7,7 @@ use kuva::render::render::TextAnchor;
 use super::cranks::{ALPHA_RAD, Cranks, Link, PLATE};
 use super::plan::colour;
 use crate::drawing::{Drawing, Place};
-use crate::ink::{INK, MUTED};
+use crate::style::{INK, MUTED};
 
 impl Cranks<'_> {
     /// Draws the symbols of one crank: its angle, radius and rod.

@@ -20,7 +20,7 @@ impl Configured for SliderCrank {
         lambda(machine).map(|lambda| SliderCrankSettings { lambda })
     }
 
-    fn of(settings: &SliderCrankSettings, crank_radius_m: f64) -> Self {
+    fn from_settings(settings: &SliderCrankSettings, crank_radius_m: f64) -> Self {
         Self::of_lengths(crank_radius_m, crank_radius_m / settings.lambda)
     }
 }
@@ -29,11 +29,11 @@ fn lambda(machine: &Machine) -> Result<f64, SceneError> {
     match (machine.lambda, machine.rod_length_mm) {
         (Some(lambda), None) => Ok(lambda),
         (None, Some(length_mm)) => Ok(machine.needed("machine.crank_radius_mm")? / length_mm),
-        (Some(_), Some(_)) => Err(SceneError::at(
+        (Some(_), Some(_)) => Err(SceneError::for_key(
             "machine.rod_length_mm",
             "given together with machine.lambda, which has the same meaning; leave one out",
         )),
-        (None, None) => Err(SceneError::at(
+        (None, None) => Err(SceneError::for_key(
             "machine.lambda",
             "missing; give the ratio of crank radius to rod length, or machine.rod_length_mm",
         )),

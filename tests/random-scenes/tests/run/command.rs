@@ -27,7 +27,7 @@ pub fn run(scene: &Path, folder: &Path, options: &[&str]) -> Run {
             .chain(options.iter().map(|option| option.as_ref())),
     );
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let status = command.expect("arguments").carry_out(&mut out, &mut err);
+    let status = command.expect("arguments").run(&mut out, &mut err);
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     Run {
         status,
@@ -47,7 +47,7 @@ pub fn settings(scene: &Path, folder: &Path) -> Status {
         file.as_os_str(),
     ]);
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    command.expect("arguments").carry_out(&mut out, &mut err)
+    command.expect("arguments").run(&mut out, &mut err)
 }
 
 /// Outcome of a scene.

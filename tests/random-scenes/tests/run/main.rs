@@ -24,7 +24,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use cophase::Status;
-use cophase_random_scenes::{Drawn, scene, steady};
+use cophase_random_scenes::{RandomScene, scene, steady};
 
 use command::{Fate, run};
 
@@ -68,7 +68,7 @@ fn play(scene: &Path, folder: &Path, twice: bool) -> Result<Fate, String> {
 
 /// Plays a drawn scene on a thread of its own. A panic ends that thread, and the virtual time with it.
 fn play_apart(
-    drawn: &Drawn,
+    drawn: &RandomScene,
     play: impl FnOnce(&Path, &Path) -> Result<Fate, String> + Send,
 ) -> Result<Fate, String> {
     let folder = tempfile::tempdir().map_err(|error| format!("no folder: {error}"))?;
@@ -94,7 +94,7 @@ fn kept() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("random-scenes")
 }
 
-fn keep(seed: u64, drawn: &Drawn) {
+fn keep(seed: u64, drawn: &RandomScene) {
     let folder = kept().join(seed.to_string());
     let written = fs::create_dir_all(&folder).and_then(|()| drawn.write(&folder));
     if let Err(error) = written {
@@ -157,7 +157,7 @@ fn scenes_that_failed_before_now_run() {
 
 /// Draws scenes and plays each, on all cores. The number of scenes and the first seed are those of the variables.
 fn play_all(
-    draw: impl Fn(u64) -> Drawn + Sync,
+    draw: impl Fn(u64) -> RandomScene + Sync,
     play: impl Fn(u64, &Path, &Path) -> Result<Fate, String> + Sync,
 ) -> Tally {
     let count = number("COPHASE_RANDOM_SCENES", FEW);

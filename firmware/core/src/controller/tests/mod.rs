@@ -61,7 +61,7 @@ fn controller(settings: &Settings, amax_mps2: f64) -> Controller {
 
 /// Returns the feedback of motors that have made all commanded steps, with a command.
 fn followed(controller: &Controller, command: Option<Command>) -> Feedback {
-    let mut feedback = Feedback::of(command);
+    let mut feedback = Feedback::with_command(command);
     let counts = feedback.encoder.iter_mut().zip(&controller.channels);
     for (axis, (count, channel)) in counts.enumerate() {
         let steps = controller.output.telemetry.steps(axis) as i32;
@@ -116,7 +116,7 @@ fn home(controller: &mut Controller) {
 fn pulses_of_a_tick_stay_in_memory_while_the_next_tick_is_planned() {
     let mut controller = controller(&sample::settings(3), 2.0);
     let mut place = |axis| {
-        let output = controller.tick(&Feedback::of(None));
+        let output = controller.tick(&Feedback::with_command(None));
         assert!(!output.runs(axis).is_empty());
         assert!(output.runs(3).is_empty() && output.runs(MAX_AXES).is_empty());
         output.runs(axis).as_ptr()
@@ -141,7 +141,7 @@ fn running(amax_mps2: f64) -> Controller {
 #[test]
 fn a_drive_alarm_stops_the_machine_and_names_its_axis() {
     let mut controller = running(100.0);
-    let mut feedback = Feedback::of(None);
+    let mut feedback = Feedback::with_command(None);
     feedback.alarms = 1 << 1;
     let telemetry = controller.tick(&feedback).telemetry.clone();
     let fault = telemetry.fault.expect("a fault");
@@ -153,7 +153,7 @@ fn a_drive_alarm_stops_the_machine_and_names_its_axis() {
 #[test]
 fn an_alarm_of_an_axis_that_is_not_there_is_ignored() {
     let mut controller = running(100.0);
-    let mut feedback = Feedback::of(None);
+    let mut feedback = Feedback::with_command(None);
     feedback.alarms = !0 << 2;
     let telemetry = controller.tick(&feedback).telemetry.clone();
     assert_eq!((telemetry.state, telemetry.fault), (State::Run, None));
@@ -196,7 +196,7 @@ fn every_start_from_idle_homes_again() {
     let mut controller = controller(&settings(), 100.0);
     home(&mut controller);
     assert_eq!(controller.output.telemetry.state, State::Run);
-    let mut lost = Feedback::of(None);
+    let mut lost = Feedback::with_command(None);
     lost.inputs.enable = false;
     controller.tick(&lost);
     play(&mut controller, Some(Command::Reset), 1, false);
@@ -293,7 +293,7 @@ fn trims_of_an_interrupted_wiring_proof_are_reverted() {
         assert_eq!(controller.output.telemetry.state, State::Homing);
     }
     assert!(trim(&controller) > 0, "it is on its way");
-    let mut lost = Feedback::of(None);
+    let mut lost = Feedback::with_command(None);
     lost.inputs.enable = false;
     controller.tick(&lost);
     assert_eq!(controller.output.telemetry.state, State::Fault);

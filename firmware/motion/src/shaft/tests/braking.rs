@@ -60,7 +60,7 @@ proptest! {
     /// The longest ramps that settings accept, by a step of induction; nothing overflows.
     #[test]
     fn a_tick_of_braking_shortens_the_distance_by_its_speed(
-        (limits, state) in any_state(any_limit_settings().prop_map(|(hz, settings)| ShaftLimits::of(&settings, hz))),
+        (limits, state) in any_state(any_limit_settings().prop_map(|(hz, settings)| ShaftLimits::from_settings(&settings, hz))),
         braking in 0_u32..50,
     ) {
         let distance = |state: State| limits.parking.braking_distance(state.speed, state.acceleration);

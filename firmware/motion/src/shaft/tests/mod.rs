@@ -130,7 +130,7 @@ fn limits(
             .map(|&(from_hz, to_hz)| BandSettings { from_hz, to_hz })
             .collect(),
     };
-    ShaftLimits::of(&settings, tick_hz)
+    ShaftLimits::from_settings(&settings, tick_hz)
 }
 
 /// Limits over the whole range of settings, with ramps short enough to be run often.
@@ -157,7 +157,7 @@ fn any_limits() -> impl Strategy<Value = ShaftLimits> {
                 let bands = bands
                     .iter()
                     .map(|&(from_hz, to_hz)| BandSettings { from_hz, to_hz });
-                Some(ShaftLimits::of(
+                Some(ShaftLimits::from_settings(
                     &LimitSettings {
                         bands: bands.collect(),
                         ..settings
@@ -246,7 +246,7 @@ fn a_band_extends_by_the_speed_gained_in_a_turn() {
             .collect(),
     };
     for tick_hz in [500, 2000, 10_000] {
-        let limits = ShaftLimits::of(&settings, tick_hz);
+        let limits = ShaftLimits::from_settings(&settings, tick_hz);
         let is_at = |hz: f64| limits.is_at_band(Turns::from_num(hz / f64::from(tick_hz)));
         let top = 216_f64.sqrt();
         for hz in [3.001, 3.5, 4.0, 5.0, 5.99, 12.001, 13.0, top - 0.01] {
@@ -306,7 +306,7 @@ proptest! {
     /// at the phase.
     #[test]
     fn the_longest_ramps_can_be_planned((tick_hz, settings) in any_limit_settings(), phase_bits in 0..ONE_TURN) {
-        let mut watch = Watch::new(ShaftLimits::of(&settings, tick_hz));
+        let mut watch = Watch::new(ShaftLimits::from_settings(&settings, tick_hz));
         watch.start_at(watch.shaft.limits.speed);
         for _ in 0..200_000 {
             if watch.advance(Demand::Stop(Some(Turns::from_bits(phase_bits)))).at_rest {

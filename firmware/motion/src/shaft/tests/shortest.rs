@@ -157,7 +157,7 @@ fn a_fault_stop_during_homing_is_the_shortest() {
             homing_speed_hz: speed_hz / 20.0,
             bands: heapless::Vec::new(),
         };
-        let limits = ShaftLimits::of(&settings, 2000);
+        let limits = ShaftLimits::from_settings(&settings, 2000);
         let homing_speed = Demand::Follow(Target::steady(limits.homing_speed()));
         for ticks in 1..600 {
             let mut watch = Watch::new(limits.clone());

@@ -28,7 +28,7 @@ pub struct ScopeFrame {
 
 impl ScopeFrame {
     /// Frame of a scene's page.
-    pub fn of(checked: &Checked) -> Self {
+    pub fn for_scene(checked: &Checked) -> Self {
         let scene = &checked.scene;
         Self {
             title: scene.name.clone(),

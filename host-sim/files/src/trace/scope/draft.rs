@@ -8,8 +8,8 @@ use kuva::render::plots::Plot;
 
 use super::curve;
 use super::envelope::{Envelope, Extent};
-use super::ink::VERMILION;
 use super::scale::{TimeAxis, plain};
+use super::style::VERMILION;
 
 /// One panel, ready for the page: kuva's plots, and the layout without its place on the page.
 pub struct Panel {

@@ -6,8 +6,8 @@
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::data::ScopeData;
-use super::ink::{MUTED, VERMILION, WIDTH, at, fits, text_on_white, width};
 use super::scale::TimeAxis;
+use super::style::{MUTED, VERMILION, WIDTH, at, fits, text_on_white, width};
 
 /// Height of a lane, px.
 pub const LANE: f64 = 15.0;

@@ -15,12 +15,12 @@ mod curve;
 mod data;
 mod draft;
 mod envelope;
-mod ink;
 mod labels;
 mod overlay;
 mod page;
 mod panel;
 mod scale;
+mod style;
 mod timeline;
 
 pub use data::{ScopeData, ScopeFrame};

@@ -9,10 +9,10 @@ use kuva::render::render::Scene;
 
 use super::draft::{Draft, Panel, Pen};
 use super::envelope::{Envelope, Extent, PAGE_BUCKETS};
-use super::ink::{BLUE, DARK_BLUE, GREEN, INK, LEFT, MUTED, PALE_BLUE, WIDTH, svg, text};
 use super::page::{FONT, GAP, TIME_AXIS, embed};
 use super::panel::{AXES, peak};
 use super::scale::{TimeAxis, padded};
+use super::style::{BLUE, DARK_BLUE, GREEN, INK, LEFT, MUTED, PALE_BLUE, WIDTH, svg, text};
 
 /// Values of a run at one time; NaN for a value that is not known.
 #[derive(Clone, Debug, Default)]

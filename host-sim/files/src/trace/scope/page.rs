@@ -8,13 +8,13 @@ use kuva::render::theme::Theme;
 
 use super::data::ScopeData;
 use super::draft::Panel;
-use super::ink::{
-    INK, LEFT, MUTED, RIGHT, VERMILION, WIDTH, at, fits, svg, text, text_anchored, text_on_white,
-    width,
-};
 use super::labels::{LANE, Labels};
 use super::panel;
 use super::scale::TimeAxis;
+use super::style::{
+    INK, LEFT, MUTED, RIGHT, VERMILION, WIDTH, at, fits, svg, text, text_anchored, text_on_white,
+    width,
+};
 
 const LANES_TOP: f64 = 72.0;
 const RIBBON: f64 = 20.0;

@@ -14,8 +14,8 @@ use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 use super::data::{ScopeData, channel};
 use super::draft::{Draft, Panel, Pen};
 use super::envelope::Extent;
-use super::ink::{BLUE, DARK_BLUE, GREEN, ORANGE, PALE_BLUE};
 use super::scale::{TimeAxis, is_in_sight, padded, plain, short};
+use super::style::{BLUE, DARK_BLUE, GREEN, ORANGE, PALE_BLUE};
 
 /// Colour of forbidden bands.
 pub const BAND: &str = "#E69F00";

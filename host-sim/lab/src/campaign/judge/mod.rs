@@ -221,7 +221,7 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
 /// Returns true if the drive of a fault's axis raises its alarm when its motor does not follow.
 fn watches_following_error(scene: &Scene, fault: &FaultAt) -> bool {
     let drive = scene.resolved(fault.axis.unwrap_or_default()).drive;
-    (DriveModel::of(drive).window_deg)(&scene.axes).is_some()
+    (DriveModel::for_drive(drive).window_deg)(&scene.axes).is_some()
 }
 
 /// Returns true if the two axes of a swap differ in one of their own settings.

@@ -75,14 +75,14 @@ impl Plan {
             return Ok(Self { seed, scene, kinds });
         };
         if !checked.scene.fault.is_empty() {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 "fault",
                 "has faults of its own, and a campaign draws them; leave them out",
             ));
         }
         let kinds = kinds_of(checked);
         if kinds.is_empty() {
-            return Err(SceneError::at(
+            return Err(SceneError::for_key(
                 "",
                 "has nothing that could go wrong on its model level; give axes with index sensors or encoders",
             ));

@@ -11,7 +11,7 @@ use cophase_methods::Scheme;
 use cophase_scene::library;
 use host_sim::drives::{Field, Induction, Motor};
 use host_sim::dynamics::Driven;
-use host_sim::dynamics::plant::OnPlant;
+use host_sim::dynamics::plant::PlantRotors;
 use host_sim::machines::screen::{Screen, Sufficient};
 
 use super::panel::{Curve, Shown, failing, guarded};
@@ -74,7 +74,7 @@ fn resultant(angles_rad: &[f64]) -> f64 {
 pub fn free(places_m: &[f64]) -> Result<Resultant, ChartError> {
     let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
     let n = places_m.len();
-    let on = OnPlant::new(
+    let on = PlantRotors::new(
         vec![ROTOR_KGM2; n],
         vec![0.0; n],
         Arc::new(screen(places_m)?),

@@ -1,6 +1,6 @@
 //! Conversion of a picture to SVG with kuva.
 
-use host_sim::ink::svg;
+use host_sim::style::svg;
 use kuva::plot::legend::{LegendEntry, LegendShape};
 use kuva::plot::scatter::ScatterPlot;
 use kuva::plot::{LabelStyle, LinePlot, LineStyle};

@@ -99,8 +99,8 @@ fn play(name: &str, tick_hz: u32) -> Result<Run, ChartError> {
         scene.control.tick_hz = tick_hz;
         Checked::new(scene).map_err(|error| failed(&error))
     };
-    let levels =
-        ProgramLevels::of(&at_rate(ProgramLevels::TICK_HZ)?).map_err(|error| failed(&error))?;
+    let levels = ProgramLevels::for_scene(&at_rate(ProgramLevels::TICK_HZ)?)
+        .map_err(|error| failed(&error))?;
     let checked = at_rate(tick_hz)?;
     let mut ramp = Ramp::new(&checked, levels);
     let outcome = simulate(&checked, &mut ramp, |_, _| {}).map_err(|error| failed(&error))?;

@@ -21,7 +21,7 @@ impl ProgramLevels {
     ///
     /// # Errors
     /// The core refuses the scene.
-    pub fn of(checked: &Checked) -> Result<Self, SceneError> {
+    pub fn for_scene(checked: &Checked) -> Result<Self, SceneError> {
         let controller = checked.controller()?;
         let (program, _) = controller.program();
         let mut cursor = Cursor::new();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// A scene that was drawn.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drawn {
+pub struct RandomScene {
     /// TOML text.
     pub text: String,
     /// CSV text of the cam table that the scene names as [`TABLE_FILE`], if it does.
@@ -16,7 +16,7 @@ pub struct Drawn {
 /// File of a cam table, beside the scene.
 pub const TABLE_FILE: &str = "table.csv";
 
-impl Drawn {
+impl RandomScene {
     /// Writes the scene into a folder, with its table, and returns the scene's path.
     ///
     /// # Errors

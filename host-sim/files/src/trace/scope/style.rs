@@ -3,7 +3,7 @@
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::scale::TimeAxis;
-pub use host_sim::ink::{INK, MUTED, VERMILION, svg, text, text_anchored};
+pub use host_sim::style::{INK, MUTED, VERMILION, svg, text, text_anchored};
 
 /// Colours of curves.
 pub const PALE_BLUE: &str = "#A6D0EC";

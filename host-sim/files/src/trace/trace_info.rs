@@ -6,7 +6,7 @@ use crate::version;
 
 /// Format of a written trace.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Written {
+pub struct TraceInfo {
     /// Control ticks per row of `trace.csv`.
     pub every: u64,
     /// Number of rows in `trace.csv`.
@@ -17,7 +17,7 @@ pub struct Written {
     pub window_to_s: Option<f64>,
 }
 
-impl Written {
+impl TraceInfo {
     /// Returns true if the window of `steps.vcd` lies outside the run.
     pub fn is_empty(&self) -> bool {
         self.window_from_s >= self.window_to_s

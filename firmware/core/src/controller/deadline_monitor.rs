@@ -11,18 +11,18 @@ const FORGIVEN_AFTER: u32 = 8;
 /// Two at once are no fault, and three are one. An overloaded loop that misses one deadline after every few ticks is a fault, too, once it
 /// misses more than one in nine for long.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Punctuality {
+pub(super) struct DeadlineMonitor {
     debt: u32,
 }
 
-impl Punctuality {
+impl DeadlineMonitor {
     /// Creates the count of a loop that has missed no deadline.
     pub(super) const fn new() -> Self {
         Self { debt: 0 }
     }
 
     /// Counts a tick that was played.
-    pub(super) const fn met(&mut self) {
+    pub(super) const fn on_time(&mut self) {
         self.debt = self.debt.saturating_sub(1);
     }
 

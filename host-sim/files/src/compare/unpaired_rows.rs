@@ -12,7 +12,7 @@ use super::trace::Values;
 
 /// Time that only one of the runs covers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Surplus {
+pub struct UnpairedRows {
     /// Path of that run.
     pub of: String,
     /// First row, s.
@@ -27,7 +27,11 @@ pub struct Surplus {
 type Rows<'a> = &'a [(usize, i64)];
 
 /// Returns the times that only one of two runs covers.
-pub(super) fn find(runs: [&Run; 2], rows: [Rows<'_>; 2], tolerances: &Tolerances) -> Vec<Surplus> {
+pub(super) fn find(
+    runs: [&Run; 2],
+    rows: [Rows<'_>; 2],
+    tolerances: &Tolerances,
+) -> Vec<UnpairedRows> {
     let mut found = Vec::new();
     for (own, other) in [(0, 1), (1, 0)] {
         let Some((from_ns, to_ns)) = reach(rows[other]) else {
@@ -43,7 +47,7 @@ pub(super) fn find(runs: [&Run; 2], rows: [Rows<'_>; 2], tolerances: &Tolerances
                 let column = changed([runs[own], runs[other]], nearest, row, tolerances)?;
                 Some((seconds(t_ns), column))
             });
-            Some(Surplus {
+            Some(UnpairedRows {
                 of: runs[own].path.display().to_string(),
                 from_s: seconds(rows.first()?.1),
                 to_s: seconds(rows.last()?.1),

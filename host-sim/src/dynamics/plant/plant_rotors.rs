@@ -10,7 +10,7 @@ use crate::pose::Pose;
 
 /// Rotors on the shafts of a plant.
 #[derive(Clone, Debug)]
-pub struct OnPlant {
+pub struct PlantRotors {
     rotors_kgm2: Vec<f64>,
     friction_nm: Vec<f64>,
     plant: Arc<dyn Plant>,
@@ -19,7 +19,7 @@ pub struct OnPlant {
     law_nm: Option<[f64; MAX]>,
 }
 
-impl OnPlant {
+impl PlantRotors {
     /// Creates rotors of these inertias, kg·m², with this dry friction, N·m, one an axis.
     pub fn new(rotors_kgm2: Vec<f64>, friction_nm: Vec<f64>, plant: Arc<dyn Plant>) -> Self {
         Self {
@@ -32,7 +32,7 @@ impl OnPlant {
     }
 }
 
-impl Dynamics for OnPlant {
+impl Dynamics for PlantRotors {
     fn rotors_kgm2(&self) -> &[f64] {
         &self.rotors_kgm2
     }
