@@ -9,8 +9,10 @@
 use std::f64::consts::TAU;
 
 use cophase_core::settings::Transmission;
+use cophase_lab::design::platform::{
+    Design, DesignError, MotorChoice, Requirement, Warning, design,
+};
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
-use host_sim::design::platform::{Design, DesignError, MotorChoice, Requirement, Warning, design};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::turn_search::{TurnPeak, max_over_turn};
 use host_sim::mechanism::{Mechanism, Platform};

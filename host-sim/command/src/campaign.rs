@@ -15,8 +15,8 @@ use cophase_lab::campaign::{self, picture, table};
 use cophase_scene::input_file::{self, MAX_TABLE_BYTES};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::numbers::whole;
 use super::{CommandError, Status, run, scenes};
+use cophase_lab::numbers::whole;
 
 /// Inject one random fault into each of thousands of machines, and compare every reaction with the claims
 ///

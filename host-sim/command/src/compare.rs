@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use cophase_files::compare::{self, CompareError, Origin, Run, Tolerances};
 
-use super::numbers::{meant, unit_of};
 use super::output::write_file;
 use super::{CommandError, Status};
+use cophase_lab::numbers::{meant, unit_of};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct CompareArgs {

@@ -18,7 +18,6 @@ pub mod design;
 mod expected;
 mod link;
 mod man;
-mod numbers;
 pub mod output;
 mod refusal;
 mod reproduced;

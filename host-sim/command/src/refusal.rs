@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use cophase_scene::load;
 
-use super::numbers;
+use cophase_lab::numbers;
 
 /// Returns the refusal of the arguments of `cophase` as a sentence, or none if clap's text is not a refusal but a page of help.
 pub(super) fn sentence(

@@ -1,4 +1,4 @@
-//! The laboratory. It compares methods and model levels ([`chart`]), tests the loop's claims on thousands of machines
+//! The laboratory. It sizes machines ([`design`]), compares methods and model levels ([`chart`]), tests the loop's claims on thousands of machines
 //! ([`campaign`]), and puts published figures beside ours ([`reproduced`]).
 //!
 //! Nothing here takes part in running a scene. [`host_sim`] runs scenes.
@@ -6,4 +6,6 @@
 
 pub mod campaign;
 pub mod chart;
+pub mod design;
+pub mod numbers;
 pub mod reproduced;

@@ -6,7 +6,6 @@ use cophase_scene::load::{read_file, read_text};
 use cophase_scene::{Scene, SceneError};
 
 use crate::checked::Checked;
-use crate::design::NotRunnable;
 
 /// Reads a scene from a file and checks its values.
 ///
@@ -24,19 +23,6 @@ pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
 /// Those of [`checked_from_file`], without an origin.
 pub fn checked_from_text(text: &str, folder: Option<&Path>) -> Result<Checked, SceneError> {
     read_text(text, folder, checked)
-}
-
-/// Returns the scene text of a design, after a check.
-///
-/// # Errors
-/// A run would refuse the scene, for instance for a speed outside the range of scenes.
-pub fn runnable(text: String) -> Result<String, NotRunnable> {
-    match checked_from_text(&text, None) {
-        Ok(_) => Ok(text),
-        Err(error) => Err(NotRunnable {
-            problem: format!("{}: {}", error.key, error.problem),
-        }),
-    }
 }
 
 fn checked(scene: Scene) -> Result<Checked, SceneError> {

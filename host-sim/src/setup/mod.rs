@@ -22,7 +22,7 @@ use crate::machines::{self, Made, Table};
 use crate::model_level::choose;
 
 pub use correction::servos;
-pub use load::{checked_from_file, checked_from_text, runnable};
+pub use load::{checked_from_file, checked_from_text};
 
 impl Checked {
     /// Checks a scene.

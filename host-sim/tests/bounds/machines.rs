@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use cophase_core::mechanism::CrankRockerSettings;
+use cophase_lab::design::crank_rocker::{Requirement, design};
 use cophase_scene::library;
-use host_sim::design::crank_rocker::{Requirement, design};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 

@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::design::crank_rocker::{Design, DesignError, Requirement, design};
+use cophase_lab::design::crank_rocker::{Design, DesignError, Requirement, design};
 use host_sim::mechanism::crank_rocker::Linkage;
 
 use super::assert_near;

@@ -1,6 +1,6 @@
 //! Kinematics of the five-bar arm, against figures computed from its source.
 
-use host_sim::design::five_bar::{DesignError, Requirement, design};
+use cophase_lab::design::five_bar::{DesignError, Requirement, design};
 use host_sim::mechanism::five_bar::{FiveBar, Joints};
 
 const ARM: FiveBar = FiveBar {

@@ -1,6 +1,6 @@
 //! Drive and flywheel of the jaw crusher, against the figures of its source and independently computed figures.
 
-use host_sim::design::flywheel::{DesignError, Requirement, Rock, Shape, design, periodic};
+use cophase_lab::design::flywheel::{DesignError, Requirement, Rock, Shape, design, periodic};
 
 use super::assert_near;
 

@@ -1,9 +1,9 @@
 //! Design of the self-centring screen, against the figures of its source and independently computed figures.
 
-use host_sim::design::screen::drive::{
+use cophase_lab::design::screen::drive::{
     bearing_life_h, belt_mm, belt_mps, max_moment, stress_kgf_per_cm2,
 };
-use host_sim::design::screen::{Design, Requirement, Spring, design};
+use cophase_lab::design::screen::{Design, Requirement, Spring, design};
 
 use super::assert_near;
 

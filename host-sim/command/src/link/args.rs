@@ -10,8 +10,8 @@ use cophase_link::message::Output;
 
 use super::bring_up;
 use super::record::ChannelName;
-use crate::numbers::{in_range, whole};
 use crate::run::window;
+use cophase_lab::numbers::{in_range, whole};
 
 #[derive(Debug, Args)]
 #[command(

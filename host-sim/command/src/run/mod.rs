@@ -14,7 +14,6 @@ use progress::progress_bar;
 pub(crate) use values::window;
 use values::{formats, receiver, speed};
 
-use super::numbers::whole;
 use super::{CommandError, Status, expected, scenes};
 use cophase_files::report::draw_operating_range;
 use cophase_files::report::{self, Report};
@@ -22,6 +21,7 @@ use cophase_files::trace::TraceInfo;
 use cophase_files::trace::{
     Every, Format, Recorder, RunFiles, ScopeData, ScopeFrame, SentRows, Window, gtkwave_layout,
 };
+use cophase_lab::numbers::whole;
 use cophase_scene::SceneError;
 use cophase_scene::library;
 use host_sim::checked::Checked;

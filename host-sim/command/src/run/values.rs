@@ -7,7 +7,7 @@ use cophase_files::trace::{Format, Window};
 use cophase_scene::file::MAX_S;
 
 use crate::address::Parts;
-use crate::numbers::{in_range, meant};
+use cophase_lab::numbers::{in_range, meant};
 
 pub(crate) fn window(text: &str) -> Result<Window, String> {
     if text == "all" {

@@ -30,11 +30,11 @@ use cophase_link::line::UART_BAUD;
 use super::address::Parts;
 use super::link::connection::Connection;
 use super::link::transport::{self, Faults};
-use super::numbers::whole;
 use super::{CommandError, Status};
 use access::Access;
 use bench::Bench;
 use browser::Senders;
+use cophase_lab::numbers::whole;
 
 #[derive(Debug, Args)]
 #[command(

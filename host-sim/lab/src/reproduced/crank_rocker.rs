@@ -1,6 +1,6 @@
 //! Figures of the crank-rocker.
 
-use host_sim::design::crank_rocker::{Design, Requirement, design};
+use crate::design::crank_rocker::{Design, Requirement, design};
 use host_sim::mechanism::crank_rocker::Linkage;
 
 use super::Tolerance::Absolute;
@@ -43,7 +43,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
             screw_lead_mm: None,
         });
         match refused {
-            Err(host_sim::design::crank_rocker::DesignError::Branch { swing_deg, .. }) => swing_deg,
+            Err(crate::design::crank_rocker::DesignError::Branch { swing_deg, .. }) => swing_deg,
             _ => f64::NAN,
         }
     };

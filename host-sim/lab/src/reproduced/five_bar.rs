@@ -1,6 +1,6 @@
 //! Figures of the suspended five-bar arm.
 
-use host_sim::design::five_bar::{Requirement, design};
+use crate::design::five_bar::{Requirement, design};
 use host_sim::machines::five_bar::arm::{ForceSensor, GRAVITY_MPS2, Line, Load};
 
 use super::Tolerance::Absolute;

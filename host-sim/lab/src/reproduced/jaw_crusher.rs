@@ -1,6 +1,6 @@
 //! Figures of the jaw crusher and its flywheel.
 
-use host_sim::design::flywheel::{Requirement, design};
+use crate::design::flywheel::{Requirement, design};
 use host_sim::machines::crusher::mains::{Jaw, OnMains, Shape, Speeds};
 
 use super::Tolerance::{Absolute, NotReproduced, Relative};

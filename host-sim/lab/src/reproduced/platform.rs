@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::design::platform::{Design, Requirement, design};
+use crate::design::platform::{Design, Requirement, design};
 use host_sim::mechanism::Mechanism;
 use host_sim::mechanism::slider_crank::SliderCrank;
 

@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use cophase_methods::Scheme;
-use cophase_methods::problems::Screen;
-use host_sim::design::screen::drive::{
+use crate::design::screen::drive::{
     bearing_life_h, belt_mm, belt_mps, max_moment, stress_kgf_per_cm2,
 };
-use host_sim::design::screen::{Design, Requirement, Spring, design};
+use crate::design::screen::{Design, Requirement, Spring, design};
+use cophase_methods::Scheme;
+use cophase_methods::problems::Screen;
 
 use super::Tolerance::{Absolute, NotReproduced, Relative};
 use super::{Figure, ReproducedError, Section};

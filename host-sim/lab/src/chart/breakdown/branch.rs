@@ -9,7 +9,7 @@ use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::ink::Ink;
 use crate::chart::picture::Line;
-use host_sim::design::crank_rocker::{DesignError, Requirement, design};
+use crate::design::crank_rocker::{DesignError, Requirement, design};
 
 /// Requested swing of the rocker, degrees.
 pub const SWING_DEG: f64 = 60.0;

@@ -2,7 +2,7 @@
 //!
 //! The source is a paper of 2013 on a vibro-mixer. A screw turns the rocker's swing into the stroke of a rod. [`Requirement`] is the
 //! required motion of the rocker. [`design`] returns the [`Linkage`] that meets it, or an error that names the parameter which prevents
-//! it. [`write_page`] prints it.
+//! it.
 //!
 //! Let α be the swing, and β the pressure angle where crank and coupler are stretched out. Let k be the time of the forward stroke over
 //! that of the return. The angle between the two dead centres is Θ = 180° (1 − k) / (1 + k). Lengths over the rocker's are
@@ -13,28 +13,42 @@
 //!
 //! where q = sin(α/2) / sin Θ.
 
-mod report;
+mod output;
 mod scene;
 
 use core::f64::consts::{PI, TAU};
+use std::path::PathBuf;
 
 use super::range::{OutOfRange, Range};
-use crate::mechanism::crank_rocker::Linkage;
-use crate::mechanism::turn_search::max_over_turn;
-
-pub use report::write_page;
+use crate::numbers::number;
+use host_sim::mechanism::crank_rocker::Linkage;
+use host_sim::mechanism::turn_search::max_over_turn;
 
 /// Motion of the rocker, and the lead of the screw that it turns.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, clap::Args)]
 pub struct Requirement {
-    /// Swing of the rocker, degrees: above 0, up to 179.
+    /// Swing of the rocker, degrees: above 0, up to 179
+    #[arg(long, value_name = "A", allow_hyphen_values = true, value_parser = number)]
     pub swing_deg: f64,
-    /// Pressure angle where crank and coupler are stretched out, degrees: from 0 to below half the swing.
+    /// Pressure angle where crank and coupler are stretched out, degrees: from 0 to below half the swing
+    #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = number)]
     pub pressure_deg: f64,
-    /// Time of the forward stroke over that of the return: from 0.01 to 0.999.
+    /// Time of the forward stroke over that of the return: 0.01 to 0.999
+    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = number)]
     pub time_ratio: f64,
-    /// Lead of the screw, mm: above 0, up to 1000. None without a screw.
+    /// Lead of the screw that the rocker turns, mm: above 0, up to 1000
+    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = number)]
     pub screw_lead_mm: Option<f64>,
+}
+
+/// Options of the method.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CrankRocker {
+    #[command(flatten)]
+    requirement: Requirement,
+    /// Draw the linkage at both dead centres into this file, too
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
 }
 
 /// Reason why a requirement has no linkage.

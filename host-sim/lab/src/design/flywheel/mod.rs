@@ -9,33 +9,42 @@
 //! - irregularity (ω₁ − ω₂) / ω̄, and energy given up J (ω₁² − ω₂²) / 2 between the fastest and the slowest speed.
 
 mod dynamic;
-mod report;
+mod output;
 
 use core::f64::consts::TAU;
 
 use super::range::{OutOfRange, Range};
+use crate::numbers::number;
 
 pub use dynamic::{Dynamic, Rock, Shape, periodic};
-pub use report::write_page;
+pub use output::Flywheel;
 
 /// Motor, belt and flywheel, and the speed range of the shaft.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, clap::Args)]
 pub struct Requirement {
-    /// Rated power of the motor, kW: above 0, up to 10,000.
+    /// Rated power of the motor, kW: above 0, up to 10,000
+    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = number)]
     pub power_kw: f64,
-    /// Rated speed of the motor, rpm: above 0, below the synchronous speed.
+    /// Rated speed of the motor, rpm: below the synchronous speed
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = number)]
     pub rated_rpm: f64,
-    /// Synchronous speed of the motor, rpm: above 0, up to 12,000.
+    /// Synchronous speed of the motor, rpm: above 0, up to 12,000
+    #[arg(long, value_name = "N0", allow_hyphen_values = true, value_parser = number)]
     pub synchronous_rpm: f64,
-    /// Breakdown torque over rated torque: 1.1 to 5.
+    /// Breakdown torque over rated torque: 1.1 to 5
+    #[arg(long, value_name = "L", allow_hyphen_values = true, value_parser = number)]
     pub overload: f64,
-    /// Speed of the motor over that of the shaft: 0.1 to 100.
+    /// Speed of the motor over that of the shaft: 0.1 to 100
+    #[arg(long, value_name = "J", allow_hyphen_values = true, value_parser = number)]
     pub belt_ratio: f64,
-    /// Mass of the flywheel, kg: above 0, up to 100,000.
+    /// Mass of the flywheel, kg: above 0, up to 100,000
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
     pub mass_kg: f64,
-    /// Diameter on which the mass lies, m: above 0, up to 20.
+    /// Diameter on which that mass lies, m: above 0, up to 20
+    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = number)]
     pub diameter_m: f64,
     /// Fastest and slowest speed of the shaft, rad/s. `None` if they are not known.
+    #[arg(skip)]
     pub speeds_rad_s: Option<[f64; 2]>,
 }
 

@@ -1,4 +1,6 @@
-//! A design as a scene: text that `cophase run` accepts. The folder `setup` checks it as any scene.
+//! A design as a scene: text that `cophase run` accepts.
+
+use host_sim::setup::checked_from_text;
 
 /// Reason why a design is not a scene that can be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -6,6 +8,19 @@
 pub struct NotRunnable {
     /// Problem of the scene, with the key and the fix.
     pub problem: String,
+}
+
+/// Returns the scene text of a design, after a check.
+///
+/// # Errors
+/// A run would refuse the scene, for instance for a speed outside the range of scenes.
+pub(super) fn runnable(text: String) -> Result<String, NotRunnable> {
+    match checked_from_text(&text, None) {
+        Ok(_) => Ok(text),
+        Err(error) => Err(NotRunnable {
+            problem: format!("{}: {}", error.key, error.problem),
+        }),
+    }
 }
 
 /// Aligns the comments behind values in one column.

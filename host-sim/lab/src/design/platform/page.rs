@@ -6,8 +6,8 @@ use cophase_scene::digits::{degrees, four, percent, plain};
 
 use super::motor::MotorChoice;
 use super::steps::Design;
-use crate::mechanism::Mechanism;
-use crate::mechanism::slider_crank::Extrema;
+use host_sim::mechanism::Mechanism;
+use host_sim::mechanism::slider_crank::Extrema;
 
 /// Width of the text, columns.
 const WIDTH: usize = 90;
@@ -22,7 +22,11 @@ const MIN_AMAX_G: f64 = 10.0;
 ///
 /// # Errors
 /// `out` cannot be written to.
-pub fn write_page(design: &Design, motor: &MotorChoice, out: &mut impl Write) -> io::Result<()> {
+pub(super) fn write_page(
+    design: &Design,
+    motor: &MotorChoice,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let motors = design.requirement.motors;
     writeln!(out, "Vibration platform on {motors} slider-cranks")?;
     writeln!(out)?;
@@ -41,7 +45,7 @@ pub fn write_page(design: &Design, motor: &MotorChoice, out: &mut impl Write) ->
 }
 
 /// Writes steps A to H, one per line.
-fn write_sizes(design: &Design, out: &mut impl Write) -> io::Result<()> {
+fn write_sizes(design: &Design, out: &mut dyn Write) -> io::Result<()> {
     let requested = &design.requirement;
     let radius_mm = 1e3 * design.mechanism.crank_radius_m();
     let rod_mm = 1e3 * design.mechanism.rod_length_m();
@@ -111,7 +115,7 @@ fn write_sizes(design: &Design, out: &mut impl Write) -> io::Result<()> {
 
 /// Writes step I: the results of the two-term formula, and the exact ones with the platform on either
 /// side.
-fn write_comparison(design: &Design, out: &mut impl Write) -> io::Result<()> {
+fn write_comparison(design: &Design, out: &mut dyn Write) -> io::Result<()> {
     let omega = design.speed_rad_s();
     let two_term = design.mechanism.extrema_two_term(omega);
     let exact = design.mechanism.extrema_exact(omega);
@@ -167,7 +171,7 @@ fn write_comparison(design: &Design, out: &mut impl Write) -> io::Result<()> {
 }
 
 /// Writes step J: the task of the controller of this mechanism.
-fn write_control(design: &Design, motor: &MotorChoice, out: &mut impl Write) -> io::Result<()> {
+fn write_control(design: &Design, motor: &MotorChoice, out: &mut dyn Write) -> io::Result<()> {
     let rpm = |amax_g: f64| {
         let amax_mps2 = amax_g * design.requirement.gravity_mps2;
         let speed_rad_s = design.mechanism.speed_for_amax_rad_s(amax_mps2);
@@ -202,7 +206,7 @@ fn write_control(design: &Design, motor: &MotorChoice, out: &mut impl Write) -> 
 }
 
 /// Writes the figures of the motor behind its gear, which are no step of the source.
-fn write_motor(design: &Design, motor: &MotorChoice, out: &mut impl Write) -> io::Result<()> {
+fn write_motor(design: &Design, motor: &MotorChoice, out: &mut dyn Write) -> io::Result<()> {
     let gear = motor.gear;
     writeln!(
         out,
@@ -237,7 +241,7 @@ fn write_motor(design: &Design, motor: &MotorChoice, out: &mut impl Write) -> io
 
 /// Writes `text` in lines of at most [`WIDTH`] columns. The first begins with `lead`, and the others
 /// are indented.
-fn write_wrapped(text: &str, lead: &str, out: &mut impl Write) -> io::Result<()> {
+fn write_wrapped(text: &str, lead: &str, out: &mut dyn Write) -> io::Result<()> {
     let mut line = String::from(lead);
     let indent = lead.chars().count();
     for word in text.split_whitespace() {

@@ -7,9 +7,9 @@
 
 use super::requirement::Requirement;
 use crate::design::range::OutOfRange;
-use crate::mechanism::slider_crank::{SliderCrank, SliderCrankError};
-use crate::mechanism::turn_search::{TurnPeak, max_over_turn};
-use crate::mechanism::{Mechanism, Platform};
+use host_sim::mechanism::slider_crank::{SliderCrank, SliderCrankError};
+use host_sim::mechanism::turn_search::{TurnPeak, max_over_turn};
+use host_sim::mechanism::{Mechanism, Platform};
 
 /// Reason why a requirement has no design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -87,7 +87,7 @@ impl Design {
 /// [`Requirement`] states, and numbers so near 0 that nothing can be computed from them.
 ///
 /// ```
-/// use host_sim::design::platform::{Requirement, design};
+/// use crate::design::platform::{Requirement, design};
 /// let found = design(&Requirement {
 ///     load_kg: 10.0,
 ///     amax_g: 10.0,
@@ -98,7 +98,7 @@ impl Design {
 ///     gravity_mps2: 10.0,
 /// })?;
 /// assert_eq!(format!("{:.0}", found.motor_torque_nm()), "15");
-/// # Ok::<(), host_sim::design::platform::DesignError>(())
+/// # Ok::<(), crate::design::platform::DesignError>(())
 /// ```
 pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
     let out_of_range = requirement.out_of_range();

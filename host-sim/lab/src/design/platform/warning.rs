@@ -7,7 +7,7 @@ use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 use super::motor::MotorChoice;
 use super::steps::Design;
-use crate::mechanism::slider_crank::{Extremum, SliderCrank};
+use host_sim::mechanism::slider_crank::{Extremum, SliderCrank};
 
 /// Smallest relative error of two-term values that is reported. Motors come in coarser steps.
 const NOTICEABLE: f64 = 0.005;

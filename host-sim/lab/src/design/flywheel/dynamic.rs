@@ -2,12 +2,12 @@
 //!
 //! The equation of motion is integrated over whole turns until a turn ends in the state in which it began. There are two results: a
 //! converged one, and one by the scheme of the source with a few nodes a turn. The source has lost its linkage, so
-//! [`Linkage::SOURCE`](crate::machines::crusher::mains::Linkage::SOURCE) is an assumed one.
+//! [`Linkage::SOURCE`](host_sim::machines::crusher::mains::Linkage::SOURCE) is an assumed one.
 
-use crate::machines::crusher::mains::OnMains;
-use crate::machines::crusher::mains::{Diverged, Speeds};
+use host_sim::machines::crusher::mains::OnMains;
+use host_sim::machines::crusher::mains::{Diverged, Speeds};
 
-pub use crate::machines::crusher::mains::Shape;
+pub use host_sim::machines::crusher::mains::Shape;
 
 use super::{Design, DesignError};
 use crate::design::range::{OutOfRange, Range};

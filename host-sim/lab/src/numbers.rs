@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 
 /// Text that is no number as its option takes it.
 #[derive(Debug)]
-pub(crate) struct NoNumber {
+pub struct NoNumber {
     text: String,
     /// The form of a right value.
     form: String,
@@ -42,14 +42,14 @@ impl NoNumber {
 }
 
 /// Returns the reason why the value of an option is refused.
-pub(crate) fn reason(refusal: &(dyn Error + 'static), option: &str) -> String {
+pub fn reason(refusal: &(dyn Error + 'static), option: &str) -> String {
     refusal
         .downcast_ref::<NoNumber>()
         .map_or_else(|| refusal.to_string(), |number| number.fix(unit_of(option)))
 }
 
 /// Returns a parser of a whole number in a range.
-pub(crate) fn whole<N>(
+pub fn whole<N>(
     range: RangeInclusive<u64>,
 ) -> impl Fn(&str) -> Result<N, NoNumber> + Clone + Send + Sync + 'static
 where
@@ -80,7 +80,7 @@ where
 }
 
 /// Parses a number that may have a fraction. The command checks its range with all other inputs.
-pub(crate) fn number(text: &str) -> Result<f64, NoNumber> {
+pub fn number(text: &str) -> Result<f64, NoNumber> {
     text.parse().map_err(|_| NoNumber {
         text: text.to_owned(),
         form: "give a number without a unit, with a point for fractions".to_owned(),
@@ -90,7 +90,7 @@ pub(crate) fn number(text: &str) -> Result<f64, NoNumber> {
 }
 
 /// Parses a number of a unit in a range, which `form` states.
-pub(crate) fn in_range(
+pub fn in_range(
     text: &str,
     range: RangeInclusive<f64>,
     unit: &str,
@@ -119,7 +119,7 @@ const SPELLINGS: [(&str, &[&str]); 9] = [
 
 /// Returns the number of a text with this unit after it, or with a comma for its fraction. There is none if the text is a right number,
 /// has another unit, or may mean two numbers.
-pub(crate) fn meant(text: &str, unit: Option<&str>) -> Option<f64> {
+pub fn meant(text: &str, unit: Option<&str>) -> Option<f64> {
     let text = text.trim();
     let ends = (1..=text.len()).rev();
     let mut parts = ends.filter_map(|end| text.split_at_checked(end));
@@ -170,7 +170,7 @@ fn meant_whole(text: &str, unit: Option<&str>) -> Option<u64> {
 }
 
 /// Returns the unit at the end of the name of an option or a column, such as `--load-kg` or `accel_mps2`.
-pub(crate) fn unit_of(name: &str) -> Option<&str> {
+pub fn unit_of(name: &str) -> Option<&str> {
     let name = name.trim_matches(['<', '>']);
     name.rsplit_once(['-', '_']).map(|(_, unit)| unit)
 }

@@ -2,23 +2,26 @@
 //!
 //! The source is a paper of 2000 on suspended robots, which is appended to the source of the screen.
 
-mod report;
+mod output;
 
 use super::range::{OutOfRange, Range};
-use crate::mechanism::five_bar::{FiveBar, Joints, Unreachable};
+use crate::numbers::number;
+use host_sim::mechanism::five_bar::{FiveBar, Joints, Unreachable};
 
-pub use report::write_page;
-
-/// Links of the arm, and the required place of its hand.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Links of the arm, and the required place of its hand
+#[derive(Clone, Copy, Debug, PartialEq, clap::Args)]
 pub struct Requirement {
-    /// Length of the link at joint 1, m: above 0, up to 10.
+    /// Length of the link at joint 1, m: above 0, up to 10
+    #[arg(long, value_name = "L1", allow_hyphen_values = true, value_parser = number)]
     pub l1_m: f64,
-    /// Length of the link at joint 2, m: above 0, up to 10.
+    /// Length of the link at joint 2, m: above 0, up to 10
+    #[arg(long, value_name = "L4", allow_hyphen_values = true, value_parser = number)]
     pub l4_m: f64,
-    /// Place of the hand, m, −20 to 20 each.
+    /// Place of the hand along x, m
+    #[arg(long, value_name = "X", allow_hyphen_values = true, value_parser = number)]
     pub x_m: f64,
-    /// See `x_m`.
+    /// Place of the hand along y, m
+    #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = number)]
     pub y_m: f64,
 }
 

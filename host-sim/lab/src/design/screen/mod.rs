@@ -12,15 +12,15 @@
 //! - the rim's centre stands still if the wheel is bored off by r = A. Otherwise it circles at |A − r|.
 
 pub mod drive;
-mod report;
+mod output;
 mod scene;
 mod spring;
 
 use core::f64::consts::TAU;
 
 use super::range::{OutOfRange, Range};
+use crate::numbers::number;
 
-pub use report::write_page;
 pub use spring::Spring;
 
 /// Gravity of the source, m/s². The source's stiffnesses are in kgf/cm.
@@ -29,21 +29,28 @@ pub const GRAVITY_MPS2: f64 = 9.81;
 /// Least and largest ratio of throw index to the cosine of the deck's angle that the source recommends.
 const THROW: [f64; 2] = [2.25, 3.24];
 
-/// Masses and speed of a screen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Masses and speed of a screen
+#[derive(Clone, Copy, Debug, PartialEq, clap::Args)]
 pub struct Requirement {
-    /// Mass of the exciter block, kg: above 0, up to 10,000.
+    /// Mass of the exciter block, kg: above 0, up to 10,000
+    #[arg(long, value_name = "G", allow_hyphen_values = true, value_parser = number)]
     pub exciter_kg: f64,
-    /// All other vibrating mass, stones included, kg: above 0, up to 100,000.
+    /// All other vibrating mass, stones included, kg: above 0, up to 100,000
+    #[arg(long, value_name = "P", allow_hyphen_values = true, value_parser = number)]
     pub vibrating_kg: f64,
-    /// Distance of the block's centre of mass from the shaft's axis, mm: above 0, up to 1000.
+    /// Distance of the block's centre of mass from the shaft's axis, mm: above 0, up to 1000
+    #[arg(long, value_name = "R", allow_hyphen_values = true, value_parser = number)]
     pub eccentricity_mm: f64,
-    /// Speed of the shaft, rpm: above 0, up to 6000.
+    /// Speed of the shaft, rpm: above 0, up to 6000
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = number)]
     pub speed_rpm: f64,
-    /// Distance of the wheel's bore from its centre, mm: above 0, up to 100.
-    pub wheel_mm: f64,
-    /// Inclination of the deck, degrees: 0 to 45. `None` if it is not known.
+    /// Inclination of the deck, degrees: 0 to 45
+    #[arg(long, value_name = "A", allow_hyphen_values = true, value_parser = number)]
     pub deck_deg: Option<f64>,
+    /// Distance of the wheel's bore from its centre, mm: above 0, up to 100
+    #[arg(long, value_name = "r", allow_hyphen_values = true, value_parser = number,
+          default_value_t = Requirement::SOURCE_WHEEL_MM)]
+    pub wheel_mm: f64,
 }
 
 /// Reason why a requirement has no screen: all numbers out of their ranges, never empty. Prints a line each.

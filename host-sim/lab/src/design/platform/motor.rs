@@ -5,22 +5,40 @@ use cophase_core::settings::Transmission;
 
 use super::steps::Design;
 use crate::design::range::{OutOfRange, Range};
-use crate::mechanism::Mechanism;
-use crate::mechanism::turn_search::max_over_turn;
+use crate::numbers::{number, whole};
+use host_sim::mechanism::Mechanism;
+use host_sim::mechanism::turn_search::max_over_turn;
 
 /// Full steps of a common stepper, and of one electrical cycle.
 const FULL_STEPS_PER_TURN: f64 = 200.0;
 const FULL_STEPS_PER_CYCLE: f64 = 4.0;
 
 /// Choice of motor and gear, which the source's method leaves open. All values are the motor's own.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, clap::Args)]
 pub struct MotorChoice {
-    /// Belt or gearbox from the motor to the crank.
+    /// Belt or gearbox: turns of the motor and of the crank that belong together, such as 57:11
+    #[arg(long, value_name = "M:C", value_parser = gear, default_value = "1:1")]
     pub gear: Transmission,
-    /// Steps, or counts, per turn of the motor.
+    /// Steps, or counts, per turn of the motor: 4 to 1,048,576
+    #[arg(long, value_name = "S", value_parser = whole::<u32>(4..=1_048_576), default_value_t = 3200)]
     pub steps_per_turn: u32,
-    /// Inertia of the motor, kg·m², if it is known.
+    /// Inertia of the motor, kg·m²: above 0, up to 1000
+    #[arg(long, value_name = "J", allow_hyphen_values = true, value_parser = number)]
     pub rotor_inertia_kgm2: Option<f64>,
+}
+
+/// Parses `M:C`.
+fn gear(text: &str) -> Result<Transmission, &'static str> {
+    let turns = |part: &str| part.trim().parse::<u32>().ok();
+    let pair = text
+        .split_once(':')
+        .and_then(|(motor, crank)| Some((turns(motor)?, turns(crank)?)));
+    let (motor_turns, crank_turns) =
+        pair.ok_or("give turns of the motor and of the crank, such as 57:11")?;
+    Ok(Transmission {
+        motor_turns,
+        crank_turns,
+    })
 }
 
 impl Default for MotorChoice {

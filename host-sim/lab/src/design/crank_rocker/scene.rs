@@ -6,9 +6,9 @@ use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 use super::Design;
 use crate::design::scene::{NotRunnable, aligned, number};
-use crate::mechanism::crank_rocker::CrankRocker;
-use crate::mechanism::turn_search::max_over_turn;
-use crate::mechanism::{Load, Mechanism, Platform};
+use host_sim::mechanism::crank_rocker::CrankRocker;
+use host_sim::mechanism::turn_search::max_over_turn;
+use host_sim::mechanism::{Load, Mechanism, Platform};
 
 /// Assumed values: number of units under the platform, load, kg, working speed, rev/s, and the ratio of the motors'
 /// torque to the required torque.

@@ -11,7 +11,7 @@ use super::motor::MotorChoice;
 use super::steps::Design;
 use super::warning::Warning;
 use crate::design::scene::{aligned, comment, number};
-use crate::mechanism::Mechanism;
+use host_sim::mechanism::Mechanism;
 
 /// Ratio of the speed limit to the design's frequency, and the greatest limit that scenes accept, rev/s.
 const MARGIN: f64 = 1.05;

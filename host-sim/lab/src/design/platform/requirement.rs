@@ -8,25 +8,40 @@ use core::f64::consts::TAU;
 use cophase_scene::units::STANDARD_GRAVITY_MPS2;
 
 use crate::design::range::{OutOfRange, Range};
-use crate::mechanism::{Load, Platform};
+use crate::numbers::number;
+use host_sim::mechanism::{Load, Platform};
 
 /// Numbers of steps A, B, C, E and H of the method, and the two that step I needs in addition.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, clap::Args)]
 pub struct Requirement {
-    /// Mass of the load on the platform, kg: above 0, up to 50.
+    /// Load on the platform, kg: above 0, up to 50
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
     pub load_kg: f64,
-    /// Largest acceleration, in multiples of `gravity_mps2`: 10 to 200.
+    /// Largest acceleration, in multiples of gravity: 10 to 200
+    #[arg(long, value_name = "A", allow_hyphen_values = true, value_parser = number)]
     pub amax_g: f64,
-    /// Strokes a second, Hz: above 0, up to 200. The cranks turn as often.
+    /// Frequency of the platform, Hz: above 0, up to 200
+    #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = number)]
     pub freq_hz: f64,
-    /// Crank radius over rod length: 0.1 to 0.6.
+    /// Crank radius over rod length: 0.1 to 0.6. Small is smoother and takes longer rods; 0.25 is usual
+    #[arg(long, value_name = "L", allow_hyphen_values = true, value_parser = number)]
     pub lambda: f64,
-    /// Motors around the platform: 2 to 6.
+    /// Motors around the platform: 2 to 6
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = count)]
     pub motors: u32,
-    /// Factor on the torque for the neglected masses: 1.5 to 3.
+    /// Factor on the motor torque for the masses left out: 1.5 to 3
+    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = number,
+          default_value_t = Requirement::DEFAULT_SAFETY)]
     pub safety: f64,
-    /// Gravity, m/s²: 9.7 to 10. Both the unit of `amax_g` and a force on the load.
+    /// Gravity, m/s²: 9.7 to 10
+    #[arg(long = "gravity", value_name = "G", allow_hyphen_values = true, value_parser = number,
+          default_value_t = STANDARD_GRAVITY_MPS2)]
     pub gravity_mps2: f64,
+}
+
+/// Parses a number of motors. Its range is checked later, with all other inputs.
+fn count(text: &str) -> Result<u32, &'static str> {
+    text.parse().map_err(|_| "must be a whole number; try 4")
 }
 
 impl Requirement {
