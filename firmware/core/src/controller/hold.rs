@@ -84,7 +84,7 @@ impl Controller {
             let away = self
                 .state
                 .hold
-                .has_moved_away(axis, error, monitor.alone(axis));
+                .has_moved_away(axis, error, monitor.single_axis_limit(axis));
             let size = monitor.phase_error().get(axis).copied();
             return away.then_some(fault.with_size(size.unwrap_or_default()));
         }

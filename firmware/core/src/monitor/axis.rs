@@ -22,16 +22,16 @@ use crate::units::{AxisSet, PerAxis, Phase, Turns, nearest};
 /// Missing index pulses in a row that are tolerated on an axis with an encoder.
 const MAX_MISSED: u8 = 2;
 
-/// Time at which a phase error is measured, on an axis whose encoder shows it all the time.
+/// Filter of a phase error, on an axis whose encoder shows it all the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measured {
-    /// In this tick, with the noise of a reading.
-    Now,
-    /// Filtered over the last ticks: with less noise, and delayed by some ticks.
-    Lately,
-    /// At the last passage of the flag, where loads are alike in each turn, to be compared with that of a turn ago. Without an index
-    /// sensor, the same as `Lately`.
-    AtFlag,
+pub enum ErrorFilter {
+    /// The error in this tick, with the noise of a reading.
+    None,
+    /// The mean over the last ticks: with less noise, and delayed by some ticks.
+    LowPass,
+    /// The error at the last passage of the flag, where loads are alike in each turn, to be compared with that of a turn ago. Without an
+    /// index sensor, the same as `LowPass`.
+    AtIndex,
 }
 
 /// Motion of a crank on its shaft or away from its command.
@@ -40,7 +40,7 @@ pub(super) struct Motion {
     /// Since the last round.
     pub jump: Angle,
     /// Since the place from which slow motion is counted.
-    pub walk: Angle,
+    pub drift: Angle,
 }
 
 /// Fault that is to be reported: its kind, its size, and whether the crank is still detected.
@@ -89,7 +89,7 @@ pub(super) struct Axis {
     pub(super) encoder: Option<ServoPart<Encoder>>,
     /// Place in the last round, and the place from which slow motion is counted.
     last: Angle,
-    home: Angle,
+    drift_origin: Angle,
     pub(super) events: Events,
     pub(super) steady_drift: SteadyDrift,
 }
@@ -103,7 +103,7 @@ impl Axis {
             index: Index::new(Phase::ZERO),
             encoder: servo_part(encoder),
             last: Angle::ZERO,
-            home: Angle::ZERO,
+            drift_origin: Angle::ZERO,
             events: Events::new(),
             steady_drift: SteadyDrift::default(),
         }
@@ -135,7 +135,7 @@ impl Axis {
         let count = tick.sensed.encoder.get(axis).copied().unwrap_or_default();
         // The phase of the motor, not of its command.
         let start = commanded.start.advanced(encoder.phase_error);
-        let before = encoder.made;
+        let before = encoder.last_turns;
         let (read, turns) = encoder.observe(count, &commanded, self.config.jump());
         let jumped = encoder.unconfirmed.map(|jumps| jumps.at);
         let over = TickPhase { start, turns };
@@ -170,10 +170,10 @@ impl Axis {
         // A place that passed before the pulse decides first.
         if self.index.contradicts(&self.config, &pulse) {
             let passage = self.index.pass(&self.config, pulse.at, jumped);
-            self.take_in(passage, shown);
+            self.apply(passage, shown);
         }
         let passage = self.index.decide(&self.config, pulse);
-        self.take_in(passage, shown);
+        self.apply(passage, shown);
     }
 
     /// Processes that the next pulse may be late at the end of a tick of `commanded` turns, which began at the phase `start`.
@@ -190,7 +190,7 @@ impl Axis {
         let now = start.advanced(Turns::from_bits(covered));
         if !shown.is_updated() {
             let passage = self.index.pass(&self.config, now, jumped);
-            self.take_in(passage, shown);
+            self.apply(passage, shown);
         }
         // A missing pulse is no evidence against an encoder, except before the first pulse.
         let late = self.index.late(now);
@@ -213,14 +213,14 @@ impl Axis {
 
     /// Evaluates what a pulse, or its absence, showed.
     #[inline(never)]
-    fn take_in(&mut self, passage: Passage, shown: &mut Shown) {
+    fn apply(&mut self, passage: Passage, shown: &mut Shown) {
         let has_encoder = self.config.has_encoder;
         let before = shown.has_moved;
         let reported = match passage {
             Passage::Nothing => return,
             Passage::First => self.first(),
             Passage::InPlace { extra, was_missing } => {
-                self.in_place(extra, was_missing && !has_encoder, shown)
+                self.on_expected_pulse(extra, was_missing && !has_encoder, shown)
             }
             Passage::Elsewhere { by } => {
                 let runs = !has_encoder && self.events.runs_on(by, &self.config);
@@ -233,7 +233,7 @@ impl Axis {
             }
             // If the crank is ahead already, and its pulse is early again, it runs away.
             Passage::Extra { by } => {
-                let is_ahead = self.events.has_jumped_ahead() && self.error(Measured::Now) > 0;
+                let is_ahead = self.events.has_jumped_ahead() && self.error(ErrorFilter::None) > 0;
                 let runs = self.events.had_extra() || is_ahead;
                 Some(if runs {
                     self.runs_away(by)
@@ -243,7 +243,7 @@ impl Axis {
             }
             // Two pulses in a turn, neither at the guess: the crank gains, or it is noise, and the next turn decides.
             Passage::Dismissed { by } if self.events.had_extra() => {
-                shown.has_moved = Some(self.elsewhere(-by, shown));
+                shown.has_moved = Some(self.on_moved_pulse(-by, shown));
                 None
             }
             // The flag passes once in a turn, so the only pulse of this turn is its own, whether the guess was noise or the crank gains.
@@ -251,17 +251,17 @@ impl Axis {
                 self.index.confirm();
                 let report = self.extra(by, true); // in the turn that is over
                 self.events.pass_turn();
-                self.home = self.index.place;
+                self.drift_origin = self.index.place;
                 Some(report)
             }
             Passage::Moved { by, from_guess } => {
                 // Two pulses in a turn, neither in its place: the crank runs away, or it moved after an extra pulse. Before the place is
                 // confirmed, the first pulse may have been noise, and the next turns decide.
                 let may_run = !has_encoder && !from_guess && self.events.had_extra();
-                shown.has_moved = Some(self.elsewhere(by, shown));
+                shown.has_moved = Some(self.on_moved_pulse(by, shown));
                 may_run.then_some((FaultKind::IndexExtra, of_angle(by), false))
             }
-            Passage::NotWhereCountsWereLost => self.nowhere(shown),
+            Passage::NotWhereCountsWereLost => self.on_absent_pulse(shown),
             Passage::Missing => Some(self.missing(shown.is_homing)),
         };
         let is_place = matches!(
@@ -278,7 +278,7 @@ impl Axis {
 
     /// Processes the first pulse of all, which shows where the crank is. Reports a jump that the encoder made before it.
     fn first(&mut self) -> Option<Report> {
-        self.home = self.index.place;
+        self.drift_origin = self.index.place;
         let by = self.take_unconfirmed()?;
         let kind = match self.config.name_of_one(by) {
             FaultKind::LostSteps => FaultKind::LostSteps,
@@ -293,7 +293,7 @@ impl Axis {
     }
 
     /// Processes a pulse in its place, and perhaps an extra one before it.
-    fn in_place(
+    fn on_expected_pulse(
         &mut self,
         extra: Option<Angle>,
         was_missing: bool,
@@ -307,7 +307,7 @@ impl Axis {
         self.events.pass_turn();
         if self.config.has_encoder {
             // The crank may move away from its encoder, turn by turn.
-            self.walk(self.motion().walk, shown);
+            self.follow_drift(self.motion().drift, shown);
         }
         if was_missing {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
@@ -330,7 +330,7 @@ impl Axis {
     }
 
     /// Processes a motion of the crank, `by` as the index shows. Returns the whole motion.
-    fn elsewhere(&mut self, by: Angle, shown: &mut Shown) -> Angle {
+    fn on_moved_pulse(&mut self, by: Angle, shown: &mut Shown) -> Angle {
         self.events.pass_turn();
         if self.encoder.is_none() {
             return by; // named at the end of the round
@@ -349,13 +349,13 @@ impl Axis {
             return angle(jump);
         }
         self.events.slip(by);
-        self.home += by;
+        self.drift_origin += by;
         by
     }
 
     /// Processes a missing pulse at the place where lost counts of the encoder would have put it. If the encoder jumped, the crank moved
     /// with it.
-    fn nowhere(&mut self, shown: &mut Shown) -> Option<Report> {
+    fn on_absent_pulse(&mut self, shown: &mut Shown) -> Option<Report> {
         let jump = self.take_unconfirmed()?;
         if !self.config.is_beyond_gate(angle(jump)) {
             // The reading came back, so the crank did not move.
@@ -370,20 +370,24 @@ impl Axis {
     /// Records that the crank made the same `jump` as its encoder. The index has `shown` a part of it.
     fn confirm(&mut self, jump: Turns, shown: Turns, has_passed: bool) {
         self.index.move_place(jump.wrapping_sub(shown), has_passed);
-        self.home += angle(jump);
+        self.drift_origin += angle(jump);
         self.jump(angle(jump));
     }
 
     /// Records that the crank jumped.
     pub(super) fn jump(&mut self, by: Angle) {
-        self.events.jump(by, self.error(Measured::Now) > 0);
+        self.events.jump(by, self.error(ErrorFilter::None) > 0);
     }
 
     /// Processes a missing pulse of an axis whose encoder shows that it turns.
     fn missing(&self, is_homing: bool) -> Report {
         if self.events.is_slipping(&self.config) && !is_homing {
             // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
-            return (FaultKind::Slip, self.config.alone.wrapping_neg(), false);
+            return (
+                FaultKind::Slip,
+                self.config.single_axis_limit.wrapping_neg(),
+                false,
+            );
         }
         let within_limits = self.index.missed <= MAX_MISSED;
         (FaultKind::IndexMissing, Turns::ZERO, within_limits)
@@ -395,7 +399,7 @@ impl Axis {
             Read::Glitch { by } => return Some((FaultKind::EncoderGlitch, by, true)),
             // There is no index that could decide, so the jump counts.
             Read::Jump { by } if !self.config.has_index => {
-                self.encoder.as_mut()?.believe();
+                self.encoder.as_mut()?.accept();
                 self.jump(angle(by));
                 shown.moved |= 1 << shown.axis;
             }
@@ -410,23 +414,23 @@ impl Axis {
         let jump = own.jump - common.jump;
         self.last = self.index.place;
         if self.config.is_beyond_gate(jump) {
-            self.home += jump;
+            self.drift_origin += jump;
             self.jump(jump);
             shown.moved |= 1 << shown.axis;
         } else {
-            self.walk(own.walk - common.walk, shown);
+            self.follow_drift(own.drift - common.drift, shown);
         }
     }
 
     /// Records how far the crank is from where slow motion is counted, once a turn.
-    fn walk(&mut self, walk: Angle, shown: &mut Shown) {
-        if self.steady_drift.add(walk, self.config.drift_step()) {
+    fn follow_drift(&mut self, drift: Angle, shown: &mut Shown) {
+        if self.steady_drift.add(drift, self.config.drift_step()) {
             shown.drifting |= 1 << shown.axis;
         }
-        if self.config.is_beyond_gate(walk) {
-            self.home += walk;
-            self.steady_drift.shift(walk);
-            self.events.slip(walk);
+        if self.config.is_beyond_gate(drift) {
+            self.drift_origin += drift;
+            self.steady_drift.shift(drift);
+            self.events.slip(drift);
             shown.moved |= 1 << shown.axis;
         }
     }
@@ -435,7 +439,7 @@ impl Axis {
     pub(super) fn motion(&self) -> Motion {
         Motion {
             jump: self.index.place - self.last,
-            walk: self.index.place - self.home,
+            drift: self.index.place - self.drift_origin,
         }
     }
 
@@ -443,20 +447,20 @@ impl Axis {
     pub(super) fn moves_from(&self, common: Motion) -> bool {
         let own = self.motion();
         self.config.is_beyond_gate(own.jump - common.jump)
-            || self.config.is_beyond_gate(own.walk - common.walk)
+            || self.config.is_beyond_gate(own.drift - common.drift)
     }
 
     /// Measured minus commanded, turns, −½ to ½.
     #[inline(never)]
-    pub(super) fn error(&self, measured: Measured) -> Turns {
+    pub(super) fn error(&self, filter: ErrorFilter) -> Turns {
         let place = of_angle(self.index.place);
         let Some(encoder) = &self.encoder else {
             return place;
         };
-        let own = match measured {
-            Measured::Now => encoder.phase_error,
-            Measured::AtFlag if self.config.has_index => encoder.at_flag,
-            Measured::Lately | Measured::AtFlag => encoder.filtered,
+        let own = match filter {
+            ErrorFilter::None => encoder.phase_error,
+            ErrorFilter::AtIndex if self.config.has_index => encoder.at_flag,
+            ErrorFilter::LowPass | ErrorFilter::AtIndex => encoder.filtered,
         };
         nearest(place.wrapping_add(own))
     }
@@ -493,7 +497,7 @@ impl Axis {
     /// True if its encoder alone shows that the axis does not turn as commanded.
     pub(super) fn is_off_track(&self) -> bool {
         let error = self.tracking_error();
-        error.is_some_and(|error| error.wrapping_abs() > self.config.alone)
+        error.is_some_and(|error| error.wrapping_abs() > self.config.single_axis_limit)
     }
 
     /// Discards all measurements. The search for the index begins at this phase.
@@ -509,7 +513,7 @@ impl Axis {
     /// Ends homing: motion counts from here.
     pub(super) fn settle(&mut self) {
         self.last = self.index.place;
-        self.home = self.last;
+        self.drift_origin = self.last;
         self.events = Events::new();
         self.steady_drift = SteadyDrift::default();
     }
@@ -520,6 +524,6 @@ impl Axis {
             self.index.shift(by);
         }
         self.last += by;
-        self.home += by;
+        self.drift_origin += by;
     }
 }

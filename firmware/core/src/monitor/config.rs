@@ -83,12 +83,17 @@ pub(super) struct AxisConfig {
     /// An electrical cycle; zero of an axis that has none.
     pub cycle: Turns,
     /// Phase error with which this crank alone exceeds a limit.
-    pub alone: Turns,
+    pub single_axis_limit: Turns,
 }
 
 impl AxisConfig {
     #[cold]
-    pub fn new(axis: &AxisSettings, settings: &Settings, reading: Turns, alone: Turns) -> Self {
+    pub fn new(
+        axis: &AxisSettings,
+        settings: &Settings,
+        reading: Turns,
+        single_axis_limit: Turns,
+    ) -> Self {
         let tolerance = tolerance(axis, reading);
         let cycle = cycle(axis);
         let tick_hz = settings.tick_hz;
@@ -106,7 +111,7 @@ impl AxisConfig {
             tolerance,
             gate: gate(tolerance, cycle),
             cycle,
-            alone,
+            single_axis_limit,
         }
     }
 
@@ -124,12 +129,12 @@ impl AxisConfig {
             tolerance,
             gate,
             cycle,
-            alone,
+            single_axis_limit,
         } = self;
         match slice {
             0 => (has_index, has_encoder, delay, covered, index).hash(hasher),
             1 => (slow, tolerance, gate).hash(hasher),
-            _ => (flag, cycle, alone).hash(hasher),
+            _ => (flag, cycle, single_axis_limit).hash(hasher),
         }
     }
 
@@ -140,7 +145,7 @@ impl AxisConfig {
 
     /// Delay of a pulse beyond which the crank of an axis with an encoder has passed its flag without one.
     pub fn overdue(&self) -> Turns {
-        self.alone.max(self.gate)
+        self.single_axis_limit.max(self.gate)
     }
 
     /// Deviation of an encoder from its command in one tick that is larger than any crank can make.

@@ -52,7 +52,7 @@ pub(super) struct Encoder {
     pub(super) at_flag: Turns,
     deviation: Deviation,
     /// Measured turns in the tick that was read last; none if they are not known.
-    pub(super) made: Option<Turns>,
+    pub(super) last_turns: Option<Turns>,
     /// Travel back from the furthest point ahead since the motor was last about where commanded, or moved about as commanded. A rotor that is
     /// turned back may swing ahead first.
     back: Turns,
@@ -113,7 +113,7 @@ impl Encoder {
             filtered: Turns::ZERO,
             at_flag: Turns::ZERO,
             deviation: Deviation::Small(Turns::ZERO),
-            made: None,
+            last_turns: None,
             back: Turns::ZERO,
             unconfirmed: None,
             ticks: 0,
@@ -149,7 +149,7 @@ impl Encoder {
     ) -> (Read, Turns) {
         let before = self.phase_error;
         let Some(made) = self.counts.travel(count) else {
-            self.made = Some(commanded.turns);
+            self.last_turns = Some(commanded.turns);
             return (Read::Nothing, commanded.turns);
         };
         let off = made.wrapping_sub(commanded.turns);
@@ -158,7 +158,7 @@ impl Encoder {
             // A jump is reported a tick later.
             let at = commanded
                 .start
-                .advanced(before.wrapping_sub(self.made.unwrap_or_default()));
+                .advanced(before.wrapping_sub(self.last_turns.unwrap_or_default()));
             let so_far = self.unconfirmed.map_or(Turns::ZERO, |jumps| jumps.by);
             let by = so_far.wrapping_add(by);
             self.unconfirmed = Some(Unconfirmed { by, at });
@@ -176,7 +176,7 @@ impl Encoder {
         let made = commanded
             .turns
             .wrapping_add(self.phase_error.wrapping_sub(before));
-        self.made = Some(made);
+        self.last_turns = Some(made);
         (read, made)
     }
 
@@ -235,7 +235,7 @@ impl Encoder {
     /// Processes a reading after ticks whose phase is not known. It assumes that the motor followed its command.
     pub(super) fn skip(&mut self, count: i32) {
         self.counts.travel(count);
-        self.made = None;
+        self.last_turns = None;
         if let Deviation::Held(_) = self.deviation {
             self.deviation = Deviation::default();
         }
@@ -247,7 +247,7 @@ impl Encoder {
     }
 
     /// Adds the unconfirmed jump to the phase error.
-    pub(super) fn believe(&mut self) {
+    pub(super) fn accept(&mut self) {
         let jump = self.take_unconfirmed().unwrap_or_default();
         self.phase_error = self.phase_error.wrapping_add(jump);
     }

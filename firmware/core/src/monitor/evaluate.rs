@@ -3,7 +3,7 @@
 use super::angles::{angle, in_common, middle, of_angle};
 use super::axis::{Axis, Motion, Report, Shown};
 use super::index::MAX_LATE;
-use super::{Angle, DriftMonitor, Measured, Modes, Sensed};
+use super::{Angle, DriftMonitor, ErrorFilter, Modes, Sensed};
 use crate::commanded::{Recent, TickClock, TickPhase};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{AxisSet, MAX_AXES, PerAxis, Phase, Turns};
@@ -92,7 +92,7 @@ impl DriftMonitor {
         let slots = self.phase_error.iter_mut().zip(&mut self.peak);
         for (axis, (state, (error, peak))) in self.axes.iter().zip(slots).enumerate() {
             if read & 1 << axis != 0 {
-                *error = state.error(Measured::Now);
+                *error = state.error(ErrorFilter::None);
                 *peak = error.wrapping_abs().max(*peak);
             }
         }
@@ -217,7 +217,7 @@ impl DriftMonitor {
 
     /// Phase errors as the cranks were left, with their corrections, counted from the first axis.
     pub(super) fn left(&self, correction: &PerAxis<Turns>) -> PerAxis<Angle> {
-        let mut errors = self.errors(Measured::Lately).map(angle);
+        let mut errors = self.errors(ErrorFilter::LowPass).map(angle);
         for (error, &correction) in errors.iter_mut().zip(correction) {
             *error += angle(correction);
         }
@@ -253,21 +253,21 @@ impl DriftMonitor {
     #[inline(never)]
     fn common_motion(&self) -> Motion {
         let mut jumps = [Angle::ZERO; MAX_AXES];
-        let mut walks = jumps;
+        let mut drifts = jumps;
         let mut count = 0;
         for axis in &self.axes {
-            let slots = jumps.get_mut(count).zip(walks.get_mut(count));
-            if let Some((jump, walk)) = slots
+            let slots = jumps.get_mut(count).zip(drifts.get_mut(count));
+            if let Some((jump, drift)) = slots
                 && axis.config.is_by_index()
             {
                 let motion = axis.motion();
-                (*jump, *walk) = (motion.jump, motion.walk);
+                (*jump, *drift) = (motion.jump, motion.drift);
                 count += 1;
             }
         }
         Motion {
             jump: middle(jumps.get_mut(..count).unwrap_or_default()),
-            walk: middle(walks.get_mut(..count).unwrap_or_default()),
+            drift: middle(drifts.get_mut(..count).unwrap_or_default()),
         }
     }
 
@@ -383,7 +383,7 @@ impl DriftMonitor {
         let (axis, kind) = known.unwrap_or((worst, kind));
         let size = match kind {
             // No pulse showed how far the crank is.
-            FaultKind::IndexTimeout => self.alone(axis).wrapping_neg(),
+            FaultKind::IndexTimeout => self.single_axis_limit(axis).wrapping_neg(),
             _ => self.phase_error.get(axis).copied().unwrap_or_default(),
         };
         self.report(axis, (kind, size, false), shown, sensed);
@@ -425,7 +425,8 @@ impl DriftMonitor {
             let by = state.tracking_error().unwrap_or_default();
             let others = self.encoders() & !(1 << axis);
             let from_others = by.wrapping_sub(of_angle(in_common(&errors, others)));
-            let is_alike = others != 0 && from_others.wrapping_abs() <= state.config.alone;
+            let is_alike =
+                others != 0 && from_others.wrapping_abs() <= state.config.single_axis_limit;
             let fault = match state.tracking() {
                 Some(kind) => Fault::new(kind).on_axis(axis),
                 None if is_alike => Fault::new(FaultKind::CommonLag),

@@ -78,7 +78,7 @@ pub(super) struct Index {
     /// Place that the last passage showed.
     pub(super) place: Angle,
     /// Number of pulses of which the place is the mean, with an encoder; 0 before the first.
-    meant: u8,
+    averaged_pulses: u8,
     is_confirmed: bool,
     /// Missing pulses in a row, with an encoder.
     pub(super) missed: u8,
@@ -93,7 +93,7 @@ impl Index {
     pub(super) const fn new(phase: Phase) -> Self {
         Self {
             place: Angle::ZERO,
-            meant: 0,
+            averaged_pulses: 0,
             is_confirmed: false,
             missed: 0,
             at: phase,
@@ -102,7 +102,7 @@ impl Index {
     }
 
     pub(super) const fn is_known(&self) -> bool {
-        self.meant > 0
+        self.averaged_pulses > 0
     }
 
     /// True if a turn has confirmed where the first pulses were.
@@ -185,8 +185,8 @@ impl Index {
     pub(super) fn decide(&mut self, config: &AxisConfig, pulse: Pulse) -> Passage {
         let Pulse { place, at } = pulse;
         if !self.is_known() {
-            self.meant = 1;
-            self.believe(place, at);
+            self.averaged_pulses = 1;
+            self.accept(place, at);
             return Passage::First;
         }
         let by = place - self.place;
@@ -198,7 +198,7 @@ impl Index {
             self.is_confirmed |= self.rival.is_none();
             let extra = self.rival.map(|rival| rival.place - place);
             let filtered = self.filter(config, by);
-            self.believe(self.place + filtered, at);
+            self.accept(self.place + filtered, at);
             let was_missing = since > ONE_AND_HALF;
             return Passage::InPlace { extra, was_missing };
         }
@@ -255,8 +255,8 @@ impl Index {
         let is_near = !exceeds(by, config.swing());
         let was_noise = from_guess && self.rival.is_some() && !is_near;
         self.is_confirmed |= is_near && other.is_none();
-        self.meant = 1;
-        self.believe(to.place, to.at);
+        self.averaged_pulses = 1;
+        self.accept(to.place, to.at);
         if was_noise {
             return Passage::Dismissed { by: -by };
         }
@@ -267,15 +267,17 @@ impl Index {
     fn filter(&mut self, config: &AxisConfig, by: Angle) -> Angle {
         // A deviation beyond noise counts in full, so the place follows a drift to within a tolerance. Without an encoder, every one does.
         if !config.has_encoder || exceeds(by, config.tolerance) {
-            self.meant = 1;
+            self.averaged_pulses = 1;
             return by;
         }
-        let part = u32::from(self.meant).checked_ilog2().map_or(0, |n| n + 1);
-        self.meant = self.meant.saturating_add(1);
+        let part = u32::from(self.averaged_pulses)
+            .checked_ilog2()
+            .map_or(0, |n| n + 1);
+        self.averaged_pulses = self.averaged_pulses.saturating_add(1);
         by >> part.min(FILTER_SHIFT)
     }
 
-    const fn believe(&mut self, place: Angle, at: Phase) {
+    const fn accept(&mut self, place: Angle, at: Phase) {
         self.place = place;
         self.at = at;
         self.rival = None;

@@ -126,8 +126,8 @@ impl DriftLimits {
 
     /// Phase error with which one of `count` axes alone exceeds a limit, turns.
     #[cold]
-    pub(super) fn alone(&self, mount: &Mount, axis: usize, count: usize) -> Turns {
-        let (tilt, warp) = mount.alone(axis);
+    pub(super) fn single_axis_limit(&self, mount: &Mount, axis: usize, count: usize) -> Turns {
+        let (tilt, warp) = mount.single_axis_limit(axis);
         let max = |limit: Turns, share: f64| {
             if share > 1e-6 {
                 limit.to_num::<f64>() / share

@@ -45,7 +45,7 @@ mod steady_drift;
 pub use alternatives::alternatives;
 pub(crate) use alternatives::may_run_away;
 pub use angles::Angle;
-pub use axis::Measured;
+pub use axis::ErrorFilter;
 pub(crate) use config::Config;
 pub use config::place_gate;
 pub use filter::IndexFilter;
@@ -154,8 +154,8 @@ impl DriftMonitor {
         self.axes.clear();
         for (i, axis) in settings.axes.iter().enumerate() {
             let Config { limits, mount, .. } = &self.config;
-            let alone = limits.alone(mount, i, settings.axes.len());
-            let config = AxisConfig::new(axis, settings, limits.reading, alone);
+            let limit = limits.single_axis_limit(mount, i, settings.axes.len());
+            let config = AxisConfig::new(axis, settings, limits.reading, limit);
             let pushed = self.axes.push(Axis::new(config, axis));
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
@@ -253,10 +253,10 @@ impl DriftMonitor {
 
     /// Phase error of each axis, turns, −½ to ½, as measured at this time.
     #[inline(never)]
-    pub fn errors(&self, measured: Measured) -> PerAxis<Turns> {
+    pub fn errors(&self, filter: ErrorFilter) -> PerAxis<Turns> {
         let mut errors = self.phase_error;
         for (error, axis) in errors.iter_mut().zip(&self.axes) {
-            *error = axis.error(measured);
+            *error = axis.error(filter);
         }
         errors
     }
@@ -286,7 +286,7 @@ impl DriftMonitor {
         for axis in &mut self.axes {
             axis.shift(-angle(by));
         }
-        self.phase_error = self.errors(Measured::Now);
+        self.phase_error = self.errors(ErrorFilter::None);
         self.reset_peak();
     }
 
@@ -303,9 +303,9 @@ impl DriftMonitor {
     }
 
     /// Turns by which one crank alone takes the platform beyond a limit.
-    pub fn alone(&self, axis: usize) -> Turns {
+    pub fn single_axis_limit(&self, axis: usize) -> Turns {
         let axis = self.axes.get(axis);
-        axis.map_or(Turns::MAX, |axis| axis.config.alone)
+        axis.map_or(Turns::MAX, |axis| axis.config.single_axis_limit)
     }
 
     /// Phase error of an axis's motor by its encoder, if it has one.

@@ -191,7 +191,7 @@ impl Mount {
 
     /// Tilt, and warp of the axis itself, if this axis alone has a phase error of one.
     #[cold]
-    pub(super) fn alone(&self, axis: usize) -> (f64, f64) {
+    pub(super) fn single_axis_limit(&self, axis: usize) -> (f64, f64) {
         let float = |value: i32, bits: u32| f64::from(value) / f64::from(1_u32 << bits);
         let axis = self.axes.get(axis).unwrap_or(&MountedAxis::NONE);
         let weight = |value: i32| float(value, WEIGHT_BITS);

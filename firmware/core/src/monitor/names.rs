@@ -27,7 +27,8 @@ const MAX_GAINED: i64 = 4;
 /// Turns from an extra pulse to the one in its place, if a runaway may have made it. At more than twice the commanded speed, a crank passes
 /// its flag once between, and once in its place. Above ½ turn it would be slower. Below 1 − p, with p² + p = 1, the next pulse still shows
 /// the runaway in time. The range is wider by 0.02 and 0.04, for a master that accelerates.
-const BETWEEN: core::ops::RangeInclusive<Turns> = Turns::lit("0.34")..=Turns::lit("0.52");
+const RUNAWAY_PULSE_WINDOW: core::ops::RangeInclusive<Turns> =
+    Turns::lit("0.34")..=Turns::lit("0.52");
 
 /// Kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,7 +143,7 @@ impl Events {
         let late = forward(-by).wrapping_sub(spacing).abs();
         last.kind == EventKind::Extra
             && self.age(last) == 1
-            && spacing <= *BETWEEN.end()
+            && spacing <= *RUNAWAY_PULSE_WINDOW.end()
             && config.is_beyond_gate(by - last.by)
             && late <= spacing / 4
     }
@@ -218,7 +219,7 @@ impl Events {
 
 /// True if the extra pulse that was off by `by` may be that of a crank that runs away.
 pub(super) fn may_be_fast(by: Angle) -> bool {
-    BETWEEN.contains(&forward(by))
+    RUNAWAY_PULSE_WINDOW.contains(&forward(by))
 }
 
 /// An angle from 0 up to a turn.

@@ -21,7 +21,7 @@ mod verify;
 
 use core::hash::{Hash, Hasher};
 
-use crate::monitor::{DriftMonitor, Measured};
+use crate::monitor::{DriftMonitor, ErrorFilter};
 use crate::phase_offset::PhaseOffsets;
 use crate::units::{AxisSet, MAX_AXES, PerAxis, Turns, nearest};
 use checks::{Deviation, Moves, When};
@@ -203,7 +203,7 @@ impl Homing {
         monitor: &DriftMonitor,
         offsets: &PhaseOffsets,
     ) -> Option<Deviation> {
-        let phase_error = monitor.errors(Measured::Lately);
+        let phase_error = monitor.errors(ErrorFilter::LowPass);
         self.moves(When::InTransit, &phase_error, &offsets.target())
             .deviation(set)
     }

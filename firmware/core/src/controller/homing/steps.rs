@@ -3,7 +3,7 @@
 use super::turn::FullTurn;
 use super::verify::Verdict;
 use super::{Homing, Step, errors};
-use crate::monitor::{DriftMonitor, Measured};
+use crate::monitor::{DriftMonitor, ErrorFilter};
 use crate::phase_offset::PhaseOffsets;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
@@ -82,7 +82,7 @@ impl Homing {
         monitor.settle();
         self.step = Step::Done;
         self.checks = 0;
-        self.before = monitor.errors(Measured::AtFlag);
+        self.before = monitor.errors(ErrorFilter::AtIndex);
         self.from = *offsets.now();
     }
 

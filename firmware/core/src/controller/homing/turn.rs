@@ -1,6 +1,6 @@
 //! A turn in which homing measures every crank.
 
-use crate::monitor::{DriftMonitor, Measured};
+use crate::monitor::{DriftMonitor, ErrorFilter};
 use crate::units::{AxisSet, MAX_AXES, PerAxis, Turns, nearest};
 
 /// Measurement over a turn of the master. In it every index shows its crank, and the errors of encoders are averaged: a load acts on a crank
@@ -53,7 +53,7 @@ impl FullTurn {
     /// Phase error of each axis, turns, −½ to ½: by its index, and by its encoder on average.
     #[inline(never)]
     pub fn errors(&self, monitor: &DriftMonitor) -> PerAxis<Turns> {
-        let mut errors = monitor.errors(Measured::Now);
+        let mut errors = monitor.errors(ErrorFilter::None);
         for (axis, (error, &mean)) in errors.iter_mut().zip(&self.mean).enumerate() {
             if let Some(now) = monitor.motor_error(axis) {
                 *error = nearest(error.wrapping_sub(now).wrapping_add(mean));

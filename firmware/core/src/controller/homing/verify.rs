@@ -2,7 +2,7 @@
 
 use super::checks::When;
 use super::{Homing, Step};
-use crate::monitor::{DriftMonitor, Measured};
+use crate::monitor::{DriftMonitor, ErrorFilter};
 use crate::phase_offset::PhaseOffsets;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Turns, nearest};
@@ -81,7 +81,7 @@ impl Homing {
         monitor: &DriftMonitor,
         offsets: &PhaseOffsets,
     ) -> Option<Fault> {
-        let phase_error = monitor.errors(Measured::AtFlag);
+        let phase_error = monitor.errors(ErrorFilter::AtIndex);
         let swapped = self
             .moves(When::Corrected, &phase_error, offsets.now())
             .deviation(monitor.watched())

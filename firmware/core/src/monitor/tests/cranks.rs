@@ -35,7 +35,7 @@ pub(super) fn monitor(
 pub(super) fn true_alone(count: usize, axis: usize) -> f64 {
     let mut settings = settings(count, 3.0, 5.0, 15.0);
     settings.drift.reading_error_deg = 0.0;
-    configured(&settings).alone(axis).to_num()
+    configured(&settings).single_axis_limit(axis).to_num()
 }
 
 /// Commanded phases at the end of a tick, and the history that leads to them after a tick in which all axes made `before` turns.

@@ -21,7 +21,7 @@ fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
             settings.axes[3].cycle_steps = cycle_steps;
             let mut monitor = configured(&settings);
             monitor.reset(&[Phase::ZERO; MAX_AXES]);
-            let alone = monitor.alone(3).to_num::<f64>();
+            let alone = monitor.single_axis_limit(3).to_num::<f64>();
             assert!((0.006..0.018).contains(&alone), "{alone}");
             let gate = 4.0 * monitor.tolerance(3).to_num::<f64>();
             let overdue = if cycle_steps == 0 { alone } else { gate };
@@ -52,7 +52,7 @@ fn neighbours_that_are_late_count_together() {
         }
         let mut monitor = configured(&settings);
         monitor.reset(&[Phase::ZERO; MAX_AXES]);
-        let alone = monitor.alone(0).to_num::<f64>();
+        let alone = monitor.single_axis_limit(0).to_num::<f64>();
         let gate = 4.0 * monitor.tolerance(0).to_num::<f64>();
         let mut cranks = Cranks::new(monitor, speed).homed();
         let filter =
@@ -184,7 +184,7 @@ fn a_first_pulse_that_was_ignored_comes_again_in_time() {
     let traits = &cranks.monitor.axes[0].config;
     let flag = Turns::from_num(flag_deg / 360.0);
     let half = Turns::from_bits(traits.cycle.to_bits() / 2);
-    assert!(half.max(traits.alone) < flag && flag < traits.tolerance);
+    assert!(half.max(traits.single_axis_limit) < flag && flag < traits.tolerance);
     cranks.flags[1] = flag_deg / 360.0;
     assert_eq!(cranks.turn(21_000, |_, _| 0.0), []);
     assert!(cranks.monitor.is_homed());

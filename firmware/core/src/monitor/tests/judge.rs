@@ -208,7 +208,13 @@ impl Machine {
 
     /// A: error with which the estimate of one crank alone is beyond a limit, turns, whatever the readings err by, each by up to `reading`.
     /// In homing, and for a motor that moves with its encoder, no limit is lower because the crank has moved.
-    pub fn alone(&self, axis: usize, is_homing: bool, by_encoder: bool, reading: f64) -> f64 {
+    pub fn single_axis_limit(
+        &self,
+        axis: usize,
+        is_homing: bool,
+        by_encoder: bool,
+        reading: f64,
+    ) -> f64 {
         let estimates = self.estimates(reading);
         // Readings that all err by so much in one turn, and by as much to the other side in the next, look like a common motion.
         let common_motion = if is_homing { 0.0 } else { 2.0 * reading };

@@ -36,7 +36,7 @@ fn a_crank_that_exceeds_a_limit_is_named_at_once() {
 #[test]
 fn the_limits_are_tightened_as_soon_as_a_crank_has_moved() {
     let mut cranks = apart(3.0, 0);
-    let tightened = cranks.monitor.alone(1).to_num::<f64>();
+    let tightened = cranks.monitor.single_axis_limit(1).to_num::<f64>();
     let limit = true_alone(4, 1);
     assert!(limit > tightened * 1.02, "{tightened}, {limit}");
     let by = 0.5 * (tightened + limit);
@@ -113,7 +113,7 @@ fn a_crank_that_is_overdue_in_homing_gets_its_name_as_its_pulse_comes() {
 #[test]
 fn a_lag_that_grows_by_less_than_a_reading_error_widens_no_limit() {
     let mut cranks = apart(3.0, 0);
-    let beyond = cranks.monitor.alone(1).to_num::<f64>() + 0.25 / 360.0;
+    let beyond = cranks.monitor.single_axis_limit(1).to_num::<f64>() + 0.25 / 360.0;
     let off = |i: usize, t: f64| {
         let moved = if i == 1 && t > 4.1 { beyond } else { 0.0 };
         moved - 0.2 / 360.0 * (t - 1.2).max(0.0)

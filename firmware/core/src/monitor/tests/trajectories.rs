@@ -232,7 +232,7 @@ impl Case {
         let machine = &self.machine;
         let sensors = machine.sensors[self.who];
         let by_encoder = sensors.has_encoder() && !self.on_shaft;
-        let alone = machine.alone(self.who, is_homing, by_encoder, self.reading());
+        let alone = machine.single_axis_limit(self.who, is_homing, by_encoder, self.reading());
         let noise = machine.estimates(self.reading())[self.who];
         let limit = alone + noise.max(machine.tolerance());
         let last = first + ((self.start + duration(&self.path) + 4.0) / SPEED) as i32;
