@@ -14,7 +14,7 @@ import { Server } from './bench/serve.mjs';
 /** The scene whose settings are built into the firmware. */
 const BUILT_IN_SCENE = 'default';
 /** Time on the board's clock in which its firmware attaches to USB, and the host configures it. */
-const MOST_S = 5;
+const MAX_S = 5;
 
 const HELP = `usage: node bridge.mjs [--elf FILE] [--transport usb|uart] [--uart 0|1] [--baud RATE] [--port PORT] [--scene SCENE] [--fast]
 
@@ -68,9 +68,9 @@ if (given.help) {
   say(HELP);
   process.exit(0);
 }
-const number = (name, least, most) => {
+const number = (name, min, max) => {
   const value = Number(given[name]);
-  if (!Number.isInteger(value) || value < least || value > most) bad(`--${name} is ${given[name]}: give a whole number from ${least} to ${most}`);
+  if (!Number.isInteger(value) || value < min || value > max) bad(`--${name} is ${given[name]}: give a whole number from ${min} to ${max}`);
   return value;
 };
 if (!TRANSPORTS.includes(given.transport)) bad(`--transport is ${given.transport}: give one of ${TRANSPORTS.join(', ')}`);
@@ -105,8 +105,8 @@ const server = new Server(board, link, {
     process.exit(problem ? 1 : 0);
   },
 });
-board.run({ cycles: MOST_S * CYCLES_PER_S, until: () => link.ready });
-if (!link.ready) server.close(new Error(`the firmware did not come up as a serial port over USB within ${MOST_S} s of the board`));
+board.run({ cycles: MAX_S * CYCLES_PER_S, until: () => link.ready });
+if (!link.ready) server.close(new Error(`the firmware did not come up as a serial port over USB within ${MAX_S} s of the board`));
 
 const operator = new Operator(machine, cranks, link, given.transport);
 const lines = readline.createInterface({ input: process.stdin });

@@ -3,7 +3,7 @@
 const SVG = 'http://www.w3.org/2000/svg';
 
 /** Least full scale of a needle, degrees of crank angle. It doubles until the largest phase error fits. */
-const LEAST_SCALE_DEG = 1;
+const MIN_SCALE_DEG = 1;
 
 /** Radius of the circle of motors, in the drawing. */
 const RADIUS = 66;
@@ -69,8 +69,8 @@ export class Circle {
 
   /** Shows phase errors, degrees, and the phase of the master, turns. */
   draw(errors, phase) {
-    const greatest = Math.max(LEAST_SCALE_DEG, ...errors.map(Math.abs).filter(Number.isFinite));
-    const scale = LEAST_SCALE_DEG * 2 ** Math.ceil(Math.log2(greatest / LEAST_SCALE_DEG));
+    const max = Math.max(MIN_SCALE_DEG, ...errors.map(Math.abs).filter(Number.isFinite));
+    const scale = MIN_SCALE_DEG * 2 ** Math.ceil(Math.log2(max / MIN_SCALE_DEG));
     write(this.#scale, `(needles: ±${scale}°)`);
     this.#crank.setAttribute('transform', `rotate(${(phase * 360).toFixed(1)})`);
     errors.forEach((error, i) => {

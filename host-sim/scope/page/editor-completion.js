@@ -6,7 +6,7 @@
 import { choicesAt, meaningAt } from './editor-keys.js';
 
 /** Most choices that are listed. */
-const MOST = 50;
+const MAX = 50;
 
 export class Completion {
   #pane;
@@ -70,7 +70,7 @@ export class Completion {
       return;
     }
     this.#found = { ...found, caret };
-    const items = found.choices.slice(0, MOST).map(({ text }, index) => {
+    const items = found.choices.slice(0, MAX).map(({ text }, index) => {
       const item = document.createElement('li');
       item.role = 'option';
       item.id = `${this.#list.id}-${index}`;

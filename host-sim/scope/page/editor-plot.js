@@ -5,7 +5,7 @@
 
 import { svg } from './html.js';
 import { STATES } from './preview.js';
-import { digits, greatest } from './editor-summary.js';
+import { digits, max } from './editor-summary.js';
 
 const GRAVITY = 9.80665;
 const TURN = 2 * Math.PI;
@@ -70,8 +70,8 @@ export class Plot {
     const right = width - RIGHT;
     const x = (t_s) => LEFT + ((right - LEFT) * t_s) / end_s;
     const bands = (limits?.bands_rad_s ?? []).map((band) => band.map((edge) => edge / TURN));
-    const amplitude = panel(PANELS[0], Math.max(greatest(rows, 'requested_mps2'), greatest(rows, 'commanded_mps2')) / GRAVITY, limits && limits.amax_mps2 / GRAVITY);
-    const speed = panel(PANELS[1], Math.max(greatest(rows, 'speed_rad_s') / TURN, ...bands.map(([, to]) => to)), limits && limits.speed_rad_s / TURN);
+    const amplitude = panel(PANELS[0], Math.max(max(rows, 'requested_mps2'), max(rows, 'commanded_mps2')) / GRAVITY, limits && limits.amax_mps2 / GRAVITY);
+    const speed = panel(PANELS[1], Math.max(max(rows, 'speed_rad_s') / TURN, ...bands.map(([, to]) => to)), limits && limits.speed_rad_s / TURN);
     const clip = { x: LEFT, width: right - LEFT };
     const picture = svg(
       'svg',
@@ -160,9 +160,9 @@ function rowAt(rows, t_s) {
 }
 
 /** Returns a panel with its scale. A limit far beyond the data is not drawn, so that it does not flatten the curves. */
-function panel(place, most, limit) {
-  const isDrawn = Boolean(limit) && limit <= 3 * most;
-  const top = Math.max(most, isDrawn ? limit : 0) * 1.08 || 1;
+function panel(place, max, limit) {
+  const isDrawn = Boolean(limit) && limit <= 3 * max;
+  const top = Math.max(max, isDrawn ? limit : 0) * 1.08 || 1;
   return { ...place, scale: top, limit, isDrawn, y: (value) => place.top + place.height * (1 - value / top) };
 }
 
@@ -239,11 +239,11 @@ function timeAxis(end_s, x, right) {
 }
 
 /** Returns about `count` round numbers from 0 to `most`. */
-function ticks(most, count) {
-  const raw = most / count;
+function ticks(max, count) {
+  const raw = max / count;
   const power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((factor) => factor * power).find((step) => step >= raw);
-  return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, i) => i * step);
+  return Array.from({ length: Math.floor(max / step + 1e-9) + 1 }, (_, i) => i * step);
 }
 
 function legend() {

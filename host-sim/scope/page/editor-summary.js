@@ -17,23 +17,23 @@ export function duration(seconds) {
 }
 
 /** Returns the largest value of a channel. */
-export function greatest(rows, channel) {
-  let most = 0;
-  for (let i = 0; i < rows.length; i++) most = Math.max(most, rows.high(i, channel), -rows.low(i, channel));
-  return most;
+export function max(rows, channel) {
+  let max = 0;
+  for (let i = 0; i < rows.length; i++) max = Math.max(max, rows.high(i, channel), -rows.low(i, channel));
+  return max;
 }
 
 /** Returns true if a channel is set in any row. */
-const ever = (rows, channel) => greatest(rows, channel) > 0;
+const ever = (rows, channel) => max(rows, channel) > 0;
 
 /** Returns the terms and descriptions of a summary. */
 export function summarise(scene, rows) {
   const amplitude = (channel) => {
-    const mps2 = greatest(rows, channel);
+    const mps2 = max(rows, channel);
     return `${digits(mps2 / GRAVITY)} g (${digits(mps2)} m/s²)`;
   };
-  const speed = greatest(rows, 'speed_rad_s');
-  const acceleration = greatest(rows, 'acceleration_rad_s2');
+  const speed = max(rows, 'speed_rad_s');
+  const acceleration = max(rows, 'acceleration_rad_s2');
   const active = [
     ['is_lagging', 'the speed lags, as the acceleration is limited'],
     ['is_held_at_band', 'a level lies in a forbidden band, and the nearer edge is held'],

@@ -83,7 +83,7 @@ export class Plot {
         legend: { show: false },
         cursor: { show: true, points: { show: false }, drag: { x: true, y: false, setScale: false }, sync: { key: 'time' } },
         select: { show: true },
-        scales: { x: { time: false, auto: false }, y: { range: (_, least, greatest) => range(least, greatest, this.#config) } },
+        scales: { x: { time: false, auto: false }, y: { range: (_, min, max) => range(min, max, this.#config) } },
         axes: [
           { ...axis, size: this.#hasTimes ? 20 : 0, gap: 3, values: (_, ticks) => ticks.map((t) => (this.#hasTimes ? `${+t.toFixed(4)} s` : '')) },
           { ...axis, size: LEFT, gap: 4, values: (_, ticks) => ticks.map((y) => String(+y.toPrecision(6))) },
@@ -260,13 +260,13 @@ const NEAR = 1 / 3;
  * Returns the range of the scale: all values with some room, at least ±`least`, wide enough to keep noise small, and the edges of
  * limits and bands that are near.
  */
-function range(least, greatest, { least: side = 0, marks }) {
-  if (least === null || greatest === null) {
+function range(min, max, { min: side = 0, marks }) {
+  if (min === null || max === null) {
     return [-Math.max(side, 1), Math.max(side, 1)];
   }
-  const size = Math.max(Math.abs(least), Math.abs(greatest));
+  const size = Math.max(Math.abs(min), Math.abs(max));
   const near = marks.filter(({ from }) => Math.abs(from) * NEAR <= size).flatMap(({ from, to }) => [from, to]);
-  const [low, high] = [Math.min(least, ...near), Math.max(greatest, ...near)];
+  const [low, high] = [Math.min(min, ...near), Math.max(max, ...near)];
   const room = Math.max(0.08 * (high - low), 0.02 * Math.max(Math.abs(low), Math.abs(high)), 0.01);
   return [Math.min(low - room, -side), Math.max(high + room, side)];
 }

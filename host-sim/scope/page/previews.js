@@ -9,7 +9,7 @@ const GRACE_MS = 60;
 const BUCKETS = 1500;
 
 /** Ticks after which a preview ends: under three hours at 2 kHz. */
-export const MOST_TICKS = 20_000_000;
+export const MAX_TICKS = 20_000_000;
 
 /** Previews of texts. Of the waiting texts, only the newest is computed. */
 export class Previews {
@@ -63,7 +63,7 @@ export class Previews {
     if (this.waiting === null) return;
     if (!this.worker) this.startWorker();
     this.isBusy = true;
-    this.worker.postMessage({ text: this.waiting, buckets: BUCKETS, ticks: MOST_TICKS });
+    this.worker.postMessage({ text: this.waiting, buckets: BUCKETS, ticks: MAX_TICKS });
     this.waiting = null;
   }
 

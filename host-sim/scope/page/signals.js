@@ -1,5 +1,5 @@
 // Plots: their signals, with the column, the name, and the colour of each. `--trace-*` are colours of style.css. Scales with
-// `least` show at least this value on both sides of zero, so that noise does not fill the plot. `marks` are limits and forbidden
+// `min` show at least this value on both sides of zero, so that noise does not fill the plot. `marks` are limits and forbidden
 // bands.
 
 const G_PER_MPS2 = 1 / 9.80665;
@@ -53,7 +53,7 @@ export function plots(axes, limits) {
       id: 'phase-error',
       title: 'Phase error',
       unit: '°',
-      least: 0.1,
+      min: 0.1,
       share: 2,
       marks: [],
       signals: Array.from({ length: axes }, (_, i) => ({
@@ -66,7 +66,7 @@ export function plots(axes, limits) {
       id: 'tilt',
       title: 'Tilt',
       unit: 'mrad',
-      least: 0.1,
+      min: 0.1,
       share: 2,
       marks: tilt === null ? [] : [limit(tilt, `limit ±${text(tilt)} mrad`), limit(-tilt)],
       signals: [

@@ -23,8 +23,8 @@ export async function sizes(chrome, url) {
     await stopIsInView(page, name);
   }
   await page.setViewportSize(PHONE);
-  const small = await page.evaluate((least) => [...document.querySelectorAll('button, select, input, textarea')]
-    .filter((e) => e.checkVisibility() && e.getBoundingClientRect().height < least).map((e) => e.outerHTML), TARGET_PX);
+  const small = await page.evaluate((min) => [...document.querySelectorAll('button, select, input, textarea')]
+    .filter((e) => e.checkVisibility() && e.getBoundingClientRect().height < min).map((e) => e.outerHTML), TARGET_PX);
   check('every control is large enough for a finger', small.length === 0, small.join(' '));
   // There and back again: the plots become narrower as well as wider.
   for (const [i, size] of [DESK, PHONE, DESK, TURNED, PHONE].entries()) {

@@ -13,12 +13,12 @@ export async function themes(chrome, url) {
     const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
     check(`the system's ${scheme} theme is taken`, (await theme()) === scheme);
     backs.push(await page.evaluate(() => getComputedStyle(document.body).backgroundColor));
-    for (const [names, least] of [
+    for (const [names, min] of [
       [['--text', '--muted', '--accent', '--good', '--warn', '--bad'], TEXT],
       [['--trace-requested', '--trace-commanded', '--trace-actual', '--trace-x', '--trace-y', ...[0, 1, 2, 3, 4, 5].map((i) => `--axis-${i}`)], GRAPHIC],
     ]) {
-      const low = await page.evaluate(contrasts, [names, least]);
-      check(`${scheme}: contrast of ${names.length} colours is at least ${least}`, low.length === 0, low.join(', '));
+      const low = await page.evaluate(contrasts, [names, min]);
+      check(`${scheme}: contrast of ${names.length} colours is at least ${min}`, low.length === 0, low.join(', '));
     }
     await page.click('#theme');
     check('the switch takes the other theme', (await theme()) !== scheme);
@@ -31,7 +31,7 @@ export async function themes(chrome, url) {
 }
 
 /** Returns the colours whose contrast to the panels is too low. */
-function contrasts([names, least]) {
+function contrasts([names, min]) {
   const style = getComputedStyle(document.documentElement);
   const luminance = (name) => {
     const channels = style.getPropertyValue(name).trim().match(/[0-9a-f]{2}/gi).map((hex) => parseInt(hex, 16) / 255);
@@ -42,6 +42,6 @@ function contrasts([names, least]) {
   return names.flatMap((name) => {
     const [dark, bright] = [luminance(name), panel].sort((a, b) => a - b);
     const contrast = (bright + 0.05) / (dark + 0.05);
-    return contrast < least ? [`${name} ${contrast.toFixed(2)}`] : [];
+    return contrast < min ? [`${name} ${contrast.toFixed(2)}`] : [];
   });
 }

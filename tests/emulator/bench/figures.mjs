@@ -10,7 +10,7 @@ const BEGIN = '<!-- written by tests/emulator/run --write -->';
 const END = '<!-- end -->';
 
 /** A figure may get worse by this fraction before the check fails. */
-const MOST_WORSE = 0.05;
+const MAX_WORSE = 0.05;
 
 /** The stored figures: name to number. */
 function kept() {
@@ -27,7 +27,7 @@ export function worse(figures) {
     if (was === undefined) return [`${name}: ${value} is not kept yet; --write keeps it`];
     if (better === 'neither') return [];
     const by = better === 'lower' ? value / was - 1 : was / value - 1;
-    return by > MOST_WORSE ? [`${name}: ${value}, and was ${was}: worse by ${(by * 100).toFixed(1)} %`] : [];
+    return by > MAX_WORSE ? [`${name}: ${value}, and was ${was}: worse by ${(by * 100).toFixed(1)} %`] : [];
   });
 }
 

@@ -88,8 +88,8 @@ export function convert(played) {
     const bound = done.stdout.match(/Longest tick on the RP2040 board: at most (\d+) of/)?.[1];
     if (done.status === 0 && bound !== undefined) return { settings: fs.readFileSync(settings), bound: Number(bound) };
     const refused = done.status === 2 ? done.stderr : done.stdout;
-    const mostHz = refused.match(/control\.tick_hz: .* give at most (\d+) Hz/)?.[1];
-    return { refused: refused.trim(), mostHz: mostHz && Number(mostHz), isWritten: fs.existsSync(settings) };
+    const maxHz = refused.match(/control\.tick_hz: .* give at most (\d+) Hz/)?.[1];
+    return { refused: refused.trim(), maxHz: maxHz && Number(maxHz), isWritten: fs.existsSync(settings) };
   });
 }
 

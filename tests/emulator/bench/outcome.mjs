@@ -30,11 +30,11 @@ export class Outcome {
   }
 
   /** A figure with a goal: at most `most`. If the goal is `enforced`, the scenario fails when it is missed. */
-  goal(name, value, { most, enforced }) {
+  goal(name, value, { max, enforced }) {
     // An enforced goal is its bound. A few cycles more or less within it are those of a build.
     this.figure(name, value, enforced ? 'neither' : 'lower');
-    this.figures[this.figures.length - 1].goal = most;
-    this.reach(value <= most, `${name}: ${grouped(value)}, goal at most ${grouped(most)}`, enforced);
+    this.figures[this.figures.length - 1].goal = max;
+    this.reach(value <= max, `${name}: ${grouped(value)}, goal at most ${grouped(max)}`, enforced);
   }
 
   /** A goal without a figure: `text` describes the result. */

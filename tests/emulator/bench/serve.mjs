@@ -7,11 +7,11 @@ import { CYCLES_PER_S } from './machine.mjs';
 const SLICE_S = 0.001;
 const SLICE_CYCLES = SLICE_S * CYCLES_PER_S;
 /** The longest lag behind real time for which the board catches up. */
-const MOST_LAG_MS = 50;
+const MAX_LAG_MS = 50;
 /** Time for which a client waits for the previous client to leave. */
 const LEAVING_MS = 200;
 /** The client is held back above this number of bytes for the board. */
-const MOST_PENDING = 4096;
+const MAX_PENDING = 4096;
 
 export class Server {
   /**
@@ -101,7 +101,7 @@ export class Server {
   fromClient(data) {
     if (!this.link.ready) return;
     this.link.send(data);
-    if (this.link.pending > MOST_PENDING) this.client.pause();
+    if (this.link.pending > MAX_PENDING) this.client.pause();
   }
 
   toClient() {
@@ -127,7 +127,7 @@ export class Server {
       return;
     }
     this.toClient();
-    if (this.client?.isPaused() && this.link.pending <= MOST_PENDING) this.client.resume();
+    if (this.client?.isPaused() && this.link.pending <= MAX_PENDING) this.client.resume();
     const wait = this.fast ? 0 : this.leadMs();
     if (wait >= 1) setTimeout(() => this.run(), wait);
     else setImmediate(() => this.run());
@@ -136,7 +136,7 @@ export class Server {
   /** Time by which the board is ahead of real time. */
   leadMs() {
     const lead = ((this.board.cycle - this.ahead.cycle) / CYCLES_PER_S) * 1000 - (performance.now() - this.ahead.wall);
-    if (lead < -MOST_LAG_MS) this.ahead = { cycle: this.board.cycle, wall: performance.now() };
+    if (lead < -MAX_LAG_MS) this.ahead = { cycle: this.board.cycle, wall: performance.now() };
     return lead;
   }
 }

@@ -61,9 +61,9 @@ const isVector = (address) => address >= VECTOR_TABLE && address < VECTOR_TABLE 
 
 /** Summarizes ticks: { worst, mean, late: the latest beginning, pulses: index pulses that were confirmed in the worst }, in cycles. */
 export function summary(ticks) {
-  const worst = ticks.reduce((most, tick) => (tick.own > most.own ? tick : most));
+  const worst = ticks.reduce((max, tick) => (tick.own > max.own ? tick : max));
   const mean = ticks.reduce((sum, { own }) => sum + own, 0) / ticks.length;
-  const late = ticks.reduce((most, tick) => Math.max(most, tick.late), 0);
+  const late = ticks.reduce((max, tick) => Math.max(max, tick.late), 0);
   return { worst: worst.own, mean, late, pulses: worst.pulses };
 }
 

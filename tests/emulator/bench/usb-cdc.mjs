@@ -64,7 +64,7 @@ export class CdcHost extends UsbHost {
   // ---- enumeration ----
 
   onReset() {
-    this.descriptor(DEVICE, 0, CONTROL_MOST, (bytes) => this.readDevice(bytes));
+    this.descriptor(DEVICE, 0, CONTROL_MAX, (bytes) => this.readDevice(bytes));
   }
 
   descriptor(kind, number, length, done, language = 0) {
@@ -136,7 +136,7 @@ export class CdcHost extends UsbHost {
   }
 }
 
-const CONTROL_MOST = 64;
+const CONTROL_MAX = 64;
 
 /** Interface and endpoints of the serial port in a configuration descriptor, or { problem }. */
 function portOf(bytes) {

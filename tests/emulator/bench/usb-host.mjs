@@ -4,7 +4,7 @@
 // All state is kept in properties, none in variables of functions, so that a snapshot of the board includes it (board.usb.host).
 
 const NANOS_PER_MS = 1e6;
-const MOST_TRIES = 3; // USB 2.0, 10.2.6
+const MAX_TRIES = 3; // USB 2.0, 10.2.6
 const CONTROL_PACKET = 64;
 const TO_HOST = 0x80;
 const SET_ADDRESS = 5;
@@ -181,8 +181,8 @@ export class UsbHost {
     if (answer.answer === 'nak') return undefined;
     if (answer.answer !== 'ack' && answer.answer !== 'data') {
       control.tries += 1;
-      if (control.tries < MOST_TRIES) return undefined;
-      return this.abandon(`no answer from address ${this.address} in its ${control.stage} stage, ${MOST_TRIES} times`);
+      if (control.tries < MAX_TRIES) return undefined;
+      return this.abandon(`no answer from address ${this.address} in its ${control.stage} stage, ${MAX_TRIES} times`);
     }
     control.tries = 0;
     if (kind === 'in' && answer.data1 !== control.data1) return this.abandon(`a packet of its ${control.stage} stage has the wrong DATA PID`);
@@ -290,9 +290,9 @@ export class UsbHost {
         break;
       case 'none':
         pipe.tries += 1;
-        if (pipe.tries < MOST_TRIES) break;
+        if (pipe.tries < MAX_TRIES) break;
         pipe.halted = true;
-        this.error(`${pipe}: no answer from address ${this.address}, ${MOST_TRIES} times`);
+        this.error(`${pipe}: no answer from address ${this.address}, ${MAX_TRIES} times`);
         break;
       default:
     }

@@ -281,7 +281,7 @@ export class Board {
 
   /** The greatest depth of the stack below its initial position, in bytes. */
   get stackDepth() {
-    return this.core.initialSP - this.core.leastSP;
+    return this.core.initialSP - this.core.minSP;
   }
 
   /** Reads or writes a register like a debugger: at the end of the present cycle, in no time. */

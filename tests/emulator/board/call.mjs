@@ -34,7 +34,7 @@ export class Caller {
    * { r0, r1, cycles, stackBytes }: the cycles from its first instruction to its return, both included, without the
    * call itself; and the depth of its stack. Throws when it faults or takes more than `mostCycles`.
    */
-  call(target, args = [], { stack = [], mostCycles = 10_000_000 } = {}) {
+  call(target, args = [], { stack = [], maxCycles = 10_000_000 } = {}) {
     const { board } = this;
     const { core } = board;
     const address = typeof target === 'string' ? this.addressOf(target) : target & ~1;
@@ -44,18 +44,18 @@ export class Caller {
     core.registers[13] = top;
     core.registers[14] = RETURN_TO | 1;
     core.registers[15] = address;
-    core.leastSP = top;
+    core.minSP = top;
     const from = board.cycle;
     while (core.registers[15] !== RETURN_TO) {
       board.runTo(board.cycle + 1);
-      if (board.cycle - from > mostCycles) throw new Error(`${target} did not return in ${mostCycles} cycles`);
+      if (board.cycle - from > maxCycles) throw new Error(`${target} did not return in ${maxCycles} cycles`);
       if (core.IPSR !== 0 || board.stopped) throw new Error(`${target}: ${board.events.at(-1).text}`);
     }
     return {
       r0: core.registers[0],
       r1: core.registers[1],
       cycles: board.cycle - from,
-      stackBytes: top - core.leastSP,
+      stackBytes: top - core.minSP,
     };
   }
 }

@@ -49,7 +49,7 @@ export function startCore(core) {
   const [stack, entry] = [core.readUint32(VECTOR_TABLE), core.readUint32(VECTOR_TABLE + 4)];
   core.SP = stack;
   core.PC = (entry & ~1) >>> 0;
-  core.leastSP = stack;
+  core.minSP = stack;
   core.initialSP = stack;
 }
 

@@ -48,7 +48,7 @@ export class BenchCore extends ExceptionCore {
   constructor(rp2040, board) {
     super(rp2040, board);
     /** Least value of the stack pointer since reset. */
-    this.leastSP = 0xffff_ffff;
+    this.minSP = 0xffff_ffff;
     this.methods = METHOD_OF.map((name) => name && this[name]);
   }
 
@@ -82,7 +82,7 @@ export class BenchCore extends ExceptionCore {
   }
 
   noteStack() {
-    if (this.registers[13] < this.leastSP) this.leastSP = this.registers[13];
+    if (this.registers[13] < this.minSP) this.minSP = this.registers[13];
   }
 
   setNZ(value) {

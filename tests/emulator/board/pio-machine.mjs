@@ -18,8 +18,8 @@ import { FIFO } from 'rp2040js';
 
 const EXECCTRL_STALLED = 0x8000_0000;
 const OUT_STICKY = (1 << 17) | (1 << 18);
-const MOST_AHEAD = 2048;
-const LEAST_AHEAD = 16;
+const MAX_AHEAD = 2048;
+const MIN_AHEAD = 16;
 
 const LOUD = 0;
 const QUIET = 1;
@@ -66,7 +66,7 @@ export class Machine extends Operations {
     /** While ahead: the registers as they were in cycle `from`, the levels of the pins, and which of them are read. */
     this.saved = { ahead: false, from: 0, inputs: 0, x: 0, y: 0, pc: 0, isr: 0, isrCount: 0, osr: 0, osrCount: 0 };
     this.pinsRead = 0;
-    this.mostAhead = MOST_AHEAD;
+    this.maxAhead = MAX_AHEAD;
     this.updateTx();
     this.updateRx();
   }
@@ -250,7 +250,7 @@ export class Machine extends Operations {
     this.pinsRead = 0;
     this.quietUntil(Infinity);
     saved.ahead = this.due !== saved.from;
-    if (saved.ahead && this.mostAhead < MOST_AHEAD) this.mostAhead *= 2;
+    if (saved.ahead && this.maxAhead < MAX_AHEAD) this.maxAhead *= 2;
   }
 
   /** Sets the registers to their values at the start of `now`. */
@@ -268,7 +268,7 @@ export class Machine extends Operations {
     this.osrCount = saved.osrCount;
     this.due = saved.from;
     if (this.due < now) this.quietUntil(now);
-    this.mostAhead = Math.max(LEAST_AHEAD, this.mostAhead >> 1);
+    this.maxAhead = Math.max(MIN_AHEAD, this.maxAhead >> 1);
     this.block.onDue(this.due);
   }
 
@@ -277,8 +277,8 @@ export class Machine extends Operations {
     const { block } = this;
     const present = block.cycle;
     let at = this.due;
-    for (let left = MOST_AHEAD; left > 0 && at < limit; left -= 1) {
-      if (limit === Infinity && left <= MOST_AHEAD - this.mostAhead) break;
+    for (let left = MAX_AHEAD; left > 0 && at < limit; left -= 1) {
+      if (limit === Infinity && left <= MAX_AHEAD - this.maxAhead) break;
       const opcode = block.instructions[this.pc];
       const kind = KIND[opcode];
       if (kind === LOUD || (kind >= IN && kind <= IN_PINS && this.autopush)) break;

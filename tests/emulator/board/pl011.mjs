@@ -40,7 +40,7 @@ const LEVELS = [4, 8, 16, 24, 28];
 const TIMEOUT_BITS = 32;
 const SAMPLES_PER_BIT = 16;
 /** A frame is read in the middle of its last bit, half a bit from its edge. */
-const MOST_SKEW_BITS = 0.5;
+const MAX_SKEW_BITS = 0.5;
 
 export class Pl011 extends BasePeripheral {
   constructor(rp2040, index, line) {
@@ -119,7 +119,7 @@ export class Pl011 extends BasePeripheral {
   receive(data, error, bitNanos) {
     if (!(this.control & CR_ENABLE) || !(this.control & CR_RX) || !this.hasPin(1)) return;
     const skewBits = (Math.abs(bitNanos - this.bitNanos) / this.bitNanos) * (this.frameBits - 0.5);
-    const [flags, interrupts] = ERRORS_OF[skewBits > MOST_SKEW_BITS ? 'framing' : error] ?? [0, 0];
+    const [flags, interrupts] = ERRORS_OF[skewBits > MAX_SKEW_BITS ? 'framing' : error] ?? [0, 0];
     this.raised |= interrupts;
     if (this.rx.length >= this.depth) {
       this.overrun = true;

@@ -26,13 +26,13 @@ const text = (x) => (Array.isArray(x) ? x.join(' ') : String(x));
 
 function measure(board, sizes, candidate) {
   const failures = { hangs: 0, panics: 0, overflows: 0, inexact: 0 };
-  const leastFailing = {};
+  const minFailing = {};
   const fail = (kind, x) => {
     failures[kind] += 1;
-    if (!(leastFailing[kind] <= x)) leastFailing[kind] = x;
+    if (!(minFailing[kind] <= x)) minFailing[kind] = x;
   };
   let [count, sum, squares, worst, argument] = [0, 0, 0, -1, null];
-  let [total, least, most] = [0, Infinity, 0];
+  let [total, min, max] = [0, Infinity, 0];
   const list = candidate.arguments();
   for (const x of list) {
     const result = board.call(candidate.symbol, candidate.words(x), LIMIT);
@@ -41,8 +41,8 @@ function measure(board, sizes, candidate) {
       continue;
     }
     total += result.cycles;
-    least = Math.min(least, result.cycles);
-    most = Math.max(most, result.cycles);
+    min = Math.min(min, result.cycles);
+    max = Math.max(max, result.cycles);
     const error = candidate.error(x, result);
     count += 1;
     if (!(error <= WRONG)) {
@@ -57,13 +57,13 @@ function measure(board, sizes, candidate) {
   const good = count - failures.overflows;
   const notes = Object.entries(failures)
     .filter(([, n]) => n > 0)
-    .map(([kind, n]) => `${kind} for ${n} of ${list.length} (least ${text(leastFailing[kind])})`);
+    .map(([kind, n]) => `${kind} for ${n} of ${list.length} (least ${text(minFailing[kind])})`);
   return {
     candidate: candidate.name, function: candidate.what, format: candidate.format, range: candidate.range,
     arguments: list.length,
     error_mean: (sum / good).toExponential(2), error_rms: Math.sqrt(squares / good).toExponential(2),
     error_max: worst.toExponential(2), worst_argument: text(argument),
-    cycles_min: least, cycles_mean: (total / count).toFixed(1), cycles_max: most,
+    cycles_min: min, cycles_mean: (total / count).toFixed(1), cycles_max: max,
     bytes: sizes.reachable(candidate.symbol),
     notes: notes.join('; '),
   };

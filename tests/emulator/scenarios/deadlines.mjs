@@ -47,7 +47,7 @@ const byRatio = (one, other) => other.meter.worst.cycles / other.bound - one.met
 function fixed(outcome, name) {
   const { toml } = scene(name);
   const first = convert({ text: stringify(toml) });
-  outcome.check(first.mostHz !== undefined && !first.isWritten, `${name}: the rate is refused, and nothing is written, not: ${first.refused}`);
+  outcome.check(first.maxHz !== undefined && !first.isWritten, `${name}: the rate is refused, and nothing is written, not: ${first.refused}`);
   return judge(outcome, name, { drawn: { toml, transport: 'usb', slips: SLIPS, override: null }, ...atMost(toml) }, random(SEED));
 }
 
@@ -71,12 +71,12 @@ function report(outcome, found) {
     const { cycles, number, what, plans } = meter.worst;
     outcome.say(`    ${cycles} of ${bound} (${(cycles / bound).toFixed(3)}): ${name}, ${toml.axes.count} axes, ${plans ?? '?'} plans, ${toml.control.tick_hz} Hz, ${transport ?? 'no host'}, tick ${number}, ${what}`);
   }
-  const most = (of) => Math.max(...found.map(({ meter }) => of(meter)));
+  const max = (of) => Math.max(...found.map(({ meter }) => of(meter)));
   outcome.say('each part at its longest, in any tick:');
-  outcome.say(`    ${NAMES.map((name, part) => `${name} ${most(({ parts }) => parts[part])}`).join(', ')}`);
-  outcome.say(`    latest beginning ${most(({ late }) => late)}, preempted for ${most(({ preempted }) => preempted)}, a plan ${Math.round(most(({ plan }) => plan))}`);
+  outcome.say(`    ${NAMES.map((name, part) => `${name} ${max(({ parts }) => parts[part])}`).join(', ')}`);
+  outcome.say(`    latest beginning ${max(({ late }) => late)}, preempted for ${max(({ preempted }) => preempted)}, a plan ${Math.round(max(({ plan }) => plan))}`);
   outcome.figure('search: longest tick beside its bound, ratio', worst[0].meter.worst.cycles / worst[0].bound, 'neither');
-  outcome.figure('search: longest tick, cycles', most(({ worst: { cycles } }) => cycles), 'neither');
+  outcome.figure('search: longest tick, cycles', max(({ worst: { cycles } }) => cycles), 'neither');
   outcome.goal('search: deadlines missed', found.reduce((sum, { meter }) => sum + meter.missed, 0), MISSED_DEADLINES);
   for (const axes of [2, 3, 4, 5, 6]) {
     const { toml } = scene('alike');

@@ -19,16 +19,16 @@ import { offsetOf } from './index.mjs';
 
 /** The greatest difference of events' sizes and phases, host against firmware. Builds differ by where in a tick the lines are sampled, and
  * have shown 0.0001 to 0.00026. */
-const MOST_DEG = 0.0005;
+const MAX_DEG = 0.0005;
 
 /** Error of a correction that follows a measurement: the firmware samples a line every 7 cycles, 3 cycles late, on each of two axes. */
 const READING_CYCLES = 2 * (7 + 3);
 
 /** From a deadline to the first cycle of its tick: as in parity.mjs. */
-const MOST_OFFSET = 25;
+const MAX_OFFSET = 25;
 
 /** Ticks by which the firmware may report later if a fault cannot be reproduced exactly. */
-const MOST_LATER = 2;
+const MAX_LATER = 2;
 
 /** Time until all events are in the log. */
 const REPORTING_S = 0.03;
@@ -138,7 +138,7 @@ function put(machine, played, predicted, began, turned) {
 
 /** Checks that states, their ticks and the events are the same. Gives the largest difference of sizes and phases, degrees. */
 function compare(firmware, host, { differs = false }, wrong) {
-  const later = differs ? MOST_LATER : 0;
+  const later = differs ? MAX_LATER : 0;
   const near = (a, b) => Math.abs(a - b) <= later;
   const names = (events) => events.map(({ kind, axis = '', latched }) => `${latched ? 'fault' : 'reported'}: ${kind} ${axis}`.trim()).join(', ');
   const walk = ({ states }) => states.map(({ tick, state }) => `${state} ${tick}`).join(', ');
@@ -155,7 +155,7 @@ function compare(firmware, host, { differs = false }, wrong) {
     if (!near(event.tick, other.tick)) wrong.push(`${event.kind} at tick ${other.tick}, not ${event.tick}`);
     if (differs) return;
     const apart = Math.max(Math.abs(event.sizeDeg - other.sizeDeg), nearest(event.phaseDeg - other.phaseDeg));
-    if (apart > MOST_DEG) wrong.push(`${event.kind} of ${other.sizeDeg}° at ${other.phaseDeg}°, not ${event.sizeDeg}° at ${event.phaseDeg}°`);
+    if (apart > MAX_DEG) wrong.push(`${event.kind} of ${other.sizeDeg}° at ${other.phaseDeg}°, not ${event.sizeDeg}° at ${event.phaseDeg}°`);
     worst = Math.max(worst, apart);
   });
   return worst;
@@ -166,7 +166,7 @@ const nearest = (deg) => Math.abs(deg - 360 * Math.round(deg / 360));
 /** Checks that step edges are as predicted. Gives a description of the result. */
 function stepsAlike(machine, { toml }, predicted, began, { corrects = false, differs = false, stands = false }, wrong) {
   const perStep = 360 / toml.axes.steps_per_turn;
-  const most = { cycles: 0, deg: 0 };
+  const max = { cycles: 0, deg: 0 };
   let count = 0;
   let compared = Infinity;
   for (let axis = 0; axis < machine.axes; axis += 1) {
@@ -184,18 +184,18 @@ function stepsAlike(machine, { toml }, predicted, began, { corrects = false, dif
       count += 1;
       // The longer interval of those before and after this step. Where the crank comes to rest, the time of a step is arbitrary.
       const apart = Math.max((expected[i + 1] ?? Infinity) - expected[i], expected[i] - (expected[i - 1] ?? -Infinity));
-      most.cycles = Math.max(most.cycles, off);
-      most.deg = Math.max(most.deg, (off / apart) * perStep);
+      max.cycles = Math.max(max.cycles, off);
+      max.deg = Math.max(max.deg, (off / apart) * perStep);
     }
   }
   // After a standstill all machines begin again, some cycles after a deadline, as at the start.
-  if (stands && most.cycles <= MOST_OFFSET) most.cycles = 0;
+  if (stands && max.cycles <= MAX_OFFSET) max.cycles = 0;
   const until = compared < Infinity ? ` up to tick ${Math.floor(compared / machine.tick)}` : '';
   if (!corrects) {
-    if (most.cycles > 0) wrong.push(`steps come to the cycle, not ${most.cycles} off`);
+    if (max.cycles > 0) wrong.push(`steps come to the cycle, not ${max.cycles} off`);
     return `${count} steps${until}, 0 cycles off`;
   }
   const allowed = (READING_CYCLES / CYCLES_PER_S) * toml.limits.speed_hz * 360;
-  if (most.deg > allowed) wrong.push(`cranks are within ${allowed.toFixed(4)}° of the host's, not ${most.deg.toFixed(4)}`);
-  return `${count} steps, ${most.deg.toFixed(4)}° off`;
+  if (max.deg > allowed) wrong.push(`cranks are within ${allowed.toFixed(4)}° of the host's, not ${max.deg.toFixed(4)}`);
+  return `${count} steps, ${max.deg.toFixed(4)}° off`;
 }

@@ -24,10 +24,10 @@ const BESIDE = ['TIMER_IRQ_1', 'HardFault', 'SWI_IRQ_0'];
 
 /** The chip's RAM, and the reserve in it: an interrupt or two on top of the deepest measured stack. */
 const RAM_BYTES = 264 * 1024;
-const LEAST_LEFT = 4096;
+const MIN_LEFT = 4096;
 
-const LEAST_AXES = 2;
-const MOST_AXES = 6;
+const MIN_AXES = 2;
+const MAX_AXES = 6;
 /** Axes of the scene `default`, which is built in. */
 const BUILT_IN_AXES = 4;
 
@@ -53,7 +53,7 @@ export function run(outcome, { write = false, compare = true } = {}) {
   outcome.check(size.status === 0, `the firmware is about as large as it was:\n${size.stdout}${size.stderr}`);
   const [, ram] = size.stdout.match(/^RAM +(\d+) bytes/m) ?? [];
   const left = RAM_BYTES - Number(ram) - stack;
-  outcome.check(left >= LEAST_LEFT, `code, data and the deepest stack leave ${LEAST_LEFT} bytes of the RAM, not ${left}`);
+  outcome.check(left >= MIN_LEFT, `code, data and the deepest stack leave ${MIN_LEFT} bytes of the RAM, not ${left}`);
   for (const line of size.stdout.split('\n').filter((text) => /^(flash|RAM|stack)/.test(text))) outcome.say(line);
   const [, flash] = size.stdout.match(/^flash +(\d+) bytes/m) ?? [];
   outcome.goal('static RAM and the deepest stack, bytes', Number(ram) + stack, goals.RAM_BYTES);
@@ -61,7 +61,7 @@ export function run(outcome, { write = false, compare = true } = {}) {
 }
 
 /** A tick may take longer by this factor with other names, as the compiler places other functions in line. */
-const MOST_LONGER = 1.05;
+const MAX_LONGER = 1.05;
 
 /** What runs from RAM is chosen by the names of functions. With the compiler's other form of names a tick takes as long. */
 function otherNames(outcome) {
@@ -78,21 +78,21 @@ function otherNames(outcome) {
     return Math.max(...machine.ticks(began).map(({ own }) => own));
   });
   outcome.say(`worst tick ${worst} cycles, and ${other} with the compiler's other form of names`);
-  outcome.check(other <= MOST_LONGER * worst, `with v0 names the loop runs from RAM: the worst tick takes ${other} cycles, not ${worst}`);
+  outcome.check(other <= MAX_LONGER * worst, `with v0 names the loop runs from RAM: the worst tick takes ${other} cycles, not ${worst}`);
 }
 
 /** The deepest stack of all numbers of axes, bytes, and the number of axes at which it occurs. */
 function deepestStack(outcome) {
-  const first = { stack: deepest({ axes: MOST_AXES, flash: flashWith() }), axes: 'the first start' };
+  const first = { stack: deepest({ axes: MAX_AXES, flash: flashWith() }), axes: 'the first start' };
   const all = [];
-  for (let axes = LEAST_AXES; axes <= MOST_AXES; axes += 1) {
+  for (let axes = MIN_AXES; axes <= MAX_AXES; axes += 1) {
     all.push({ axes, stack: deepest({ axes, settings: settingsOf(scene('everything', withAxes(axes))) }) });
   }
-  const most = all.reduce((deeper, run) => (run.stack > deeper.stack ? run : deeper));
+  const max = all.reduce((deeper, run) => (run.stack > deeper.stack ? run : deeper));
   outcome.say(`deepest stack: ${[...all, first].map(({ stack, axes }) => `${axes}${axes > 0 ? ' axes' : ''} ${stack}`).join(', ')} bytes`);
   for (const { axes, stack } of all) outcome.figure(`stack of ${axes} axes, deepest, bytes`, stack, 'lower', { inDocs: false });
-  outcome.figure('stack, deepest, bytes', Math.max(most.stack, first.stack));
-  return first.stack > most.stack ? { stack: first.stack, axes: BUILT_IN_AXES } : most;
+  outcome.figure('stack, deepest, bytes', Math.max(max.stack, first.stack));
+  return first.stack > max.stack ? { stack: first.stack, axes: BUILT_IN_AXES } : max;
 }
 
 function inspect(args) {

@@ -11,7 +11,7 @@ import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { act } from '../bench/play.mjs';
 
-export const MOST_DEG = 0.01;
+export const MAX_DEG = 0.01;
 
 /** Speed of the scene `two-hundred`. */
 export const TURN_HZ = 200;
@@ -26,7 +26,7 @@ export function run(outcome) {
     const measured = measure(played, predicted, disturb);
     const worst = Math.max(...measured.map((deg, axis) => Math.abs(deg - stands[axis])));
     outcome.say(`${name}: drifts of ${measured.map((deg) => deg.toFixed(4)).join(', ')}°, at most ${worst.toFixed(4)}° off`);
-    outcome.check(worst <= MOST_DEG, `${name}: phases are known to ${MOST_DEG}°, not ${worst}`);
+    outcome.check(worst <= MAX_DEG, `${name}: phases are known to ${MAX_DEG}°, not ${worst}`);
     outcome.figure(`index phase at 200 rev/s, ${name}, error, deg`, worst);
   }
 }

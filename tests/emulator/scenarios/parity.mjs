@@ -19,13 +19,13 @@ const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast'];
 const HOLD_S = 0.25;
 
 /** Edges compared in all must be at least this many. */
-const LEAST_EDGES = 100_000;
+const MIN_EDGES = 100_000;
 
 /** Edges due at one instant, across blocks: at most this far apart. */
-const MOST_SKEW = 0;
+const MAX_SKEW = 0;
 
 /** From a deadline to the first cycle of its tick: the few cycles in which the step machines are released. */
-const MOST_OFFSET = 25;
+const MAX_OFFSET = 25;
 
 export const title = 'Parity: edges against the host’s prediction';
 
@@ -33,7 +33,7 @@ export function run(outcome) {
   const played = [own(outcome, SCENES), own(outcome, builtIn(), shortened)];
   const total = played.reduce((sum, some) => sum + some.total, 0);
   const skew = Math.max(...played.map((some) => some.skew));
-  outcome.check(total >= LEAST_EDGES, `at least ${LEAST_EDGES} edges are compared, not ${total}`);
+  outcome.check(total >= MIN_EDGES, `at least ${MIN_EDGES} edges are compared, not ${total}`);
   outcome.figure('parity edges', total, 'higher');
   outcome.figure('skew across blocks, cycles', skew);
 }
@@ -48,12 +48,12 @@ export function own(outcome, scenes, change = () => {}) {
     const off = outcome.failures.length > before ? 'not all where they should be' : '0 cycles off';
     total += edges;
     const [first, second = first] = offsets;
-    outcome.check(first >= 0 && first <= MOST_OFFSET, `${name}: a tick begins at its deadline, not ${first} cycles from it`);
+    outcome.check(first >= 0 && first <= MAX_OFFSET, `${name}: a tick begins at its deadline, not ${first} cycles from it`);
     skew = Math.max(skew, Math.abs(first - second));
     outcome.say(`${path.basename(name, '.toml').padEnd(12)} ${edges.toString().padStart(8)} edges, ${off} (blocks begin at ${offsets.join(', ')})`);
   }
   outcome.say(`${total} edges compared; skew within a block 0 cycles, across blocks ${skew}`);
-  outcome.check(skew <= MOST_SKEW, `blocks are at most ${MOST_SKEW} cycles apart, not ${skew}`);
+  outcome.check(skew <= MAX_SKEW, `blocks are at most ${MAX_SKEW} cycles apart, not ${skew}`);
   return { total, skew };
 }
 

@@ -10,10 +10,10 @@ import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 
 const SECONDS = 0.1;
 const PROMISED = 1e6;
-const MOST_BUSY = 0.5;
+const MAX_BUSY = 0.5;
 const RISE = 250e3;
 /** The settings accept no more than 2.93 M steps/s, however narrow the pulse. */
-const MOST = 2.9e6;
+const MAX = 2.9e6;
 
 export const title = 'Rate: six axes at a million steps a second each, and more';
 
@@ -21,14 +21,14 @@ export function run(outcome) {
   const promised = sustain(PROMISED);
   say(outcome, promised);
   outcome.check(promised.slowest >= PROMISED * 0.9999, `every axis makes ${PROMISED} steps/s, not ${promised.slowest}`);
-  outcome.check(promised.busy < MOST_BUSY, `the processor is less than half busy, not ${(promised.busy * 100).toFixed(1)} %`);
+  outcome.check(promised.busy < MAX_BUSY, `the processor is less than half busy, not ${(promised.busy * 100).toFixed(1)} %`);
   outcome.check(promised.trouble === undefined, `the log reports no trouble: ${promised.trouble}`);
   outcome.figure('six axes at 1 M steps/s: processor busy, %', promised.busy * 100);
   outcome.figure('six axes at 1 M steps/s: processor cycles a step', promised.cyclesPerStep);
   outcome.figure('six axes at 1 M steps/s: worst tick, cycles', promised.worst);
 
   let highest = promised;
-  for (let rate = PROMISED + RISE; rate <= MOST; rate += RISE) {
+  for (let rate = PROMISED + RISE; rate <= MAX; rate += RISE) {
     const tried = sustain(rate);
     if (tried.trouble !== undefined) {
       outcome.say(`${(rate / 1e6).toFixed(2)} M steps/s do not hold: ${tried.trouble}`);

@@ -55,11 +55,11 @@ const between = (pin) => (machine) => {
 
 const logs = (machine, pattern) => log(machine.board).some((line) => pattern.test(line));
 
-function drivesFell(machine, must, mostS) {
+function drivesFell(machine, must, maxS) {
   const [fall] = machine.board.edges.to('enable', 0).filter((cycle) => cycle >= machine.happened);
   must(fall !== undefined, 'the drives are switched off');
   const seconds = (fall - machine.happened) / CYCLES_PER_S;
-  must(seconds <= mostS, `the drives are off within ${mostS * 1e6} µs, not ${seconds * 1e6}`);
+  must(seconds <= maxS, `the drives are off within ${maxS * 1e6} µs, not ${seconds * 1e6}`);
   return `drives off after ${(seconds * 1e6).toFixed(1)} µs`;
 }
 
@@ -115,9 +115,9 @@ const holdsUntilEnableOpens = (pattern) => (machine, must) => {
 };
 
 /** Drives off at once, and nothing waits for the shaft. */
-const cuts = (pattern, mostS) => (machine, must) => {
+const cuts = (pattern, maxS) => (machine, must) => {
   machine.run(0.1);
-  const fall = drivesFell(machine, must, mostS);
+  const fall = drivesFell(machine, must, maxS);
   must(logs(machine, pattern), `the log says ${pattern}`);
   must(machine.level('enable') === 0, 'the drives stay off');
   machine.set(pins.ENABLE, 0);
@@ -150,7 +150,7 @@ function skewAfter(machine, axis) {
   const from = machine.happened + 0.01 * CYCLES_PER_S;
   const edges = (name) => machine.board.edges.to(name, 1).filter((cycle) => cycle >= from);
   const other = edges(`step_${axis}`);
-  return edges('step_0').reduce((most, cycle, i) => Math.max(most, Math.abs((other[i] ?? cycle) - cycle)), 0);
+  return edges('step_0').reduce((max, cycle, i) => Math.max(max, Math.abs((other[i] ?? cycle) - cycle)), 0);
 }
 
 /** Checks the stop after a stopped channel: its axis has lost steps, and the fault reports it. */
@@ -190,9 +190,9 @@ function losesEnableInATick(machine) {
 }
 
 /** The watchdog restarts the controller: drives off from then on, until it is reset and started. */
-const restarts = (failure, mostS) => (machine, must) => {
+const restarts = (failure, maxS) => (machine, must) => {
   machine.run(0.5);
-  const fall = drivesFell(machine, must, mostS);
+  const fall = drivesFell(machine, must, maxS);
   must(machine.board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog'), 'the watchdog resets it');
   must(logs(machine, new RegExp(`reset by the watchdog.*Run.*${failure}`)), `the log says what the machine was doing, and ${failure}`);
   must(logs(machine, /fault: watchdog-reset/), 'the log says watchdog-reset');

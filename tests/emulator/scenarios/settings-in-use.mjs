@@ -67,14 +67,14 @@ function addresses(board, value) {
 }
 
 /** Flips a bit of words, and gives the time in seconds until the drives are off. */
-function flips(outcome, machine, name, flipped, bit, mostTicks) {
+function flips(outcome, machine, name, flipped, bit, maxTicks) {
   const { board } = machine;
   const happened = board.cycle;
   for (const address of flipped) board.poke(address, (board.peek(address) ^ (1 << bit)) >>> 0);
-  const most = mostTicks * machine.tick;
-  board.run({ cycles: most + RESTARTED_S * CYCLES_PER_S });
+  const max = maxTicks * machine.tick;
+  board.run({ cycles: max + RESTARTED_S * CYCLES_PER_S });
   const [fall = Infinity] = board.edges.to('enable', 0).filter((cycle) => cycle >= happened);
-  outcome.check(fall - happened <= most, `${name}: the drives are off within ${mostTicks} ticks, not after ${(fall - happened) / machine.tick}`);
+  outcome.check(fall - happened <= max, `${name}: the drives are off within ${maxTicks} ticks, not after ${(fall - happened) / machine.tick}`);
   outcome.check(machine.level('enable') === 0, `${name}: the drives stay off`);
   const reset = board.events.some(({ kind, text, cycle }) => kind === 'reset' && text === 'watchdog' && cycle > happened);
   outcome.check(reset, `${name}: the watchdog resets the controller`);

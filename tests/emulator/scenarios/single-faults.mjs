@@ -28,11 +28,11 @@ export function run(outcome) {
   const played = scene('hold');
   const settings = settingsOf(played);
   const options = { ...played, settings };
-  for (const [name, disturb, reason, mostS] of FAULTS) {
+  for (const [name, disturb, reason, maxS] of FAULTS) {
     const machine = turning(options);
     disturb(machine);
     const wrong = [];
-    const text = ends(machine, reason, mostS, (holds, what) => holds || wrong.push(what));
+    const text = ends(machine, reason, maxS, (holds, what) => holds || wrong.push(what));
     say(outcome, name, text);
     report(outcome, name, wrong, machine);
   }
@@ -73,12 +73,12 @@ function report(outcome, name, wrong, machine) {
 }
 
 /** Drives off in time, and off after the restart; the log has the reason; a reset and a start work again if the fault is over. */
-function ends(machine, reason, mostS, must) {
+function ends(machine, reason, maxS, must) {
   const { board } = machine;
-  machine.run(mostS + RESTARTED_S);
+  machine.run(maxS + RESTARTED_S);
   const [fall = Infinity] = board.edges.to('enable', 0).filter((cycle) => cycle >= machine.happened);
   const seconds = (fall - machine.happened) / CYCLES_PER_S;
-  must(seconds <= mostS, `the drives are off within ${ms(mostS)} ms, not ${ms(seconds)}`);
+  must(seconds <= maxS, `the drives are off within ${ms(maxS)} ms, not ${ms(seconds)}`);
   must(board.edges.to('enable', 1).every((cycle) => cycle < fall), 'the drives stay off');
   const resets = board.events.filter(({ kind, text }) => kind === 'reset' && text === 'watchdog').map(({ cycle }) => cycle);
   must(resets.length > 0, 'the watchdog resets it');
@@ -93,7 +93,7 @@ function ends(machine, reason, mostS, must) {
   must(machine.level('enable') === 0, 'a reset does not switch the drives on');
   machine.press();
   must(machine.level('enable') === 1, 'after a reset, a start does');
-  return `drives off after ${ms(seconds)} ms, within ${ms(mostS)}: ${reason}`;
+  return `drives off after ${ms(seconds)} ms, within ${ms(maxS)}: ${reason}`;
 }
 
 const ms = (seconds) => Number((seconds * 1000).toPrecision(3));

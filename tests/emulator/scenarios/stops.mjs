@@ -14,7 +14,7 @@ import { inverted } from '../bench/pins.mjs';
 import { accepted, atMost, countOr, SEED } from '../search/accepted.mjs';
 import { draw, random } from '../search/draw.mjs';
 
-const MOST_S = 0.02;
+const MAX_S = 0.02;
 
 /** Scenes of each line, besides the fixed ones. */
 const COUNT = countOr(3);
@@ -27,12 +27,12 @@ const STATUS_MS = 10;
 const UART_AXES_BELOW = 0.375;
 
 /** Homing, proof of the wiring included, and the time of the run in which the stop comes. */
-const MOST_HOMING_S = 3;
+const MAX_HOMING_S = 3;
 const RUN_S = 0.3;
-const LEAST_S = 0.05;
+const MIN_S = 0.05;
 
 /** Scenes that are drawn for one that runs. */
-const MOST_TRIES = 8;
+const MAX_TRIES = 8;
 
 export const title = 'Stops: a stop by the host acts within 20 ms, whatever streams';
 
@@ -46,9 +46,9 @@ export function run(outcome) {
         `${transport}, ${toml.axes.count} axes at ${toml.control.tick_hz} ticks a second: ${kind === 1 ? 'stop now' : 'stop'} after ${ms(seconds)} ms; ` +
           `${(100 * share).toFixed(0)} % of the samples`,
       );
-      outcome.check(seconds <= MOST_S, `${transport}: a stop acts within ${1000 * MOST_S} ms, not ${ms(seconds)}${reason === undefined ? '' : `: ${reason}`}`);
+      outcome.check(seconds <= MAX_S, `${transport}: a stop acts within ${1000 * MAX_S} ms, not ${ms(seconds)}${reason === undefined ? '' : `: ${reason}`}`);
     }
-    const inTime = times.filter((seconds) => seconds <= MOST_S).length;
+    const inTime = times.filter((seconds) => seconds <= MAX_S).length;
     const shares = all.map(({ share }) => share).sort((a, b) => a - b);
     outcome.say(
       `${transport}: ${inTime} of ${all.length} stops in time, at most ${ms(Math.max(...times))} ms; of the samples ${percent(shares[0])} to ` +
@@ -74,7 +74,7 @@ function fixed(transport, next) {
 /** Draws scenes until one runs, and stops it. Gives { toml, seconds: until the stop acted, share: of the samples, kind: of the stop }. */
 function stopped(transport, next) {
   const reasons = [];
-  for (let tries = 0; tries < MOST_TRIES; tries += 1) {
+  for (let tries = 0; tries < MAX_TRIES; tries += 1) {
     const { drawn, settings } = accepted(() => {
       const genome = draw(next);
       return transport === 'usb' ? genome : { ...genome, axes: genome.axes * UART_AXES_BELOW };
@@ -85,7 +85,7 @@ function stopped(transport, next) {
     if (/overrun|missed|underrun|watchdog/.test(result.reason)) return { toml: drawn.toml, seconds: Infinity, share: 0, kind: 0, reason: result.reason };
     reasons.push(result.reason);
   }
-  throw new Error(`of ${MOST_TRIES} scenes none runs:\n${reasons.join('\n')}`);
+  throw new Error(`of ${MAX_TRIES} scenes none runs:\n${reasons.join('\n')}`);
 }
 
 /** A program that lasts: nothing but the host stops the machine. */
@@ -110,19 +110,19 @@ function stop(toml, settings, transport, next) {
   new Cranks(machine.board, toml); // replaces the record of edges
   const entered = (states) => log(machine.board).map((line) => line.match(/tick (\d+): (\w+), phase/)).filter((match) => match && states.includes(match[2]));
   for (let seconds = 0; entered(['Run', 'Fault']).length === 0; seconds += 0.05) {
-    if (seconds > MOST_HOMING_S) return { reason: 'homing takes longer' };
+    if (seconds > MAX_HOMING_S) return { reason: 'homing takes longer' };
     machine.run(0.05);
   }
   machine.run(RUN_S * next());
   if (entered(['Fault']).length > 0) return { reason: log(machine.board).find((line) => /fault:/.test(line)) };
   const before = received(host);
   const from = machine.board.cycle;
-  machine.run(LEAST_S + RUN_S * next());
+  machine.run(MIN_S + RUN_S * next());
   const share = (received(host) - before) / ((machine.board.cycle - from) / machine.tick);
   const kind = Math.floor(2 * next());
   const sent = machine.board.cycle;
   host.send(requests.stop(kind));
-  machine.run(2 * MOST_S);
+  machine.run(2 * MAX_S);
   machine.run(0.05); // for the log
   const [[, first]] = entered(['Homing', 'Run']);
   const [, last] = entered(['Stop']).at(-1) ?? [];

@@ -12,15 +12,15 @@ export const SEED = Number(process.env.COPHASE_SEED || 1);
 if (!(countOr(1) > 0) || !Number.isInteger(SEED)) throw new Error('COPHASE_SEARCH is a number of scenes, such as 200, and COPHASE_SEED a whole number');
 
 /** The settings accept no higher rate. */
-const MOST_HZ = 10_000;
+const MAX_HZ = 10_000;
 
 /** Scenes that are drawn for one that is accepted. */
-const MOST_TRIES = 40;
+const MAX_TRIES = 40;
 
 /** A drawn scene, changed by `change`, at the highest rate that the board accepts: { genome, drawn, settings, bound }. */
 export function accepted(genomeOf, change = () => {}) {
   const refusals = [];
-  for (let tries = 0; tries < MOST_TRIES; tries += 1) {
+  for (let tries = 0; tries < MAX_TRIES; tries += 1) {
     const genome = genomeOf();
     const drawn = sceneOf(genome);
     change(drawn.toml);
@@ -32,7 +32,7 @@ export function accepted(genomeOf, change = () => {}) {
       if (!/program/.test(converted.refused) || toml.program[0].amax_g < 0.01) break;
     }
   }
-  throw new Error(`of ${MOST_TRIES} scenes none is accepted:\n${[...new Set(refusals)].join('\n')}`);
+  throw new Error(`of ${MAX_TRIES} scenes none is accepted:\n${[...new Set(refusals)].join('\n')}`);
 }
 
 /** Rates of which a tick has whole microseconds. */
@@ -52,9 +52,9 @@ function atRate(toml, at) {
 
 /** Sets the highest rate that the board accepts; gives the settings and the bound, or the refusal. */
 export function atMost(toml) {
-  toml.control.tick_hz = MOST_HZ;
+  toml.control.tick_hz = MAX_HZ;
   const converted = convert({ text: stringify(toml) });
-  if (converted.mostHz === undefined) return converted;
-  toml.control.tick_hz = converted.mostHz;
+  if (converted.maxHz === undefined) return converted;
+  toml.control.tick_hz = converted.maxHz;
   return convert({ text: stringify(toml) });
 }

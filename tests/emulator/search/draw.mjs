@@ -8,10 +8,10 @@ const RADIUS_M = 0.012;
 const LAMBDA = 0.3;
 
 /** Pulses per second of one axis, as drawn at most: what the settings accept with the shortest pulse. */
-const MOST_STEP_HZ = 900_000;
+const MAX_STEP_HZ = 900_000;
 
 /** Steps per turn that a drawn crank has at most. */
-const MOST_STEPS = 25_600;
+const MAX_STEPS = 25_600;
 
 /** Axes that leave the pins of the UART free. */
 const UART_AXES = 4;
@@ -50,8 +50,8 @@ export function mutate(genome, next) {
 }
 
 const pick = (items, at) => items[Math.min(items.length - 1, Math.floor(at * items.length))];
-const between = (least, most, at) => least + (most - least) * at;
-const logBetween = (least, most, at) => Math.exp(between(Math.log(least), Math.log(most), at));
+const between = (min, max, at) => min + (max - min) * at;
+const logBetween = (min, max, at) => Math.exp(between(Math.log(min), Math.log(max), at));
 const round = (value, digits = 4) => Number(value.toFixed(digits));
 /** More numbers from one: the fraction of a multiple. */
 const more = (at, number) => (at * (number * 7.31 + 13.7)) % 1;
@@ -66,8 +66,8 @@ export function sceneOf(genome) {
   const isCam = g.kind > 0.8;
   const speed = round(logBetween(20, 150, g.speed), 2);
   const motions = motionsOf(g, axes, isCam);
-  const most = Math.max(...motions.map(({ ratio, gear }) => ratio * gear));
-  const perTurn = Math.min(MOST_STEPS, (0.8 * MOST_STEP_HZ) / (speed * most));
+  const max = Math.max(...motions.map(({ ratio, gear }) => ratio * gear));
+  const perTurn = Math.min(MAX_STEPS, (0.8 * MAX_STEP_HZ) / (speed * max));
   const steps = Math.max(200, Math.floor(logBetween(Math.min(800, perTurn / 2), perTurn, g.steps)));
   const distance = pick([0, 1, 1, 1, 2], g.stepPattern);
   const axis = motions.map(({ gearOf, follower }, number) => ({
@@ -188,11 +188,11 @@ function limitsOf(g, speed) {
 /** Levels as fractions of the greatest one, up and down. */
 function programOf(g, speed, isCam) {
   // A crank-rocker and a cam with these lengths have a smaller amplitude at the same speed than the crank; `fitted` lowers it.
-  const most = (RADIUS_M * (2 * Math.PI * speed) ** 2 * (isCam ? 1 : 1 + LAMBDA)) / GRAVITY;
+  const max = (RADIUS_M * (2 * Math.PI * speed) ** 2 * (isCam ? 1 : 1 + LAMBDA)) / GRAVITY;
   const count = pick([1, 2, 3, 6], g.program);
   const shape = g.shape < 0.6 ? 'smooth' : 'linear';
   return Array.from({ length: count }, (_, number) => ({
-    amax_g: round(most * between(number % 2 === 0 ? 0.5 : 0.05, number % 2 === 0 ? 0.95 : 0.4, more(g.level, number)), 4),
+    amax_g: round(max * between(number % 2 === 0 ? 0.5 : 0.05, number % 2 === 0 ? 0.95 : 0.4, more(g.level, number)), 4),
     ramp_s: round(between(0.05, 0.3, more(g.ramp, number)), 3),
     hold_s: pick([0, 0.01, 0.05], more(g.ramp, number + 4)),
     shape,

@@ -25,7 +25,7 @@ const BUSY_NS = 250_000;
 const READY_S = 1;
 
 /** Homing that proves the wiring is not awaited for longer. */
-const MOST_HOMING_S = 0.8;
+const MAX_HOMING_S = 0.8;
 
 const SLIP_NS = 500_000;
 
@@ -204,7 +204,7 @@ function toRun(machine, cranks, toml) {
   const [motor, crank] = axis[0].gear ?? [1, 1];
   const perTurn = ((axis[0].steps_per_turn ?? axes.steps_per_turn) * motor) / crank;
   const window = 0.01;
-  for (let seconds = 0; seconds < MOST_HOMING_S; seconds += window) {
+  for (let seconds = 0; seconds < MAX_HOMING_S; seconds += window) {
     const before = cranks.steps(0);
     machine.run(window);
     const speed = (cranks.steps(0) - before) / window / perTurn;

@@ -10,10 +10,10 @@
 import * as pins from '../bench/pins.mjs';
 
 /** From a deadline to the first cycle of its tick, where all machines begin again: as in scenarios/parity.mjs. */
-const MOST_OFFSET = 25;
+const MAX_OFFSET = 25;
 
 /** The longest delay between the two releases that is not detected, cycles. */
-const MOST_APART = 31;
+const MAX_APART = 31;
 
 export class Follow {
   /** Follows a machine that has made some steps, which are `predicted`, from `began` on. */
@@ -56,7 +56,7 @@ export class Follow {
         const by = cycles[i] - this.origin - due;
         const others = late.get(number);
         if (others === undefined) late.set(number, { by, name, block });
-        else if (others.by !== by && block !== others.block && Math.abs(others.by - by) <= MOST_APART) {
+        else if (others.by !== by && block !== others.block && Math.abs(others.by - by) <= MAX_APART) {
           apart = Math.max(apart, Math.abs(others.by - by));
         } else if (others.by !== by) {
           wrong.push(`in tick ${number}, ${name} is ${by} cycles late, and ${others.name} ${others.by}`);
@@ -72,7 +72,7 @@ export class Follow {
       const ticks = Math.round(by / tick);
       const rest = Math.abs(by - ticks * tick);
       if (ticks < stood) wrong.push(`tick ${number} is ${ticks} late, and the one before it ${stood}`);
-      if (rest > MOST_OFFSET + MOST_APART) wrong.push(`tick ${number} is ${by - ticks * tick} cycles off the deadlines' grid`);
+      if (rest > MAX_OFFSET + MAX_APART) wrong.push(`tick ${number} is ${by - ticks * tick} cycles off the deadlines' grid`);
       stood = Math.max(stood, ticks);
       last = number;
     }
@@ -92,8 +92,8 @@ export function missed(lines) {
  * each axis for a turn of the master.
  */
 export function inProportion(steps, perTurn) {
-  const least = Math.max(...steps.map((count, axis) => (count - 1) / perTurn[axis]));
-  const most = Math.min(...steps.map((count, axis) => (count + 1) / perTurn[axis]));
-  return least <= most;
+  const min = Math.max(...steps.map((count, axis) => (count - 1) / perTurn[axis]));
+  const max = Math.min(...steps.map((count, axis) => (count + 1) / perTurn[axis]));
+  return min <= max;
 }
 

@@ -12,7 +12,7 @@ const FREEZES = 60;
 const LONGEST = 3.3;
 
 /** More missed deadlines in a row are a fault (firmware/core/src/controller/punctuality.rs). */
-const MOST_MISSED = 2;
+const MAX_MISSED = 2;
 
 /** Time until all is logged, and time until a stopping machine is at rest. */
 const LOGGED_S = 0.008;
@@ -44,7 +44,7 @@ export function judge({ machine, follow, perTurn, reversed }) {
     if (stood !== before) wrong.push(`the log counts ${before} deadlines missed, and the machine stood for ${stood} ticks`);
     if (machine.level('enable') !== 1) wrong.push('the drives are off, and there is no fault');
     if (last * machine.tick < machine.board.cycle - follow.origin - (stood + 2) * machine.tick) wrong.push(`nothing moves since tick ${last}`);
-    if (stood > MOST_MISSED) wrong.push(`the machine stood for ${stood} ticks, and there is no fault`);
+    if (stood > MAX_MISSED) wrong.push(`the machine stood for ${stood} ticks, and there is no fault`);
     return { wrong, stood, apart, ended: 'in step', log: () => lines };
   }
   const [, kind] = fault;

@@ -9,7 +9,7 @@ import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { spread, sweep, isSelected } from '../bench/sweep.mjs';
-import { MOST_DEG, standsFor, TURN_HZ } from '../scenarios/index.mjs';
+import { MAX_DEG, standsFor, TURN_HZ } from '../scenarios/index.mjs';
 
 const NOISES = 12;
 
@@ -36,8 +36,8 @@ export function noise(outcome, ready) {
     off.forEach((deg, axis) => {
       const [{ text, early }] = places[axis].slice(-1);
       // An early pulse means that the crank is ahead.
-      const most = MOST_DEG + early * DEG_PER_CYCLE;
-      if (!(deg >= -MOST_DEG && deg <= most)) wrong.push(`axis ${axis}, ${text}: ${deg.toFixed(4)}° off, and not -${MOST_DEG} to ${most.toFixed(4)}`);
+      const max = MAX_DEG + early * DEG_PER_CYCLE;
+      if (!(deg >= -MAX_DEG && deg <= max)) wrong.push(`axis ${axis}, ${text}: ${deg.toFixed(4)}° off, and not -${MAX_DEG} to ${max.toFixed(4)}`);
     });
     return {
       name: places.map((own, axis) => `axis ${axis}: ${own[own.length - 1].text}`).join('; '),

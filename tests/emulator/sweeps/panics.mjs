@@ -8,7 +8,7 @@ import { sweep, isSelected } from '../bench/sweep.mjs';
 const PANICS = 4;
 
 /** The drives must be off within this time, cycles. */
-const MOST = 250;
+const MAX = 250;
 /** Time until the watchdog has reset the controller, and the log has reported it. */
 const RESET_S = 0.15;
 
@@ -34,7 +34,7 @@ export function panics(outcome, running) {
     const lines = log(board);
     const wrong = [];
     const says = (pattern) => lines.some((line) => pattern.test(line)) || wrong.push(`the log does not say ${pattern}`);
-    if (!(falls[0] - began <= MOST)) wrong.push(`the drives are off after ${(falls[0] - began) / 125} µs`);
+    if (!(falls[0] - began <= MAX)) wrong.push(`the drives are off after ${(falls[0] - began) / 125} µs`);
     if (machine.level('enable') !== 0 || falls.length !== 1) wrong.push('the drives do not stay off');
     if (!board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog')) wrong.push('the watchdog does not restart it');
     if (!isFull) says(new RegExp(`panicked at ${FILE}:${LINE}`));

@@ -33,7 +33,7 @@ const LONGEST = 16_000;
 /**
  * From a deadline to the first cycle of its tick: as in scenarios/parity.mjs, plus the longest delay that is not detected.
  */
-const MOST_OFFSET = 25 + 31;
+const MAX_OFFSET = 25 + 31;
 
 /** Moment and length of a case: even numbers close to the stores, others anywhere. */
 function moment(number) {
@@ -104,7 +104,7 @@ export function starts(outcome, { fresh, predicted }) {
     const follow = new Follow(machine, predicted, began);
     const { wrong, apart } = follow.compare();
     const from = follow.origin - began;
-    if (from < 0 || from > MOST_OFFSET) wrong.push(`a tick begins ${from} cycles from its deadline`);
+    if (from < 0 || from > MAX_OFFSET) wrong.push(`a tick begins ${from} cycles from its deadline`);
     return { name: name(when), wrong, worst: apart, ended: 'in step', log: () => lines };
   });
 }

@@ -72,12 +72,12 @@ test('a channel paced by a TX FIFO keeps it full without overflow and ends at it
   assert.equal(flevel(), 8);
   assert.equal(board.peek(channel(0, COUNT)), 12);
   pio.enable(board, 0, 1);
-  let least = 8;
+  let min = 8;
   for (let i = 0; i < 11 * 22; i += 1) {
     board.run({ cycles: 1 });
-    least = Math.min(least, flevel());
+    min = Math.min(min, flevel());
   }
-  assert.equal(least, 7, 'a word pulled is replaced before the next is');
+  assert.equal(min, 7, 'a word pulled is replaced before the next is');
   board.run({ cycles: 1000 });
   assert.equal(board.peek(pio.PIO_BASE[0] + pio.FDEBUG) & (1 << 16), 0, 'no overflow');
   assert.equal(board.peek(channel(0, COUNT)), 0);

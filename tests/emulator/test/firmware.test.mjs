@@ -91,7 +91,7 @@ test('a routine called by its symbol returns its results, cycles and stack depth
   // PUSH 3, LDR 2, ADDS 1, POP with PC 5.
   assert.deepEqual(result, { r0: 42, r1: 2, cycles: 11, stackBytes: 8 });
   assert.throws(() => caller.call('absent'), /no symbol absent/);
-  assert.throws(() => caller.call('forever', [], { mostCycles: 1000 }), /did not return/);
+  assert.throws(() => caller.call('forever', [], { maxCycles: 1000 }), /did not return/);
 });
 
 const BLOCK = 0x2000_0100;

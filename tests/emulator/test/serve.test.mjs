@@ -22,7 +22,7 @@ const TIMES = { debounce: 1, reset: 1, recovery: 1, resume: 1, address: 0.1 };
 const CRANKS = { place() {} };
 
 /** Time on the board's clock after which a test that still waits ends. */
-const MOST_S = 30;
+const MAX_S = 30;
 
 /** A served board with the driver that sends everything back; `lines` are the server's reports. */
 async function served() {
@@ -38,7 +38,7 @@ async function served() {
   const port = await server.listen(0);
   server.run();
   const guard = () => {
-    if (server.seconds > MOST_S) server.close();
+    if (server.seconds > MAX_S) server.close();
     if (!server.closing) setImmediate(guard);
   };
   guard();

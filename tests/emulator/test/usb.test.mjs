@@ -68,7 +68,7 @@ test('a frame has as many packets as the specification allows', () => {
   const { board, driver, host } = rig();
   driver.echoing = false;
   driver.poll.cancel();
-  for (const [size, most] of [[64, 19], [8, 71]]) {
+  for (const [size, max] of [[64, 19], [8, 71]]) {
     let sent = 0;
     host.onSent = () => {
       sent += 1;
@@ -77,7 +77,7 @@ test('a frame has as many packets as the specification allows', () => {
     board.run({ untilCycle: board.usb.frameOrigin + Math.ceil((board.cycle - board.usb.frameOrigin) / MS) * MS });
     for (let i = 0; i < 100; i += 1) host.write(host.bulkOut, bytesOf(size));
     board.run({ cycles: MS });
-    assert.equal(sent, most, `packets of ${size} bytes`);
+    assert.equal(sent, max, `packets of ${size} bytes`);
     board.run({ cycles: 10 * MS });
   }
 });
