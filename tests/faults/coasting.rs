@@ -6,17 +6,12 @@ use std::f64::consts::TAU;
 use cophase_files::report::{summary, warnings};
 use cophase_files::trace::{Every, Window};
 
-use super::{AT_S, KINEMATIC, Samples, TICK_S, observe, phased, scene};
+use super::{AT_S, Checked, Samples, SceneBuilder, TICK_S, faulty, kinematic, observe, phased};
 
 /// The drives are cut while cranks turn at a homing speed of 5 rev/s, with this friction on each.
-fn cut(text: &str, friction_nm: f64) -> host_sim::checked::Checked {
-    let text = text.replace(
-        "[axes]\n",
-        &format!("[axes]\nfriction_nm = {friction_nm}\n"),
-    );
-    scene(&format!(
-        "{text}[[fault]]\nat_s = {AT_S}\nkind = \"enable-loss\"\n"
-    ))
+fn cut(machine: SceneBuilder, friction_nm: f64) -> Checked {
+    let machine = machine.set("axes.friction_nm", friction_nm);
+    faulty(&machine, AT_S, "kind = \"enable-loss\"")
 }
 
 /// Returns the turns of crank 0 after the drives were off, and in the last 50 ms of the run.
@@ -37,9 +32,9 @@ fn coasted(samples: &Samples) -> (f64, f64) {
 /// Dry friction T takes N T of energy per radian. The rotors have N J ω²/2 of energy, the platform up to m v²/2, and its weight
 /// gives or takes at most m g 2 R.
 #[test]
-fn a_run_continues_until_coasting_cranks_stand_still() {
+fn run_continues_until_coasting_cranks_stand_still() {
     let friction_nm = 0.05;
-    let samples = observe(&cut(&phased(), friction_nm));
+    let samples = observe(&cut(phased(), friction_nm));
     let omega = 5.0 * TAU;
     let rotors_j = 3.0 * 1e-3 * omega * omega / 2.0;
     let platform_j = 5.0 * (0.01 * 1.031 * omega).powi(2) / 2.0;
@@ -65,8 +60,8 @@ fn a_run_continues_until_coasting_cranks_stand_still() {
 /// If this fails, a machine without friction runs without end, or a run that is cut off does not say so. Its last tilt is then
 /// taken for the final one.
 #[test]
-fn an_endless_coast_is_ended_and_reported() {
-    let checked = cut(&phased(), 0.0);
+fn endless_coast_is_ended_and_reported() {
+    let checked = cut(phased(), 0.0);
     let samples = observe(&checked);
     let off = samples
         .ticks
@@ -89,11 +84,11 @@ fn an_endless_coast_is_ended_and_reported() {
 #[test]
 fn tilts_with_drives_on_and_off_are_reported_separately() {
     let stuck = format!(
-        "{}[[fault]]\nat_s = {AT_S}\nkind = \"enable-loss\"\n[[fault]]\nat_s = {}\nkind = \"stuck\"\naxis = 1\n",
-        phased().replace("[axes]\n", "[axes]\nfriction_nm = 0.05\n"),
+        "kind = \"enable-loss\"\n[[fault]]\nat_s = {}\nkind = \"stuck\"\naxis = 1\n",
         AT_S + 0.01
     );
-    let run = cophase_tests::record(&scene(&stuck), Every::Fitting, Window::FirstMotion);
+    let stuck = faulty(&phased().set("axes.friction_nm", 0.05), AT_S, &stuck);
+    let run = cophase_tests::record(&stuck, Every::Fitting, Window::FirstMotion);
     let number = |key: &str| run.report[key].as_f64();
     let (on, off) = (
         number("tilt_worst_mrad").unwrap(),
@@ -104,12 +99,12 @@ fn tilts_with_drives_on_and_off_are_reported_separately() {
     assert!(number("coasted_s").unwrap() > 0.05);
 
     // Drives that stay on, and cranks that stand where they are left, add no such values.
-    for text in [phased(), KINEMATIC.to_owned()] {
-        let run = cophase_tests::record(&scene(&text), Every::Fitting, Window::FirstMotion);
+    for machine in [phased(), kinematic()] {
+        let run = cophase_tests::record(&machine.checked(), Every::Fitting, Window::FirstMotion);
         assert!(run.report.get("tilt_worst_off_mrad").is_none());
         assert!(run.report.get("coasted_s").is_none());
     }
-    let stands = observe(&cut(KINEMATIC, 0.05));
+    let stands = observe(&cut(kinematic(), 0.05));
     assert_eq!(stands.outcome.record.figures.coasted_s, None);
     let off = stands.ticks.iter().filter(|sample| !sample.enabled).count() as f64 * TICK_S;
     assert!(off < 0.1, "{off}");

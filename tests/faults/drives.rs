@@ -1,11 +1,6 @@
 //! Faults between the loop and the drives, and on the cranks.
 
-use cophase_core::supervisor::FaultKind;
-use cophase_scene::load;
-use cophase_tests::scene;
-use host_sim::checked::Checked;
-
-use super::{AT_TICK, KINEMATIC, TICK_S, began, latched, observe, phased, unread, with};
+use super::{AT_TICK, TICK_S, began, kinematic, observe, phased, unread, with};
 
 /// A cycle of 256 of 12800 steps, turns.
 const CYCLE: f64 = 0.02;
@@ -19,18 +14,14 @@ const STEP: f64 = 1.0 / 12800.0;
 /// If this fails, a wrong number of steps is lost, or lost steps come back by themselves.
 #[test]
 fn lost_steps_are_whole_cycles_and_permanent() {
-    for (cycles, text, off) in [
-        (3, KINEMATIC.to_owned(), STEP),
-        (-2, KINEMATIC.to_owned(), STEP),
+    for (cycles, machine, off) in [
+        (3, kinematic(), STEP),
+        (-2, kinematic(), STEP),
         (3, phased(), SWING),
-        (
-            1,
-            KINEMATIC.replace("\"kinematic\"", "\"quasi-static\""),
-            STEP,
-        ),
+        (1, kinematic().set("fidelity", "quasi-static"), STEP),
     ] {
         let fault = format!("kind = \"lost-steps\"\naxis = 2\ncycles = {cycles}\n");
-        let samples = with(&text, &fault);
+        let samples = with(&machine, &fault);
         assert_eq!(began(&samples), AT_TICK);
         let lost = f64::from(cycles) * CYCLE;
         assert!(samples.ahead(2, AT_TICK - 1).abs() < off);
@@ -48,10 +39,10 @@ fn lost_steps_are_whole_cycles_and_permanent() {
 
 /// If this fails, a slip has a wrong rate, or an encoder on the motor detects it, which is not possible.
 #[test]
-fn a_slip_grows_steadily_and_motor_encoders_miss_it() {
-    for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
+fn slip_grows_steadily_and_motor_encoders_miss_it() {
+    for (machine, off) in [(kinematic(), STEP), (phased(), SWING)] {
         let samples = with(
-            &text,
+            &machine,
             "kind = \"slip\"\naxis = 1\nrate_deg_per_s = 360\nfor_s = 0.02\n",
         );
         for (after, slipped) in [(10, 10.0), (39, 39.0), (80, 40.0)] {
@@ -68,9 +59,9 @@ fn a_slip_grows_steadily_and_motor_encoders_miss_it() {
 
 /// If this fails, the other cranks move a stuck crank through the platform, or it never moves again after its release.
 #[test]
-fn a_stuck_stepper_stands_and_resumes_whole_cycles_off() {
-    for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
-        let samples = with(&text, "kind = \"stuck\"\naxis = 0\nfor_s = 0.03\n");
+fn stuck_stepper_stands_and_resumes_whole_cycles_off() {
+    for (machine, off) in [(kinematic(), STEP), (phased(), SWING)] {
+        let samples = with(&machine, "kind = \"stuck\"\naxis = 0\nfor_s = 0.03\n");
         let before = samples.at(AT_TICK - 1).actual[0];
         for tick in AT_TICK..AT_TICK + 60 {
             let moved = samples.at(tick).actual[0] - before;
@@ -82,17 +73,17 @@ fn a_stuck_stepper_stands_and_resumes_whole_cycles_off() {
         assert!((cycles - cycles.round()).abs() * CYCLE < off, "{cycles}");
         assert!((-8.6..=-6.4).contains(&cycles), "{cycles}");
     }
-    let for_good = with(KINEMATIC, "kind = \"stuck\"\naxis = 0\n");
+    let for_good = with(&kinematic(), "kind = \"stuck\"\naxis = 0\n");
     let last = for_good.ticks.last().unwrap();
     assert_eq!(last.actual[0], for_good.at(AT_TICK).actual[0]);
 }
 
 /// If this fails, a runaway drive still obeys the loop, or runs on when it is switched off.
 #[test]
-fn a_runaway_turns_at_its_own_speed() {
+fn runaway_turns_at_its_own_speed() {
     for speed_hz in [9.0, -4.0] {
         let fault = format!("kind = \"runaway\"\naxis = 2\nspeed_hz = {speed_hz}\n");
-        let samples = with(KINEMATIC, &fault);
+        let samples = with(&kinematic(), &fault);
         for tick in [AT_TICK, AT_TICK + 20] {
             let distance = samples.distance(2, tick);
             assert!((distance - speed_hz * TICK_S).abs() < 1e-9, "{distance}");
@@ -113,9 +104,9 @@ fn a_runaway_turns_at_its_own_speed() {
 
 /// If this fails, a motor that is wired the other way round turns as commanded.
 #[test]
-fn a_reversed_motor_turns_backward_from_the_start() {
-    for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
-        let samples = with(&unread(&text), "kind = \"reversed\"\naxis = 1\n");
+fn reversed_motor_turns_backward_from_the_start() {
+    for (machine, off) in [(kinematic(), STEP), (phased(), SWING)] {
+        let samples = with(&unread(&machine), "kind = \"reversed\"\naxis = 1\n");
         assert_eq!(began(&samples), samples.ticks[0].tick);
         let sample = samples.at(AT_TICK);
         assert!((sample.actual[1] + sample.command[1]).abs() < off);
@@ -129,9 +120,9 @@ fn a_reversed_motor_turns_backward_from_the_start() {
 fn swapped_drive_lines_move_the_other_crank() {
     let apart =
         "[[axis]]\nnumber = 1\nsteps_per_turn = 25600\n[[axis]]\nnumber = 2\nreversed = true\n";
-    for (text, off) in [(unread(KINEMATIC), STEP), (unread(&phased()), SWING)] {
+    for (machine, off) in [(unread(&kinematic()), STEP), (unread(&phased()), SWING)] {
         let samples = with(
-            &format!("{text}{apart}"),
+            &machine.clone().with(apart),
             "kind = \"swapped-wiring\"\naxis = 0\nwith = 1\nlines = \"drive\"\n",
         );
         let sample = samples.at(AT_TICK);
@@ -139,7 +130,7 @@ fn swapped_drive_lines_move_the_other_crank() {
         assert!((sample.actual[1] - sample.command[0] / 2.0).abs() < off);
         // If one axis of the pair is mounted the other way round, each axis receives a reversed direction.
         let turned = with(
-            &format!("{text}{apart}"),
+            &machine.clone().with(apart),
             "kind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"drive\"\n",
         );
         let sample = turned.at(AT_TICK);
@@ -148,31 +139,11 @@ fn swapped_drive_lines_move_the_other_crank() {
     }
 }
 
-/// If this fails, an underrun of the step hardware costs no steps, or is not reported.
-#[test]
-fn a_fifo_underrun_costs_half_a_tick_of_steps() {
-    let samples = with(KINEMATIC, "kind = \"step-fifo-underrun\"\naxis = 1\n");
-    let without = observe(&scene(KINEMATIC));
-    // Both runs are equal until the fault, and the crank moves by the whole pulses of the tick without it.
-    let before = without.at(AT_TICK - 1).actual[1];
-    let lost = without.distance(1, AT_TICK) / 2.0;
-    assert!(lost > 10.0 * STEP, "{lost}");
-    assert!((samples.distance(1, AT_TICK) - lost).abs() < 1e-9);
-    for after in [0, 5] {
-        let sample = samples.at(AT_TICK + after);
-        let whole = sample.actual[1] + lost;
-        let steps = (whole - before) / STEP;
-        assert!((steps - steps.round()).abs() * STEP < 1e-9, "{steps}");
-        assert!((whole - sample.command[1]).abs() < STEP, "{whole}");
-    }
-    assert!(latched(&samples, FaultKind::StepFifoUnderrun));
-}
-
 /// If this fails, a load does not hold its crank back by the angle that the motor's spring gives: T sin(p δ).
 #[test]
-fn a_load_step_holds_its_crank_back() {
+fn load_step_holds_its_crank_back() {
     let samples = with(&phased(), "kind = \"load-step\"\naxis = 0\ntorque_nm = 8\n");
-    let without = observe(&scene(&phased()));
+    let without = observe(&phased().checked());
     let mean = |axis| {
         // Over a whole turn, the machine's own load has the same mean on all axes.
         let ticks = AT_TICK + 200..AT_TICK + 600;
@@ -191,10 +162,10 @@ fn a_load_step_holds_its_crank_back() {
 
 /// If this fails, a scene whose fault has not begun yet runs differently from a scene without faults.
 #[test]
-fn a_fault_has_no_effect_before_it_begins() {
-    for text in [KINEMATIC.to_owned(), phased()] {
-        let plain = observe(&scene(&text));
-        let samples = with(&text, "kind = \"lost-steps\"\naxis = 2\n");
+fn fault_has_no_effect_before_it_begins() {
+    for machine in [kinematic(), phased()] {
+        let plain = observe(&machine.checked());
+        let samples = with(&machine, "kind = \"lost-steps\"\naxis = 2\n");
         for tick in 2..AT_TICK {
             for axis in 0..3 {
                 let off = samples.at(tick).actual[axis] - plain.at(tick).actual[axis];
@@ -209,30 +180,22 @@ fn a_fault_has_no_effect_before_it_begins() {
 /// nothing.
 #[test]
 fn model_levels_that_cannot_show_a_fault_are_refused() {
-    let refused = |text: String| {
-        let scene = load::parse(&text).expect("its form is right");
-        Checked::new(scene)
-            .expect_err("no such machine")
-            .to_string()
-    };
-    let rigid = KINEMATIC.replace("kinematic", "rigid");
-    let said = refused(format!(
-        "{rigid}[[fault]]\nat_s = 1\nkind = \"slip\"\naxis = 0\nrate_deg_per_s = 1\n"
-    ));
+    let slip = "fault = [{ at_s = 1, kind = \"slip\", axis = 0, rate_deg_per_s = 1 }]";
+    let said = kinematic().set("fidelity", "rigid").with(slip).refused();
     assert!(
         said.contains("slip") && said.contains("\"phased\""),
         "{said}"
     );
-    let said = refused(format!("{KINEMATIC}[noise]\nload_nm = 1\n"));
+    let said = kinematic().set("noise.load_nm", 1).refused();
     assert!(
         said.contains("noise.load_nm") && said.contains("\"phased\""),
         "{said}"
     );
     // The automatic choice of a model level does not choose that level.
-    let auto = KINEMATIC
-        .replace("\"kinematic\"", "\"auto\"")
-        .replace("[control]", "[questions]\ntorque_percent = 1\n[control]");
-    let chosen = |fault: &str| scene(&format!("{auto}{fault}")).fidelity.name();
+    let auto = kinematic()
+        .set("fidelity", "auto")
+        .set("questions.torque_percent", 1);
+    let chosen = |fault: &str| auto.clone().with(fault).checked().fidelity.name();
     let fault = "[[fault]]\nat_s = 1\nkind = \"stuck\"\naxis = 0\n";
     assert_ne!(chosen(fault), "rigid");
 }

@@ -1,18 +1,19 @@
 //! `[noise]` has the size that the scene gives, and is the same for the same seed.
 
 use cophase_files::trace::{Every, Window};
-use cophase_tests::{record, scene};
+use cophase_tests::record;
 
 use super::samples::readings;
-use super::{KINEMATIC, observe, phased};
+use super::{Checked, kinematic, observe, phased};
 
 /// A hold of 40 turns. No noise of these sizes trips a limit in it.
-fn long(noise: &str) -> String {
+fn long(noise: &str) -> Checked {
     // The flags are not where cranks stand at power-up. With noise, some cranks there would pass a flag and others would not.
-    let text = KINEMATIC
-        .replace("hold_s = 1\n", "hold_s = 8\n")
-        .replace("encoder = true", "encoder = true\nindex_deg = 40");
-    format!("{text}[noise]\n{noise}\n")
+    kinematic()
+        .program([(2.5, 0.1, 8.0)])
+        .set("axes.index_deg", 40)
+        .with(&format!("[noise]\n{noise}\n"))
+        .checked()
 }
 
 /// Mean and deviation.
@@ -36,10 +37,11 @@ fn assert_normal(values: &[f64], sigma: f64) {
 
 /// If this fails, a run with noise cannot be repeated, or another seed gives the same noise.
 #[test]
-fn the_same_seed_gives_the_same_noise() {
+fn seed_decides_the_noise() {
     let noise = "index_deg = 0.05\nindex_us = 2\nencoder_counts = 1.5\nload_nm = 0.5";
-    let text = |seed: u64| format!("{}[noise]\nseed = {seed}\n{noise}\n", phased());
-    let run = |seed| record(&scene(&text(seed)), Every::Ticks(1), Window::All);
+    let noisy = phased().with(&format!("[noise]\n{noise}\n"));
+    let seeded = |seed| noisy.clone().set("noise.seed", seed).checked();
+    let run = |seed: i64| record(&seeded(seed), Every::Ticks(1), Window::All);
     let (one, again, other) = (run(5), run(5), run(6));
     assert!(one.csv == again.csv && one.vcd == again.vcd);
     assert_eq!(one.lasting_report(false), again.lasting_report(false));
@@ -49,13 +51,13 @@ fn the_same_seed_gives_the_same_noise() {
 /// If this fails, the noise of index edges is larger or smaller than the scene gives, in place or in time.
 #[test]
 fn index_edges_are_off_by_the_requested_noise() {
-    let plain = observe(&scene(&long("")));
+    let plain = observe(&long(""));
     for (seed, noise, sigma_us) in [
         // Speed is 7 rev/s, or whatever it truly is in the hold. There, an edge that is off by a place is off by a time.
         (1, "index_deg = 0.3", None),
         (2, "index_us = 20", Some(20.0)),
     ] {
-        let noisy = observe(&scene(&long(&format!("seed = {seed}\n{noise}"))));
+        let noisy = observe(&long(&format!("seed = {seed}\n{noise}")));
         let mut off = Vec::new();
         for axis in 0..3 {
             let (plain, noisy) = (plain.rises_us(axis), noisy.rises_us(axis));
@@ -76,7 +78,7 @@ fn index_edges_are_off_by_the_requested_noise() {
 /// If this fails, encoders are all off alike, or one sensor's noise changes with another's.
 #[test]
 fn encoders_are_off_by_the_requested_noise() {
-    let checked = scene(&long("seed = 3\nencoder_counts = 30"));
+    let checked = long("seed = 3\nencoder_counts = 30");
     let said = readings(&checked, 0..4000);
     let of = |axis: usize| -> Vec<f64> {
         said.iter()
@@ -89,7 +91,7 @@ fn encoders_are_off_by_the_requested_noise() {
     let product: Vec<f64> = of(0).iter().zip(of(1)).map(|(a, b)| a * b).collect();
     // For two independent sensors the mean product is off 0 by σ²/√n.
     assert!(spread(&product).0.abs() < 4.0 * 900.0 / 4000.0_f64.sqrt());
-    let both = scene(&long("seed = 3\nencoder_counts = 30\nindex_us = 5"));
+    let both = long("seed = 3\nencoder_counts = 30\nindex_us = 5");
     for (one, other) in said.iter().zip(readings(&both, 0..4000)) {
         assert_eq!(one.encoder, other.encoder);
     }
@@ -98,8 +100,8 @@ fn encoders_are_off_by_the_requested_noise() {
 /// If this fails, a load that changes every tick shakes no crank, or shakes all cranks alike.
 #[test]
 fn load_noise_acts_on_each_crank_independently() {
-    let plain = observe(&scene(&phased()));
-    let noisy = observe(&scene(&format!("{}[noise]\nload_nm = 2\n", phased())));
+    let plain = observe(&phased().checked());
+    let noisy = observe(&phased().set("noise.load_nm", 2).checked());
     let off = |axis: usize| -> Vec<f64> {
         let ticks = 400..1200;
         let off = |tick| noisy.ahead(axis, tick) - plain.ahead(axis, tick);

@@ -2,23 +2,26 @@
 
 use cophase_core::supervisor::FaultKind;
 use cophase_files::trace::{Every, Window};
-use cophase_tests::{record, scene};
+use cophase_tests::{SceneBuilder, record};
+use host_sim::checked::Checked;
 use host_sim::faults::Faults;
 
 use super::samples::readings;
-use super::{AT_S, AT_TICK, KINEMATIC, began, latched, latched_in, observe, phased, unread, with};
+use super::{
+    AT_S, AT_TICK, began, faulty, kinematic, latched, latched_in, observe, phased, unread, with,
+};
 
-fn at(fault: &str) -> host_sim::checked::Checked {
-    scene(&format!("{KINEMATIC}[[fault]]\nat_s = {AT_S}\n{fault}"))
+fn at(fault: &str) -> Checked {
+    faulty(&kinematic(), AT_S, fault)
 }
 
 /// If this fails, pulses are missing on another axis, or come back too early or never.
 #[test]
 fn missing_pulses_are_as_many_as_requested() {
-    for text in [KINEMATIC.to_owned(), phased()] {
-        let all = observe(&scene(&text));
-        let first = with(&text, "kind = \"index-missing\"\naxis = 1\ncount = 1\n");
-        let never = with(&text, "kind = \"index-missing\"\naxis = 1\n");
+    for machine in [kinematic(), phased()] {
+        let all = observe(&machine.checked());
+        let first = with(&machine, "kind = \"index-missing\"\naxis = 1\ncount = 1\n");
+        let never = with(&machine, "kind = \"index-missing\"\naxis = 1\n");
         // Both runs are equal until the loop reacts: for a turn and a half.
         let until =
             |rises: Vec<f64>| -> Vec<f64> { rises.into_iter().filter(|&us| us < 0.3e6).collect() };
@@ -40,8 +43,8 @@ fn missing_pulses_are_as_many_as_requested() {
 /// If this fails, extra pulses come at a wrong time, or not at the same phase of the next turn.
 #[test]
 fn extra_pulses_occur_on_time_and_repeat_each_turn() {
-    for text in [KINEMATIC.to_owned(), phased()] {
-        let samples = with(&text, "kind = \"index-extra\"\naxis = 0\ncount = 2\n");
+    for machine in [kinematic(), phased()] {
+        let samples = with(&machine, "kind = \"index-extra\"\naxis = 0\ncount = 2\n");
         let rises = samples.rises_us(0);
         assert!((rises[0] - AT_S * 1e6).abs() < 0.1, "{rises:?}");
         assert_eq!(began(&samples), AT_TICK);
@@ -60,10 +63,10 @@ fn extra_pulses_occur_on_time_and_repeat_each_turn() {
 /// If this fails, the fault swaps wires of the drives, or of one kind of sensor alone.
 #[test]
 fn swapped_sensors_report_the_other_axis() {
-    let own = "[[axis]]\nnumber = 0\nindex_deg = 90\n";
+    let apart = kinematic().axis(0, "index_deg", 90);
     let fault = "kind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"sensors\"\n";
-    let plain = observe(&scene(&format!("{KINEMATIC}{own}")));
-    let swapped = with(&format!("{KINEMATIC}{own}"), fault);
+    let plain = observe(&apart.checked());
+    let swapped = with(&apart, fault);
     // The first pulse of each axis, before the loop reacts to it.
     assert_eq!(swapped.rises_us(0)[0], plain.rises_us(2)[0]);
     assert_eq!(swapped.rises_us(2)[0], plain.rises_us(0)[0]);
@@ -72,7 +75,7 @@ fn swapped_sensors_report_the_other_axis() {
 
 /// If this fails, a glitch affects another encoder, or lasts for a wrong time.
 #[test]
-fn an_encoder_glitch_shifts_counts_only_while_it_lasts() {
+fn encoder_glitch_shifts_counts_only_while_it_lasts() {
     let glitch = at("kind = \"encoder-glitch\"\naxis = 1\ncounts = -700\nfor_s = 0.01\n");
     let said = readings(&glitch, AT_TICK - 2..AT_TICK + 22);
     let counts: Vec<i32> = said.iter().map(|feedback| feedback.encoder[1]).collect();
@@ -101,16 +104,19 @@ fn alarms_and_inputs_are_on_while_they_last() {
     on("drive-alarm\"\naxis = 2\n#\"", |feedback| {
         feedback.alarms == 1 << 2
     });
-    let samples = with(KINEMATIC, "kind = \"drive-alarm\"\naxis = 2\n");
+    let samples = with(&kinematic(), "kind = \"drive-alarm\"\naxis = 2\n");
     assert!(latched(&samples, FaultKind::DriveAlarm));
     assert_eq!(latched_in(&samples), Some(AT_TICK));
 }
 
 /// If this fails, an overrun misses a wrong number of deadlines, which decides whether it is a fault.
 #[test]
-fn an_overrun_misses_its_deadlines() {
+fn overrun_misses_its_deadlines() {
     for count in [1, 3] {
-        let samples = with(KINEMATIC, &format!("kind = \"overrun\"\ncount = {count}\n"));
+        let samples = with(
+            &kinematic(),
+            &format!("kind = \"overrun\"\ncount = {count}\n"),
+        );
         assert_eq!(samples.outcome.record.figures.missed_deadlines, count);
         assert_eq!(latched(&samples, FaultKind::Overrun), count == 3);
     }
@@ -119,10 +125,8 @@ fn an_overrun_misses_its_deadlines() {
 /// If this fails, an encoder does not count in the direction in which its motor turns.
 #[test]
 fn encoders_count_in_their_motors_sense() {
-    for text in [KINEMATIC.to_owned(), phased()] {
-        let samples = observe(&scene(&format!(
-            "{text}[[axis]]\nnumber = 2\nreversed = true\n"
-        )));
+    for machine in [kinematic(), phased()] {
+        let samples = observe(&machine.axis(2, "reversed", true).checked());
         for sample in &samples.ticks {
             for (axis, sense) in [(0, 1.0), (2, -1.0)] {
                 let counts = sense * sample.actual[axis] * 12800.0;
@@ -136,13 +140,10 @@ fn encoders_count_in_their_motors_sense() {
 /// If this fails, a flag's length shifts the pulse of a crank that turns forward, or does not shift that of a crank that
 /// turns backward.
 #[test]
-fn a_long_flag_is_detected_at_its_leading_end() {
-    let long = KINEMATIC.replace(
-        "encoder = true",
-        "encoder = true\nindex_width_deg = 10\nindex_deg = 40",
-    );
-    let short = KINEMATIC.replace("encoder = true", "encoder = true\nindex_deg = 40");
-    let first = |text: &str| observe(&scene(text)).rises_us(1)[0];
+fn long_flag_is_detected_at_its_leading_end() {
+    let short = kinematic().set("axes.index_deg", 40);
+    let long = short.clone().set("axes.index_width_deg", 10);
+    let first = |machine: &SceneBuilder| observe(&machine.checked()).rises_us(1)[0];
     assert_eq!(first(&long), first(&short));
     let backward = with(&unread(&long), "kind = \"reversed\"\naxis = 1\n");
     let us = backward.rises_us(1)[0];
@@ -154,16 +155,16 @@ fn a_long_flag_is_detected_at_its_leading_end() {
 
 /// If this fails, a sensor with a delay answers in time, or loses edges that fall into the next tick.
 #[test]
-fn a_sensor_delay_shifts_the_index_edges() {
-    let first = |text: &str| observe(&scene(text)).rises_us(1)[0];
-    let late = KINEMATIC.replace("encoder = true", "encoder = true\nindex_delay_us = 700");
-    let off = first(&late) - first(KINEMATIC);
+fn sensor_delay_shifts_the_index_edges() {
+    let first = |machine: &SceneBuilder| observe(&machine.checked()).rises_us(1)[0];
+    let late = kinematic().set("axes.index_delay_us", 700);
+    let off = first(&late) - first(&kinematic());
     assert!((off - 700.0).abs() < 0.01, "{off}");
 }
 
 /// If this fails, the report does not show which faults were injected, or which were reported.
 #[test]
-fn the_report_lists_the_injected_faults() {
+fn report_lists_the_injected_faults() {
     let run = record(
         &at("kind = \"lost-steps\"\naxis = 2\ncycles = 3\n"),
         Every::Fitting,

@@ -5,11 +5,13 @@
 //! to the bit, for checks that need more digits than a file has.
 #![forbid(unsafe_code)]
 
+mod bench;
 mod edges;
 pub mod scripted;
 mod trace;
 mod watch;
 
+pub use bench::{SceneBuilder, bench_scene, built_in_scene};
 pub use edges::{Edges, Wire};
 pub use trace::Trace;
 pub use watch::{Tick, Watched, watch};
@@ -79,6 +81,30 @@ impl Run {
             );
         }
         report
+    }
+
+    /// Kinds of the report's faults, in their order.
+    pub fn fault_kinds(&self) -> Vec<&str> {
+        let faults = self.report["faults"].as_array().expect("a list of faults");
+        let kinds = faults.iter().map(|fault| fault["kind"].as_str());
+        kinds
+            .map(|kind| kind.expect("a fault has a kind"))
+            .collect()
+    }
+
+    /// One of the report's figures of machines other than platforms, if it has a value.
+    pub fn figure(&self, key: &str) -> Option<f64> {
+        self.report["machine_figures"][key].as_f64()
+    }
+
+    /// Asserts that the run ended parked.
+    ///
+    /// # Panics
+    /// If it did not, with its events.
+    #[track_caller]
+    pub fn assert_parked(&self) {
+        let ended = &self.report["ended"]["state"];
+        assert_eq!(ended, "parked", "{}", self.report["events"]);
     }
 
     /// Time spans, s, of the report's events whose words contain `what`. Each event states its

@@ -2,8 +2,9 @@
 //! bands, and all kinds of events.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::fmt::Write;
 
+use cophase_tests::scripted::{command, input};
+use cophase_tests::{SceneBuilder, bench_scene};
 use proptest::prelude::*;
 
 /// Settings of an axis, from the scene's text alone.
@@ -50,119 +51,97 @@ const RADIUS_M: f64 = 0.012;
 const LAMBDA: f64 = 0.25;
 
 impl Plan {
-    /// The scene file.
-    pub fn text(&self) -> String {
-        let mut text = format!(
-            "name = \"random\"\n{}\n\
-             [control]\ntick_hz = {}\npark_deg = 75\nsettle_s = 0.02\n\
-             [limits]\nspeed_hz = {}\nacceleration_hz_per_s = {}\njerk_hz_per_s2 = {}\nhoming_speed_hz = 4\n",
-            self.machine(),
-            self.tick_hz,
-            self.speed_hz,
-            self.acceleration,
-            self.jerk
-        );
+    /// The scene.
+    pub fn scene(&self) -> SceneBuilder {
+        let mut scene = self
+            .machine()
+            .with("control = { park_deg = 75, settle_s = 0.02 }")
+            .set("control.tick_hz", self.tick_hz)
+            .set("limits.speed_hz", self.speed_hz)
+            .set("limits.acceleration_hz_per_s", self.acceleration)
+            .set("limits.jerk_hz_per_s2", self.jerk)
+            .set("limits.homing_speed_hz", 4)
+            .set("axes.count", self.axes.len() as i64)
+            .set("axes.steps_per_turn", 1600);
         if self.bands {
             let edge = |share: f64| share * f64::from(self.speed_hz);
-            text += &format!(
-                "band = [{{ from_hz = {}, to_hz = {} }}, {{ from_hz = {}, to_hz = {} }}]\n",
+            scene = scene.with(&format!(
+                "limits.band = [{{ from_hz = {}, to_hz = {} }}, {{ from_hz = {}, to_hz = {} }}]",
                 edge(0.3),
                 edge(0.4),
                 edge(0.6),
                 edge(0.65)
-            );
+            ));
         }
-        text += &format!(
-            "[axes]\ncount = {}\ndrive = \"stepper\"\nsteps_per_turn = 1600\n",
-            self.axes.len()
-        );
         for (i, axis) in self.axes.iter().enumerate() {
-            text += &format!(
-                "[[axis]]\nnumber = {i}\nreversed = {}\ndrive = \"{}\"\nsteps_per_turn = {}\n\
-                 ratio = [{}, {}]\ngear = [{}, {}]\noffset_deg = {}\nindex_deg = {}\n",
-                axis.reversed,
-                if axis.servo { "servo" } else { "stepper" },
-                axis.steps_per_turn,
-                axis.ratio.0,
-                axis.ratio.1,
-                axis.gear.0,
-                axis.gear.1,
-                axis.offset_eighths * 45,
-                axis.offset_eighths * 45
-            );
+            scene = scene
+                .axis(i, "reversed", axis.reversed)
+                .axis(i, "drive", if axis.servo { "servo" } else { "stepper" })
+                .axis(i, "steps_per_turn", axis.steps_per_turn)
+                .axis(i, "ratio", vec![axis.ratio.0, axis.ratio.1])
+                .axis(i, "gear", vec![axis.gear.0, axis.gear.1])
+                .axis(i, "offset_deg", axis.offset_eighths * 45)
+                .axis(i, "index_deg", axis.offset_eighths * 45);
         }
+        scene.with(&self.program()).with(&self.events())
+    }
+
+    /// Machine of the scene. Ratios are for machines without a platform: cams that accelerate as the crank.
+    fn machine(&self) -> SceneBuilder {
+        if self.axes.iter().all(|axis| axis.ratio.0 == axis.ratio.1) {
+            return bench_scene()
+                .set("machine.allow_commanded_tilt", true)
+                .set("machine.crank_radius_mm", RADIUS_M * 1e3)
+                .set("machine.lambda", LAMBDA);
+        }
+        // A cycloid over half a turn accelerates by at most 2 H ω²/π.
+        bench_scene()
+            .without("machine")
+            .with("cam = { law = \"cycloid\", rise_deg = 180, dwell_deg = 0, return_deg = 180 }")
+            .set("cam.rise_mm", RADIUS_M * (1.0 + LAMBDA) * FRAC_PI_2 * 1e3)
+    }
+
+    fn program(&self) -> String {
+        let mut text = String::new();
         for (times, levels) in &self.program {
             text += &format!("[[program]]\nrepeat = {times}\nsegments = [\n");
             for &(percent, ramp_ms, hold_ms, linear) in levels {
                 let omega = TAU * f64::from(self.speed_hz * percent) / 100.0;
                 let amax_g = RADIUS_M * (1.0 + LAMBDA) * omega * omega / 9.80665;
                 let shape = if linear { "linear" } else { "smooth" };
-                let _ = writeln!(
-                    text,
-                    "{{ amax_g = {amax_g}, ramp_s = {}, hold_s = {}, shape = \"{shape}\" }},",
+                text += &format!(
+                    "{{ amax_g = {amax_g}, ramp_s = {}, hold_s = {}, shape = \"{shape}\" }},\n",
                     f64::from(ramp_ms) / 1e3,
                     f64::from(hold_ms) / 1e3
                 );
             }
             text += "]\n";
         }
+        text
+    }
+
+    fn events(&self) -> String {
+        let mut text = String::new();
         for &(ms, what) in &self.happens {
-            let mut command = |later_ms: u32, name: &str| {
-                let at_s = f64::from(ms + later_ms) / 1e3;
-                let _ = writeln!(text, "[[command]]\nat_s = {at_s}\ndo = \"{name}\"");
+            let at_s = |later_ms: u32| f64::from(ms + later_ms) / 1e3;
+            text += &match what {
+                0 => command(at_s(0), "stop"),
+                1 => command(at_s(0), "stop") + &command(at_s(900), "start"),
+                2 => command(at_s(0), "hold") + &command(at_s(300), "resume"),
+                3 => command(at_s(0), "reset"),
+                4 => input(at_s(0), "enable", false) + &input(at_s(150), "enable", true),
+                _ => input(at_s(0), "stop", true) + &input(at_s(150), "stop", false),
             };
-            match what {
-                0 => command(0, "stop"),
-                1 => {
-                    command(0, "stop");
-                    command(900, "start");
-                }
-                2 => {
-                    command(0, "hold");
-                    command(300, "resume");
-                }
-                3 => command(0, "reset"),
-                _ => {
-                    let line = if what == 4 { "enable" } else { "stop" };
-                    for (later_ms, active) in [(0, what != 4), (150, what == 4)] {
-                        let at_s = f64::from(ms + later_ms) / 1e3;
-                        let _ = writeln!(
-                            text,
-                            "[[input]]\nat_s = {at_s}\nline = \"{line}\"\nactive = {active}"
-                        );
-                    }
-                }
-            }
         }
         if !self.happens.is_empty() {
-            text += "[[command]]\nat_s = 0\ndo = \"start\"\n";
+            text += &command(0.0, "start");
         }
         for &(ms, tenths) in &self.late {
             let by_us = tenths * 100_000 / self.tick_hz;
-            let _ = writeln!(
-                text,
-                "[[late]]\nat_s = {}\nby_us = {by_us}",
-                f64::from(ms) / 1e3
-            );
+            let at_s = f64::from(ms) / 1e3;
+            text += &format!("[[late]]\nat_s = {at_s}\nby_us = {by_us}\n");
         }
         text
-    }
-}
-
-impl Plan {
-    /// Machine of the scene. Ratios are for machines without a platform: cams that accelerate as the crank.
-    fn machine(&self) -> String {
-        if self.axes.iter().all(|axis| axis.ratio.0 == axis.ratio.1) {
-            let radius_mm = RADIUS_M * 1e3;
-            return format!(
-                "[machine]\nallow_commanded_tilt = true\ncrank_radius_mm = {radius_mm}\nlambda = {LAMBDA}\nload_kg = 5"
-            );
-        }
-        // A cycloid over half a turn accelerates by at most 2 H ω²/π.
-        let rise_mm = RADIUS_M * (1.0 + LAMBDA) * FRAC_PI_2 * 1e3;
-        format!(
-            "[cam]\nlaw = \"cycloid\"\nrise_mm = {rise_mm}\nrise_deg = 180\ndwell_deg = 0\nreturn_deg = 180"
-        )
     }
 }
 

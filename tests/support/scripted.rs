@@ -3,56 +3,36 @@
 use cophase_core::supervisor::State;
 use cophase_core::units::Amax;
 
-use crate::{Tick, Watched, scene, watch};
+use crate::{SceneBuilder, Tick, Watched, bench_scene, watch};
 
 /// Four mixed axes. They cross a band on the way up and on the way down.
-pub const SCENE: &str = r#"
-name = "stops"
-[machine]
-crank_radius_mm = 10
-lambda = 0.25
-load_kg = 5
-[control]
-park_deg = 33.3
-settle_s = 0.02
-[limits]
-speed_hz = 20
-acceleration_hz_per_s = 40
-jerk_hz_per_s2 = 800
-homing_speed_hz = 4
-band = [{ from_hz = 9, to_hz = 11 }]
-[axes]
-count = 4
-drive = "stepper"
-steps_per_turn = 3200
-[[axis]]
-number = 1
-reversed = true
-[[axis]]
-number = 3
-drive = "servo"
-reversed = true
-[[program]]
-amax_g = 13
-ramp_s = 1.5
-hold_s = 0.5
-[[program]]
-amax_g = 1.8
-ramp_s = 1
-hold_s = 0.3
-"#;
+pub fn machine() -> SceneBuilder {
+    bench_scene()
+        .with(
+            r#"
+control = { park_deg = 33.3, settle_s = 0.02 }
+limits = { homing_speed_hz = 4, band = [{ from_hz = 9, to_hz = 11 }] }
+axes = { count = 4 }
+axis = [{ number = 1, reversed = true }, { number = 3, drive = "servo", reversed = true }]
+"#,
+        )
+        .program([(13.0, 1.5, 0.5), (1.8, 1.0, 0.3)])
+}
 
 /// Its control ticks a second.
 pub const HZ: f64 = 2000.0;
 /// A turn in the units of [`Tick::speed`].
 pub const ONE_TURN: f64 = (1_u64 << 48) as f64;
 
+/// A moment in the middle of the program, and between two readings.
+pub const AMID_S: f64 = 1.5 + 0.2 / HZ;
+
 /// Plays the scene with the events in `happens`, and checks every tick against the limits.
 ///
 /// # Panics
 /// If the axes are apart, or a limit is broken while the drives are on.
 pub fn scripted(happens: &str) -> Watched {
-    let watched = watch(&scene(&format!("{SCENE}{happens}")));
+    let watched = watch(&machine().with(happens).checked());
     let max_acceleration = (40.0 / HZ.powi(2) * ONE_TURN) as u64;
     let max_jerk = (800.0 / HZ.powi(3) * ONE_TURN) as u64;
     let mut last = (0, 0);
@@ -86,6 +66,11 @@ pub fn command(at_s: f64, what: &str) -> String {
 /// A change of a safety input.
 pub fn input(at_s: f64, line: &str, active: bool) -> String {
     format!("[[input]]\nat_s = {at_s}\nline = \"{line}\"\nactive = {active}\n")
+}
+
+/// A fault at a time, with its other keys.
+pub fn fault(kind: &str, at_s: f64, more: &str) -> String {
+    format!("[[fault]]\nkind = \"{kind}\"\nat_s = {at_s}\n{more}\n")
 }
 
 /// The phase at which the scene parks: 33.3°, to the nearest unit.

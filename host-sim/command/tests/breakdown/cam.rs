@@ -15,6 +15,6 @@ fn the_shaft_overshoots_and_the_table_does_not() {
         "{}",
         over(&facts.shaft)
     );
-    // A spline's second derivative is off by up to 1.9 % (tests/electronic_cam.rs).
+    // A spline's second derivative is off by up to 1.9 % (tests/machines/electronic_cam.rs).
     assert!(over(&facts.screw).abs() < 0.02, "{}", over(&facts.screw));
 }
