@@ -35,8 +35,8 @@ pub struct TurnPeak {
 /// returns the first one after angle 0.
 ///
 /// ```
-/// use host_sim::mechanism::turn_search::largest_over_turn;
-/// let peak = largest_over_turn(|alpha| 5.0 * (alpha - 1.0).cos());
+/// use host_sim::mechanism::turn_search::max_over_turn;
+/// let peak = max_over_turn(|alpha| 5.0 * (alpha - 1.0).cos());
 /// assert!((peak.alpha_rad - 1.0).abs() < 1e-7 && (peak.value - 5.0).abs() < 1e-12);
 /// ```
 pub fn max_over_turn(curve: impl Fn(f64) -> f64) -> TurnPeak {

@@ -42,7 +42,7 @@ pub(super) struct OnCranks<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Cranks {
     worst: Worst,
-    /// Ratio of the [greatest load](crate::operating_range::OperatingRange::greatest_load) of a motor; 0 if the torque of none is known.
+    /// Ratio of the [greatest load](crate::operating_range::OperatingRange::max_load) of a motor; 0 if the torque of none is known.
     steady_load: f64,
     /// Change of the platform's acceleration by a moving frame, relative to amax; 0 without a frame.
     frame: f64,
