@@ -1,7 +1,7 @@
 //! The stop after a fault is the shortest, on whole machines: two to six axes, steppers, servos and both.
 //!
 //! [`cophase_tests::watch`] asserts that all axes are in phase, exactly, at every tick of these runs. The permitted
-//! duration of a stop is computed here, from the speed and acceleration before it. `shaft/tests/shortest.rs` in the core
+//! duration of a stop is computed here, from the speed and acceleration before it. `firmware/motion/src/shaft/tests/shortest.rs`
 //! shows why that is the least.
 
 use cophase_core::supervisor::FaultKind;

@@ -106,7 +106,7 @@ impl Machine {
     /// Designs the machine.
     ///
     /// # Errors
-    /// Those of [`print`].
+    /// Those of [`print()`].
     pub fn print(&self, form: Form) -> Result<Printed, Refused> {
         match self {
             Self::CrankRocker(method) => print(method, form),
