@@ -23,7 +23,7 @@ const STEPS: usize = 1_000_000;
 
 /// Returns the end state of a problem of `N` components by DOP853, and by Verner's pair of orders 9 and 8.
 fn solve<const N: usize>(problem: &Problem) -> [Vec<f64>; 2] {
-    let adapter = Adapter(problem.equations.as_ref());
+    let adapter = Adapter(problem.equations[0].as_ref());
     let start: [f64; N] = problem.start.clone().try_into().unwrap();
     let ivp = || IVP::ode(&adapter, 0.0, problem.end_s, start);
     let dop853 = ExplicitRungeKutta::dop853()
@@ -105,7 +105,7 @@ fn reference_answers_are_as_accurate_as_stated() {
     let mut wrong = Vec::new();
     for problem in problems::all().unwrap() {
         let [dop853, verner] = match problem.start.len() {
-            _ if problem.equations.friction().is_some() => solve_stick_slip(),
+            _ if problem.equations[0].friction().is_some() => solve_stick_slip(),
             2 => solve::<2>(&problem),
             4 => solve::<4>(&problem),
             6 => solve::<6>(&problem),

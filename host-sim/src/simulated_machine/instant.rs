@@ -6,10 +6,12 @@ use crate::pose::Pose;
 /// The machine before one step of a tick. Its commands are those of that tick, even at the beginning.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant<'a> {
-    pub(super) driven: &'a Driven,
+    /// Equations of motion under the commands of the tick.
+    pub driven: &'a Driven,
     /// Time since the beginning of the tick, s.
     pub t_s: f64,
-    pub(super) state: &'a [f64],
+    /// State of the equations.
+    pub state: &'a [f64],
 }
 
 /// Torque and acceleration at an [`Instant`].

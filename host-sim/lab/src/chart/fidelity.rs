@@ -1,4 +1,4 @@
-//! Error against cost of the model levels for each built-in scene, and the model level that `auto` takes.
+//! Error against cost of the model levels, for each built-in scene or for a user's, and the model level that `auto` takes.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -10,6 +10,7 @@ use host_sim::checked::Checked;
 use host_sim::checked::Judged;
 use host_sim::fidelity::{Answers, answers, check, compare};
 use host_sim::model_level::{Bounds, available, judge, questions};
+use host_sim::output::Output;
 use host_sim::simulated_machine::SimulatedMachine;
 
 use super::axis::Axis;
@@ -20,6 +21,7 @@ use super::{ChartError, Drawn, Progress, Size};
 
 /// Range of error over tolerance that is shown; smaller values are drawn at the bottom.
 const SHOWN: (f64, f64) = (1e-4, 1e2);
+const COST: &str = "crank evaluations a tick";
 
 /// Model level of a scene.
 struct ModelLevel {
@@ -32,9 +34,18 @@ struct ModelLevel {
 
 /// Scene on all its model levels.
 struct Ladder {
-    name: &'static str,
+    name: String,
     chosen: Fidelity,
     model_levels: Vec<ModelLevel>,
+}
+
+impl Ladder {
+    /// Returns the model level that `auto` takes.
+    fn taken(&self) -> &ModelLevel {
+        let levels = &self.model_levels;
+        let taken = levels.iter().find(|level| level.fidelity == self.chosen);
+        taken.unwrap_or(&levels[0])
+    }
 }
 
 /// Makes the chart.
@@ -47,8 +58,8 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let mut ladders = Vec::new();
     for (done, scene) in scenes.iter().enumerate() {
         progress(done as u64, scenes.len() as u64);
-        let ladder = climb(scene, yardstick)
-            .map_err(|error| ChartError(error.in_file(scene.name).to_string()))?;
+        let ladder = Checked::new(scene.scene()).and_then(|checked| climb(checked, yardstick));
+        let ladder = ladder.map_err(|error| ChartError(error.in_file(scene.name).to_string()))?;
         ladders.push(ladder);
     }
     let says = says(&ladders);
@@ -62,9 +73,142 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     Ok(Drawn::one(csv(&ladders), svg, says))
 }
 
+/// Makes the chart of a scene.
+///
+/// # Errors
+/// The scene requests no output, or lacks data for it.
+pub fn draw_scene(checked: &Checked, _: Size, _: Progress) -> Result<Drawn, SceneError> {
+    let set = checked.scene.fidelity;
+    let mut open = checked.scene.clone();
+    open.fidelity = Fidelity::Auto;
+    let ladder = climb(Checked::new(open)?, Yardstick::measure())?;
+    if ladder.model_levels[0].judged.is_empty() {
+        return Err(SceneError::for_key(
+            "questions",
+            "the scene requests no output whose error could be compared with its tolerance; give one, such as \
+             questions.lag_deg = 1",
+        ));
+    }
+    let says = scene_says(&ladder, set);
+    let svg = render(Picture {
+        title: format!("{}: error against cost of its model levels", ladder.name),
+        says: says.clone(),
+        columns: 1,
+        chosen_is: "taken by auto",
+        panels: vec![scene_panel(&ladder)],
+    });
+    Ok(Drawn::one(csv(&[ladder]), svg, says))
+}
+
+/// Colours of the outputs, in the order of [`Output::ALL`].
+const INKS: [Ink; Output::ALL.len()] = [
+    Ink::Blue,
+    Ink::Vermilion,
+    Ink::Green,
+    Ink::Orange,
+    Ink::Purple,
+    Ink::Sky,
+    Ink::Grey,
+];
+
+/// Makes the panel of a scene, with a line for each output.
+fn scene_panel(ladder: &Ladder) -> Panel {
+    let levels = &ladder.model_levels;
+    let mut lines = Vec::new();
+    for (place, judged) in levels[0].judged.iter().enumerate() {
+        let ink = INKS[judged.output as usize];
+        let along = |of: fn(&Judged) -> Option<f64>| -> Vec<(f64, f64)> {
+            let points = levels.iter().filter_map(|level| {
+                let judged = &level.judged[place];
+                Some((level.cost, shown(of(judged)? / judged.tolerance)))
+            });
+            points.collect()
+        };
+        lines.push(Line {
+            stroke: Stroke::Dashed,
+            marked: false,
+            ..Line::new(
+                format!("{}, bound", judged.output.key()),
+                ink,
+                along(|judged| judged.bound),
+            )
+        });
+        lines.push(Line::new(judged.output.key(), ink, along(measured)));
+    }
+    let worst = |level: &ModelLevel| (level.cost, shown(part(&level.judged, measured)));
+    lines.push(Line {
+        stroke: Stroke::None,
+        marked: false,
+        names: levels
+            .iter()
+            .map(|level| level.fidelity.name().to_owned())
+            .collect(),
+        ..Line::new("", Ink::Black, levels.iter().map(worst).collect())
+    });
+    lines.push(Line {
+        stroke: Stroke::None,
+        chosen: true,
+        ..Line::new("model level", Ink::Black, vec![worst(ladder.taken())])
+    });
+    let costs = levels.iter().map(|level| level.cost);
+    let (min_cost, max_cost) = costs.fold((f64::INFINITY, 0.0_f64), |(min, max), cost| {
+        (min.min(cost), max.max(cost))
+    });
+    Panel {
+        title: "each output that the scene requests".to_owned(),
+        x: Axis::log(COST, 0.5 * min_cost, 2.0 * max_cost),
+        // Room for the marks at the bottom.
+        y: Axis::log("error, of its tolerance", 0.5 * SHOWN.0, SHOWN.1),
+        lines,
+        levels: vec![Level {
+            at: At::Y(1.0),
+            label: "tolerance".to_owned(),
+        }],
+    }
+}
+
+/// Returns a summary of the data of one scene, whose file sets the model level `set`.
+fn scene_says(ladder: &Ladder, set: Fidelity) -> String {
+    let levels = &ladder.model_levels;
+    let taken = ladder.taken();
+    let top = levels.last().unwrap_or(taken);
+    let error = if taken.fidelity == top.fidelity {
+        "the most detailed one for which it has data".to_owned()
+    } else {
+        let worst = part(&taken.judged, measured);
+        format!("with errors up to {worst:.3} of their tolerance")
+    };
+    let cheaper: Vec<_> = levels
+        .iter()
+        .filter(|level| level.cost < taken.cost)
+        .collect();
+    let sufficient = cheaper
+        .iter()
+        .find(|level| part(&level.judged, measured) <= 1.0);
+    let compared = match sufficient {
+        Some(level) => format!(
+            "In the sample {} is within the tolerances at a lower cost.",
+            level.fidelity.name()
+        ),
+        None if cheaper.is_empty() => "No level is cheaper.".to_owned(),
+        None => "No cheaper level is within the tolerances in the sample.".to_owned(),
+    };
+    let sets = match set {
+        Fidelity::Auto => String::new(),
+        set => format!(" The scene sets {}.", set.name()),
+    };
+    format!(
+        "For this scene auto takes the {} level, {error}, at {:.0} crank evaluations a tick. {compared}{sets} Errors are differences \
+         from the {} level; what is below {:.0e} of its tolerance, or not off at all, stands at the bottom.",
+        taken.fidelity.name(),
+        taken.cost,
+        top.fidelity.name(),
+        SHOWN.0,
+    )
+}
+
 /// Runs a scene's sample on each model level it has.
-fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
-    let checked = Checked::new(scene.scene())?;
+fn climb(checked: Checked, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     let questions = questions(&checked);
     // Bounds hold for an undisturbed machine.
     let is_disturbed = !checked.scene.fault.is_empty();
@@ -88,7 +232,7 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
         });
     }
     Ok(Ladder {
-        name: scene.name,
+        name: checked.scene.name.clone(),
         chosen: check(checked)?.fidelity,
         model_levels,
     })
@@ -125,8 +269,12 @@ fn measured(judged: &Judged) -> Option<f64> {
     judged.measured.map(|(off, _)| off)
 }
 
+/// Returns a relative error at which it is drawn.
+fn shown(off: f64) -> f64 {
+    off.clamp(SHOWN.0, SHOWN.1)
+}
+
 fn panel(ladder: &Ladder) -> Panel {
-    let shown = |off: f64| off.clamp(SHOWN.0, SHOWN.1);
     let along = |of: fn(&Judged) -> Option<f64>| -> Vec<(f64, f64)> {
         let points = ladder
             .model_levels
@@ -166,8 +314,8 @@ fn panel(ladder: &Ladder) -> Panel {
         )
     };
     Panel {
-        title: ladder.name.to_owned(),
-        x: Axis::log("crank evaluations a tick", 1.0, 1000.0),
+        title: ladder.name.clone(),
+        x: Axis::log(COST, 1.0, 1000.0),
         y: Axis::log("worst error, of its tolerance", SHOWN.0, SHOWN.1),
         lines: vec![bound, found, taken],
         levels: vec![Level {

@@ -10,6 +10,7 @@ mod table;
 
 use bounds::OfFollower;
 pub use law::{Points, law_at, off_law, off_law_of};
+pub use table::links;
 
 use std::sync::Arc;
 

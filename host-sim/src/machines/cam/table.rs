@@ -95,7 +95,11 @@ fn check_screws(shaft: &CamShaft, scene: &Scene) -> Result<(), SceneError> {
     }
 }
 
-fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {
+/// Returns the elastic links between cam and pusher; `None` if the scene has none.
+///
+/// # Errors
+/// Part of their numbers is missing, or given twice.
+pub fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {
     let (masses, stiffness) = match (shaft.masses_kg, shaft.stiffness_n_per_mm) {
         (None, None) => {
             let useless = [

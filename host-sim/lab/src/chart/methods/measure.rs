@@ -1,8 +1,8 @@
 //! Cost and error of a method on a problem, for a series of step lengths.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use cophase_methods::{Scheme, advance};
+use cophase_methods::{Scheme, StepError, advance};
 
 use super::counted::Counted;
 use super::problems::Problem;
@@ -12,7 +12,7 @@ use crate::chart::{ChartError, Size};
 /// Solution of a problem with one step length.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
-    /// Number of steps.
+    /// Number of steps in each part of the problem.
     pub steps: u32,
     /// Number of evaluations of the machine.
     pub evaluations: u64,
@@ -53,7 +53,7 @@ impl Curve {
             if runs.len() >= MIN && is_over || size == Size::Small && runs.len() >= SMALL {
                 break;
             }
-            runs.push(run(problem, scheme, min << doubling, yardstick)?);
+            runs.push(problem.run(scheme, min << doubling, yardstick)?);
         }
         Ok(Self { scheme, runs })
     }
@@ -84,30 +84,70 @@ impl Curve {
     }
 }
 
-fn run(
-    problem: &Problem,
-    scheme: Scheme,
-    steps: u32,
-    yardstick: Yardstick,
-) -> Result<Run, ChartError> {
-    let counted = Counted::new(problem.equations.as_ref());
-    let mut method = scheme
-        .prepare(&counted, problem.end_s / f64::from(steps))
-        .map_err(|refused| ChartError(format!("{}: {refused}", problem.name)))?;
-    let mut y = problem.start.clone();
-    let began = Instant::now();
-    let done = advance(method.as_mut(), &counted, 0.0, steps, &mut y);
-    let took = began.elapsed();
-    let off = y.iter().zip(&problem.answer).map(|(y, a)| (y - a).abs());
-    Ok(Run {
-        steps,
-        evaluations: counted.evaluations(),
-        error: match done {
-            Ok(()) => off.fold(0.0, f64::max),
-            Err(_) => f64::INFINITY,
-        },
-        sines_an_evaluation: yardstick.sines(took) / counted.evaluations().max(1) as f64,
-    })
+impl Problem {
+    /// Solves the problem with `steps` steps in each of its parts. `each` receives the state at the end of each part.
+    fn solve(
+        &self,
+        scheme: Scheme,
+        steps: u32,
+        mut each: impl FnMut(&[f64]),
+    ) -> Result<Solved, ChartError> {
+        let parts: Vec<_> = (self.equations.iter())
+            .map(|equations| Counted::new(equations.as_ref()))
+            .collect();
+        let part_s = self.end_s / parts.len() as f64;
+        let mut method = scheme
+            .prepare(&parts[0], part_s / f64::from(steps))
+            .map_err(|refused| ChartError(format!("{}: {refused}", self.name)))?;
+        let mut y = self.start.clone();
+        let began = Instant::now();
+        let done = parts.iter().try_for_each(|part| {
+            advance(method.as_mut(), part, 0.0, steps, &mut y)?;
+            each(&y);
+            Ok::<_, StepError>(())
+        });
+        Ok(Solved {
+            is_done: done.is_ok(),
+            evaluations: parts.iter().map(Counted::evaluations).sum(),
+            took: began.elapsed(),
+        })
+    }
+
+    /// Solves the problem, and compares the states at the ends of its parts with the answer.
+    pub fn run(&self, scheme: Scheme, steps: u32, yardstick: Yardstick) -> Result<Run, ChartError> {
+        let mut answers = self.answer.chunks(self.answer.len() / self.equations.len());
+        let mut error = 0.0;
+        let solved = self.solve(scheme, steps, |y| {
+            let answer = answers.next().unwrap_or_default();
+            let off = y.iter().zip(answer).map(|(y, a)| (y - a).abs());
+            error = off.fold(error, f64::max);
+        })?;
+        Ok(Run {
+            steps,
+            evaluations: solved.evaluations,
+            error: if solved.is_done { error } else { f64::INFINITY },
+            sines_an_evaluation: yardstick.sines(solved.took) / solved.evaluations.max(1) as f64,
+        })
+    }
+
+    /// Returns the first `compared` components of the state at the end of each part, as a method computes them; `None` if it diverges.
+    pub fn trajectory(
+        &self,
+        scheme: Scheme,
+        steps: u32,
+        compared: usize,
+    ) -> Result<Option<Vec<f64>>, ChartError> {
+        let mut states = Vec::new();
+        let solved = self.solve(scheme, steps, |y| states.extend_from_slice(&y[..compared]))?;
+        Ok(solved.is_done.then_some(states))
+    }
+}
+
+/// Effort of a solution.
+struct Solved {
+    is_done: bool,
+    evaluations: u64,
+    took: Duration,
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
 //! Error against cost of each method: on this project's machines, and on problems whose answers are published.
 //!
 //! - [`problems`]: the problems, and the accuracy of their solutions;
-//! - [`measure`]: cost and error for a series of step lengths.
+//! - [`measure`]: cost and error for a series of step lengths;
+//! - [`of_scene`]: the chart of a user's scene.
 
 mod counted;
 pub mod measure;
+pub mod of_scene;
 pub mod problems;
 
 pub use counted::Counted;
@@ -51,7 +53,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         let yardstick = Yardstick::measure();
         let mut curves = Vec::new();
         for scheme in Scheme::ALL {
-            if scheme.suits(problem.equations.as_ref()) {
+            if scheme.suits(problem.equations[0].as_ref()) {
                 let curve = Curve::measure(problem, scheme, size, yardstick)?;
                 write_rows(&mut csv, problem, &curve);
                 curves.push(curve);
@@ -60,7 +62,16 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
             progress(done, of);
         }
         cheapest.inspect(problem, &curves);
-        panels.push(panel(problem, &curves));
+        panels.push(panel(
+            problem,
+            &curves,
+            problem.shown(),
+            [
+                "evaluations of the machine",
+                "largest error at the end",
+                "good enough",
+            ],
+        ));
     }
     let says = cheapest.says();
     let svg = render(Picture {
@@ -92,8 +103,13 @@ fn write_rows(csv: &mut String, problem: &Problem, curve: &Curve) {
     }
 }
 
-fn panel(problem: &Problem, curves: &[Curve]) -> Panel {
-    let (from, to) = problem.shown();
+/// Makes the panel of a problem with a range of errors, and the labels of cost, error, and required error.
+fn panel(
+    problem: &Problem,
+    curves: &[Curve],
+    (from, to): (f64, f64),
+    [cost, error, required]: [&str; 3],
+) -> Panel {
     let costs = curves.iter().flat_map(|curve| &curve.runs);
     let costs = costs.filter(|run| (from..=to).contains(&run.error));
     let costs = costs.map(|run| run.evaluations as f64);
@@ -112,16 +128,12 @@ fn panel(problem: &Problem, curves: &[Curve]) -> Panel {
     };
     Panel {
         title: problem.name.to_owned(),
-        x: Axis::log("evaluations of the machine", costs.0, costs.1),
-        y: Axis::log(
-            format!("largest error at the end, {}", problem.unit),
-            from,
-            to,
-        ),
+        x: Axis::log(cost, costs.0, costs.1),
+        y: Axis::log(format!("{error}, {}", problem.unit), from, to),
         lines: curves.iter().map(line).collect(),
         levels: vec![Level {
             at: At::Y(problem.required_error),
-            label: "good enough".to_owned(),
+            label: required.to_owned(),
         }],
     }
 }

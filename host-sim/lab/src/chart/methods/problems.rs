@@ -26,19 +26,19 @@ pub struct Problem {
     pub name: &'static str,
     /// Unit of the compared components.
     pub unit: &'static str,
-    /// Machine.
-    pub equations: Box<dyn Equations>,
+    /// Machine in each part of the problem. The parts have equal durations, and the time of each begins at 0.
+    pub equations: Vec<Box<dyn Equations>>,
     /// State at time 0.
     pub start: Vec<f64>,
     /// End of the problem, s.
     pub end_s: f64,
-    /// First components of the state at the end; the others are not compared.
+    /// First components of the state at the end of each part; the others are not compared.
     pub answer: Vec<f64>,
     /// Largest difference between the two references, and between either and the solution.
     pub uncertainty: f64,
     /// Error that is sufficient for the use of the machine.
     pub required_error: f64,
-    /// Number of steps: the fewest, and the number of doublings.
+    /// Number of steps of a part: the fewest, and the number of doublings.
     pub steps: (u32, u32),
     /// Default method of a scene with such a machine.
     pub default: Option<Scheme>,
@@ -138,7 +138,7 @@ fn rigid() -> Result<Problem, ChartError> {
         name: "one shaft, four steppers",
         unit: "rad",
         default: Some(default_of(&driven)?),
-        equations: Box::new(driven),
+        equations: vec![Box::new(driven)],
         start: vec![0.0, SPEED_RAD_S],
         end_s: TURN_S,
         answer: vec![6.906_729_890_485_487],
@@ -156,7 +156,7 @@ fn phased() -> Result<Problem, ChartError> {
         name: "platform on four cranks out of phase",
         unit: "rad",
         default: Some(default_of(&driven)?),
-        equations: Box::new(driven),
+        equations: vec![Box::new(driven)],
         start,
         end_s: TURN_S,
         answer: vec![
@@ -177,10 +177,10 @@ fn chain() -> Problem {
         name: "elastic chain behind a cam, linear",
         unit: "m",
         default: Some(Scheme::Exact),
-        equations: Box::new(Chain::wrapper(
+        equations: vec![Box::new(Chain::wrapper(
             Cam::wrapper(Law::Cycloid),
             Shaft::DampedToCam,
-        )),
+        ))],
         start: vec![0.0; 6],
         end_s: 0.04,
         answer: vec![
@@ -200,9 +200,9 @@ fn screen() -> Problem {
         name: "screen on springs, run-up",
         unit: "m and rad",
         default: None,
-        equations: Box::new(Screen {
+        equations: vec![Box::new(Screen {
             torque_over_rated: 1.3,
-        }),
+        })],
         start: vec![0.0; Screen::DIMENSION],
         end_s: 1.0,
         answer: vec![
@@ -224,7 +224,7 @@ fn arm() -> Problem {
         name: "five-bar arm on its balancer",
         unit: "rad",
         default: None,
-        equations: Box::new(arm),
+        equations: vec![Box::new(arm)],
         start: vec![2.4, 0.6, 0.0, 0.0],
         end_s: 1.0,
         answer: vec![5.962_243_400_055_548, 7.232_914_116_399_291],
@@ -242,7 +242,7 @@ fn crusher() -> Problem {
         name: "jaw crusher in its rock",
         unit: "rad",
         default: None,
-        equations: Box::new(crusher),
+        equations: vec![Box::new(crusher)],
         start: vec![from + 0.1, 28.0],
         end_s: 0.08,
         answer: vec![8.131_504_111_714_7],
@@ -265,7 +265,7 @@ fn oscillator() -> Problem {
         default: None,
         start: vec![1e-3, 0.0],
         answer: oscillator.exact(1.0, [1e-3, 0.0])[..1].to_vec(),
-        equations: Box::new(oscillator),
+        equations: vec![Box::new(oscillator)],
         end_s: 1.0,
         uncertainty: 2e-15,
         required_error: 1e-7,
@@ -282,7 +282,7 @@ fn stick_slip() -> Problem {
         default: None,
         start: vec![0.0; 2],
         answer: oscillator.exact(STICK_SLIP_S, [0.0; 2])[..1].to_vec(),
-        equations: Box::new(oscillator),
+        equations: vec![Box::new(oscillator)],
         end_s: STICK_SLIP_S,
         uncertainty: 1e-17,
         required_error: 1e-7,
@@ -301,7 +301,7 @@ fn andrews() -> Problem {
         name: "Andrews’ squeezing mechanism",
         unit: "rad",
         default: None,
-        equations: Box::new(Andrews),
+        equations: vec![Box::new(Andrews)],
         start,
         end_s: Andrews::END_S,
         answer: Andrews::PUBLISHED.to_vec(),
@@ -316,7 +316,7 @@ fn hires() -> Problem {
         name: "HIRES, stiff chemistry",
         unit: "a concentration",
         default: None,
-        equations: Box::new(Hires),
+        equations: vec![Box::new(Hires)],
         start: Hires::START.to_vec(),
         end_s: Hires::END,
         answer: Hires::PUBLISHED.to_vec(),

@@ -3,6 +3,7 @@
 
 mod friction;
 pub mod machines;
+pub mod of_scene;
 mod trim;
 
 use std::fmt::Write;
@@ -54,13 +55,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
         let mut lines = Vec::new();
         for scheme in Scheme::ALL {
             let edge = scheme.stability_limit(zeta);
-            let points: Vec<(f64, f64)> = (0..=POINTS)
-                .map(|i| {
-                    let part = f64::from(i) / f64::from(POINTS);
-                    let h_omega = H_OMEGA.0 * (H_OMEGA.1 / H_OMEGA.0).powf(part);
-                    (h_omega, scheme.growth(h_omega, zeta))
-                })
-                .collect();
+            let points = curve(scheme, zeta, H_OMEGA);
             for &(h_omega, growth) in &points {
                 let (measured, by_theory) = (
                     edge_label(edge),
@@ -88,13 +83,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
             } else {
                 format!("damping ratio {zeta}")
             },
-            x: Axis::log("step × frequency, rad", H_OMEGA.0, H_OMEGA.1),
-            y: Axis::log("growth a step", GROWTH.0, GROWTH.1),
-            lines,
-            levels: vec![Level {
-                at: At::Y(1.0),
-                label: "above: it grows".to_owned(),
-            }],
+            ..growth_panel(H_OMEGA, lines)
         });
     }
     panels.push(trims(&mut csv, &mut |done| {
@@ -129,6 +118,29 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
         panels,
     });
     Ok(Drawn::one(csv, svg, says))
+}
+
+/// Makes a panel of growth without its title.
+fn growth_panel((from, to): (f64, f64), lines: Vec<Line>) -> Panel {
+    Panel {
+        title: String::new(),
+        x: Axis::log("step × frequency, rad", from, to),
+        y: Axis::log("growth a step", GROWTH.0, GROWTH.1),
+        lines,
+        levels: vec![Level {
+            at: At::Y(1.0),
+            label: "above: it grows".to_owned(),
+        }],
+    }
+}
+
+/// Returns the growth of a method in a step at each step × frequency of a range.
+fn curve(scheme: Scheme, zeta: f64, (from, to): (f64, f64)) -> Vec<(f64, f64)> {
+    let h_omega = |i| from * (to / from).powf(f64::from(i) / f64::from(POINTS));
+    (0..=POINTS)
+        .map(h_omega)
+        .map(|h_omega| (h_omega, scheme.growth(h_omega, zeta)))
+        .collect()
 }
 
 /// Makes the panel of trims: the measured limit at each delay, on the line of theory.

@@ -1,5 +1,7 @@
 //! User-level tests of charts. The charts are small: they have everything that full charts have, with fewer points and shorter runs.
 
+mod of_scene;
+
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::process::Output;
@@ -309,25 +311,28 @@ fn the_documented_processor_share_matches_the_tick_counts() {
     );
 }
 
+/// Checks that the header of a chart's data lists the columns that the docs describe for the file `name`.
+fn assert_documented(name: &str, csv: &str) {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/charts.md");
+    let docs = std::fs::read_to_string(docs).unwrap();
+    let head = format!("| column of `{name}.csv` | |");
+    let (_, table) = docs
+        .split_once(&head)
+        .unwrap_or_else(|| panic!("no table for {name}"));
+    let table = table.split("\n\n").next().unwrap();
+    let cells = table.lines().filter_map(|line| line.split('|').nth(1));
+    let documented: Vec<_> = cells
+        .flat_map(|cell| cell.split('`').skip(1).step_by(2))
+        .collect();
+    let header: Vec<_> = csv.lines().next().unwrap().split(',').collect();
+    assert_eq!(documented, header, "{name}");
+}
+
 /// If this fails, a column has no description in the docs, or the docs describe a column that no longer exists.
 #[test]
 fn columns_are_those_of_the_docs() {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/charts.md");
-    let docs = std::fs::read_to_string(docs).unwrap();
     for chart in CHARTS {
-        let name = chart.name;
-        let head = format!("| column of `{name}.csv` | |");
-        let (_, table) = docs
-            .split_once(&head)
-            .unwrap_or_else(|| panic!("no table for {name}"));
-        let table = table.split("\n\n").next().unwrap();
-        let cells = table.lines().filter_map(|line| line.split('|').nth(1));
-        let documented: Vec<_> = cells
-            .flat_map(|cell| cell.split('`').skip(1).step_by(2))
-            .collect();
-        let drawn = drawn(name);
-        let header: Vec<_> = drawn.csv.lines().next().unwrap().split(',').collect();
-        assert_eq!(documented, header, "{name}");
+        assert_documented(chart.name, &drawn(chart.name).csv);
     }
 }
 
@@ -337,7 +342,7 @@ fn the_documented_decisions_match_the_measurement() {
     let folder = tempfile::tempdir().unwrap();
     let output = chart(&["decisions", "--out", folder.path().to_str().unwrap()]);
     let said = String::from_utf8(output.stdout).unwrap();
-    let docs = include_str!("../../../docs/charts.md").replace('\n', " ");
+    let docs = include_str!("../../../../docs/charts.md").replace('\n', " ");
     let said = said.lines().next().unwrap();
     assert!(docs.contains(said), "{said}");
 
@@ -390,8 +395,8 @@ fn rules_of_change_detection(csv: &str) -> BTreeMap<String, Vec<String>> {
 /// If this fails, the page on change detection states other figures than its data.
 #[test]
 fn the_documented_delays_are_those_of_the_data() {
-    let docs = include_str!("../../../docs/change-detection.md");
-    let rules = rules_of_change_detection(include_str!("../../../docs/change-detection.csv"));
+    let docs = include_str!("../../../../docs/change-detection.md");
+    let rules = rules_of_change_detection(include_str!("../../../../docs/change-detection.csv"));
     assert_eq!(rules.len(), 8);
     for (rule, cells) in rules {
         let row = format!("| {rule} | {} |", cells.join(" | "));
