@@ -1,5 +1,7 @@
 //! Input and output of every chart.
 
+use std::fmt;
+
 /// Finished chart.
 #[derive(Clone, Debug)]
 pub struct Drawn {
@@ -58,7 +60,18 @@ pub enum Size {
 /// Callback for progress: the finished part, and the whole.
 pub type Progress<'a> = &'a mut dyn FnMut(u64, u64);
 
-/// Reason why a chart could not be made.
-#[derive(Clone, Debug, thiserror::Error)]
-#[error("{0}")]
+/// Reason why a chart could not be made. It is no `Error` itself, so that every error converts to it.
+#[derive(Clone, Debug)]
 pub struct ChartError(pub String);
+
+impl fmt::Display for ChartError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl<E: std::error::Error> From<E> for ChartError {
+    fn from(error: E) -> Self {
+        Self(error.to_string())
+    }
+}

@@ -12,7 +12,7 @@ use host_sim::dynamics::{Driven, Dynamics, Rigid};
 
 use super::axis::Axis;
 use super::methods::problems;
-use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::picture::{Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
 
 /// Largest relative drift that counts as conserved.
@@ -78,14 +78,8 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         y: Axis::log("change of the mean energy, relative", SHOWN.0, SHOWN.1),
         lines,
         levels: vec![
-            Level {
-                at: At::Y(KEPT),
-                label: "below: kept".to_owned(),
-            },
-            Level {
-                at: At::Y(LOST),
-                label: "followed no further".to_owned(),
-            },
+            Level::at_y(KEPT, "below: kept"),
+            Level::at_y(LOST, "followed no further"),
         ],
     };
     let svg = render(Picture {
@@ -108,9 +102,7 @@ fn drift(
 ) -> Result<f64, ChartError> {
     let omega = TAU * TURNS_PER_S;
     let step_s = 1.0 / (TURNS_PER_S * f64::from(steps_a_turn));
-    let mut method = scheme
-        .prepare(free, step_s)
-        .map_err(|refused| ChartError(refused.to_string()))?;
+    let mut method = scheme.prepare(free, step_s)?;
     let mut state = [0.0, omega];
     let kinetic_j = 0.5 * shaft.inertia_kgm2(0.0) * omega * omega;
     let start_j = shaft.energy_j(&state[..1], &state[1..2]);

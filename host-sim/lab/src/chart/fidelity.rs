@@ -15,7 +15,7 @@ use host_sim::simulated_machine::SimulatedMachine;
 
 use super::axis::Axis;
 use super::ink::{Ink, Stroke};
-use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::picture::{Level, Line, Panel, Picture, render};
 use super::yardstick::Yardstick;
 use super::{ChartError, Drawn, Progress, Size};
 
@@ -160,10 +160,7 @@ fn scene_panel(ladder: &Ladder) -> Panel {
         // Room for the marks at the bottom.
         y: Axis::log("error, of its tolerance", 0.5 * SHOWN.0, SHOWN.1),
         lines,
-        levels: vec![Level {
-            at: At::Y(1.0),
-            label: "tolerance".to_owned(),
-        }],
+        levels: vec![Level::at_y(1.0, "tolerance")],
     }
 }
 
@@ -318,10 +315,7 @@ fn panel(ladder: &Ladder) -> Panel {
         x: Axis::log(COST, 1.0, 1000.0),
         y: Axis::log("worst error, of its tolerance", SHOWN.0, SHOWN.1),
         lines: vec![bound, found, taken],
-        levels: vec![Level {
-            at: At::Y(1.0),
-            label: "tolerance".to_owned(),
-        }],
+        levels: vec![Level::at_y(1.0, "tolerance")],
     }
 }
 

@@ -6,7 +6,7 @@
 use super::panel::{Curve, Shown, failing};
 use super::runs::run;
 use crate::chart::axis::Axis;
-use crate::chart::picture::{At, Level};
+use crate::chart::picture::Level;
 use crate::chart::{ChartError, Size};
 use host_sim::sim::Outcome;
 use host_sim::sim::events::EventKind;
@@ -178,14 +178,8 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
             Curve::level("held at its edge, µm", facts.held_um),
         ],
         levels: vec![
-            Level {
-                at: At::Y(facts.dwelling_um),
-                label: "dwelling at resonance, without a band".to_owned(),
-            },
-            Level {
-                at: At::Y(facts.held_um),
-                label: "the same request,  held at the band's edge".to_owned(),
-            },
+            Level::at_y(facts.dwelling_um, "dwelling at resonance, without a band"),
+            Level::at_y(facts.held_um, "the same request,  held at the band's edge"),
         ],
         says: format!(
             "Dwelling at its resonance moves the frame by {:.1} mm; crossed at {:.0} rev/s² it goes {:.1} mm, at {:.0} rev/s² {:.1} mm, \

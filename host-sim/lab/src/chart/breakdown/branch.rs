@@ -61,7 +61,7 @@ pub fn measure(time_ratio: f64) -> Result<Facts, ChartError> {
             swing_deg,
             folded_pressure_deg: None,
         }),
-        Err(error) => Err(ChartError(error.to_string())),
+        Err(error) => Err(error.into()),
     }
 }
 

@@ -5,11 +5,10 @@
 //! spline.
 
 use cophase_methods::problems::{Cam, Law};
-use cophase_scene::library;
 use host_sim::sim::{Moment, Observer, simulate};
 
 use super::panel::{Curve, Shown, failing, guarded, requested};
-use super::runs::check;
+use super::runs::{built_in, check};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 
@@ -28,8 +27,10 @@ pub struct Facts {
 }
 
 /// Built-in scene `electronic-cam` at the wrapper's speed. Screws of 100 mm per turn keep the step rate low.
-pub fn electronic() -> Option<String> {
-    let text = library::find("electronic-cam")?.text;
+///
+/// # Errors
+/// There is no such scene.
+pub fn electronic() -> Result<String, ChartError> {
     let changes = [
         ("screw_lead_mm = 20", "screw_lead_mm = 100"),
         ("turns = 4.2", "turns = 0.84"),
@@ -41,9 +42,7 @@ pub fn electronic() -> Option<String> {
         ("amax_g = 0.5567", "amax_g = 31.31"),
         ("hold_s = 3", "hold_s = 1"),
     ];
-    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| {
-        text.replacen(from, to, 1)
-    }))
+    built_in("electronic-cam", &changes)
 }
 
 /// Collects the last whole turn at the greatest speed.
@@ -64,10 +63,9 @@ impl Observer for LastTurn {
 }
 
 fn last_turn(text: &str) -> Result<Turn, ChartError> {
-    let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
-    let checked = check(text).map_err(|error| wrong(&error))?;
+    let checked = check(text)?;
     let mut observed = LastTurn::default();
-    simulate(&checked, &mut observed, |_, _| {}).map_err(|error| wrong(&error))?;
+    simulate(&checked, &mut observed, |_, _| {})?;
     let top_hz = observed.ticks.iter().map(|tick| tick.1).fold(0.0, f64::max);
     let fast: Vec<_> = observed
         .ticks
@@ -88,9 +86,7 @@ fn last_turn(text: &str) -> Result<Turn, ChartError> {
 /// # Errors
 /// A scene is refused.
 pub fn measure() -> Result<Facts, ChartError> {
-    let lacking = || ChartError("a built-in scene with cams is missing".to_owned());
-    let wrapper = library::find("wrapper").ok_or_else(lacking)?.text;
-    let shaft = last_turn(wrapper)?;
+    let shaft = last_turn(&built_in("wrapper", &[])?)?;
     let cam = Cam::wrapper(Law::ModifiedSine);
     let law = (0..720)
         .map(|half| f64::from(half) * 0.5)
@@ -99,7 +95,7 @@ pub fn measure() -> Result<Facts, ChartError> {
     Ok(Facts {
         law,
         shaft,
-        screw: last_turn(&electronic().ok_or_else(lacking)?)?,
+        screw: last_turn(&electronic()?)?,
     })
 }
 

@@ -9,13 +9,12 @@ use std::f64::consts::TAU;
 
 use cophase_methods::Scheme;
 use cophase_methods::problems::Screen;
-use cophase_scene::library;
 
 use super::panel::{Curve, Shown, failing, guarded, requested};
-use super::runs::{fault_s, run};
+use super::runs::{built_in, fault_s, run};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
-use crate::chart::picture::{At, Level};
+use crate::chart::picture::Level;
 
 /// Torque at which the motor is captured, over the rated torque.
 pub const CAPTURED: f64 = 1.05;
@@ -41,17 +40,12 @@ pub struct Facts {
 /// Simulates a screen from a state. It ends when a shaft that began above 60 rpm is slower than that.
 fn follow(torque_over_rated: f64, mut state: [f64; Screen::DIMENSION]) -> Result<Path, ChartError> {
     let screen = Screen { torque_over_rated };
-    let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
-    let mut method = Scheme::Rk4
-        .prepare(&screen, STEP_S)
-        .map_err(|error| wrong(&error))?;
+    let mut method = Scheme::Rk4.prepare(&screen, STEP_S)?;
     let started_rpm = state[5] * 60.0 / TAU;
     let mut path = Vec::new();
     let mut max_mm = 0.0_f64;
     for step in 1..=(END_S / STEP_S) as u32 {
-        method
-            .step(&screen, f64::from(step) * STEP_S, &mut state)
-            .map_err(|error| wrong(&error))?;
+        method.step(&screen, f64::from(step) * STEP_S, &mut state)?;
         max_mm = max_mm.max(1e3 * Screen::amplitude_m(&state));
         if step % 100 == 0 {
             let rpm = state[5] * 60.0 / TAU;
@@ -66,18 +60,13 @@ fn follow(torque_over_rated: f64, mut state: [f64; Screen::DIMENSION]) -> Result
 }
 
 /// Returns scene `screen` with motors of 100 N·m, where its resonance requires 174 N·m.
-fn weak_scene() -> Option<String> {
-    let text = library::find("screen")?.text;
-    let text = text.replacen(
-        "[screen]",
-        "fidelity = \"phased\"\n[screen]\nallow_capture = true",
-        1,
-    );
-    Some(text.replacen(
-        "limit_nm = 399, following_error_deg = 30",
-        "limit_nm = 100",
-        1,
-    ))
+fn weak_scene() -> Result<String, ChartError> {
+    let phased = "fidelity = \"phased\"\n[screen]\nallow_capture = true";
+    let strong = "limit_nm = 399, following_error_deg = 30";
+    built_in(
+        "screen",
+        &[("[screen]", phased), (strong, "limit_nm = 100")],
+    )
 }
 
 /// Runs the scenes.
@@ -85,8 +74,7 @@ fn weak_scene() -> Option<String> {
 /// # Errors
 /// A method or a scene is refused.
 pub fn measure() -> Result<Facts, ChartError> {
-    let weak = weak_scene().ok_or_else(|| ChartError("no built-in scene `screen`".to_owned()))?;
-    let outcome = run(&weak, &mut |_| {})?;
+    let outcome = run(&weak_scene()?, &mut |_| {})?;
     // The working speed, with the box opposite to the eccentric mass.
     let working = [-4.995e-3, 0.0, 0.0, 0.0, -4.995e-3 * 87.7, 87.7];
     Ok(Facts {
@@ -121,10 +109,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             Curve::new("run-up, captured, mm", failing(facts.captured.clone())),
             Curve::new("run-down, motor off, mm", requested(facts.down.clone())),
         ],
-        levels: vec![Level {
-            at: At::X(natural_rpm),
-            label: "natural speed".to_owned(),
-        }],
+        levels: vec![Level::at_x(natural_rpm, "natural speed")],
         says: format!(
             "With {CAPTURED} of its rated torque the motor is captured at {held_rpm:.0} rpm and {held_mm:.1} mm, with full torque it passes with {:.1} mm, \
              and coasting down it passes with {:.1} mm; the controller {stopped}.",

@@ -8,7 +8,7 @@ use cophase_methods::{Scheme, StepError};
 
 use super::panel::{Curve, Shown};
 use crate::chart::axis::Axis;
-use crate::chart::picture::{At, Level, Line};
+use crate::chart::picture::{Level, Line};
 use crate::chart::{ChartError, Size};
 
 const SCENE: &str = r#"
@@ -89,9 +89,7 @@ fn peak_m(
     steps: u32,
 ) -> Result<(f64, Option<StepError>), ChartError> {
     let step_s = chain.cam.cycle_s() / f64::from(steps);
-    let mut method = scheme
-        .prepare(chain, step_s)
-        .map_err(|refused| ChartError(refused.to_string()))?;
+    let mut method = scheme.prepare(chain, step_s)?;
     let mut state = [0.0; 6];
     let mut peak_m: f64 = 0.0;
     for step in 0..steps {
@@ -117,9 +115,7 @@ pub fn measure(size: Size) -> Result<Facts, ChartError> {
     };
     let mut methods = Vec::new();
     for scheme in Scheme::ALL {
-        let limit_s = scheme
-            .longest_stable_step_s(&chain, 1e-8, 1e-2)
-            .map_err(|refused| ChartError(refused.to_string()))?;
+        let limit_s = scheme.longest_stable_step_s(&chain, 1e-8, 1e-2)?;
         let mut turns = Vec::new();
         for power in (COARSEST..=finest).rev() {
             let (found_m, diverged) = peak_m(&chain, scheme, 1 << power)?;
@@ -157,10 +153,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
             Scheme::Rk4 => "RK4",
             _ => return None,
         };
-        Some(Level {
-            at: At::X(limit_s * 1e6),
-            label: label.to_owned(),
-        })
+        Some(Level::at_x(limit_s * 1e6, label))
     });
     let without = facts.methods.iter().filter(|tried| tried.limit_s.is_none());
     let coarsest = without.filter_map(|tried| Some((tried.scheme, tried.turns.last()?)));

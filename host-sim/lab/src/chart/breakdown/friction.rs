@@ -11,7 +11,7 @@ use cophase_methods::{Equations, Scheme};
 use super::panel::{Curve, Shown};
 use crate::chart::axis::Axis;
 use crate::chart::ink::{Ink, Stroke};
-use crate::chart::picture::{At, Level, Line};
+use crate::chart::picture::{Level, Line};
 use crate::chart::{ChartError, Size};
 
 /// Duration of a run, s, and the moments at which it is compared with the formula.
@@ -64,9 +64,7 @@ fn error(scheme: Scheme, treatment: Treatment, steps: u32) -> Result<f64, ChartE
         }
     };
     let step_s = END_S / f64::from(MOMENTS * steps);
-    let mut method = scheme
-        .prepare(equations, step_s)
-        .map_err(|refused| ChartError(refused.to_string()))?;
+    let mut method = scheme.prepare(equations, step_s)?;
     let mut state = [0.0; 2];
     let mut max_m: f64 = 0.0;
     for step in 0..MOMENTS * steps {
@@ -133,9 +131,11 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
             .fold(f64::INFINITY, f64::min)
     };
     let [wide, narrow] = SPEEDS_MPS;
-    let levels = SPEEDS_MPS.map(|speed_mps| Level {
-        at: At::X(limit_s(speed_mps) * 1e3),
-        label: format!("{} mm/s", speed_mps * 1e3),
+    let levels = SPEEDS_MPS.map(|speed_mps| {
+        Level::at_x(
+            limit_s(speed_mps) * 1e3,
+            format!("{} mm/s", speed_mps * 1e3),
+        )
     });
     Ok(Shown {
         key: "friction",

@@ -7,7 +7,7 @@ use super::panel::{Curve, Shown, failing, guarded};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::ink::Stroke;
-use crate::chart::picture::{At, Level, Line};
+use crate::chart::picture::{Level, Line};
 use host_sim::mechanism::Mechanism;
 use host_sim::mechanism::slider_crank::SliderCrank;
 
@@ -33,8 +33,7 @@ pub struct Facts {
 /// # Errors
 /// There is no such mechanism.
 pub fn measure(lambda: f64) -> Result<Facts, ChartError> {
-    let mechanism =
-        SliderCrank::new(0.010, 0.010 / lambda).map_err(|error| ChartError(error.to_string()))?;
+    let mechanism = SliderCrank::new(0.010, 0.010 / lambda)?;
     let worst = mechanism.two_term_error();
     Ok(Facts {
         lambda,
@@ -76,10 +75,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
         x: Axis::linear("crank angle, °", 0.0, 360.0),
         y: Axis::linear("acceleration, of R ω²", -1.5, 2.0),
         curves,
-        levels: vec![Level {
-            at: At::X(90.0),
-            label: "worst".to_owned(),
-        }],
+        levels: vec![Level::at_x(90.0, "worst")],
         says: format!(
             "Two terms are off by {:.3} % of amax at λ = 0.1 (dashed) and by {:.3} % at 0.6 (solid), both at 90°; λ outside of these is refused.",
             100.0 * ends[0].error,

@@ -8,7 +8,7 @@ use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{fault_s, first_slip_s, run, three_steppers};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
-use crate::chart::picture::{At, Level};
+use crate::chart::picture::Level;
 use host_sim::sim::Outcome;
 
 /// Design load of the motors, kg. It requires a little more than half of their torque.
@@ -91,10 +91,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             Curve::new("five-fold load, °", failing(thin(&over))),
             Curve::new("load they are sized for, °", guarded(thin(&sized))),
         ],
-        levels: vec![Level {
-            at: At::X(fault_s),
-            label: "fault: all stop".to_owned(),
-        }],
+        levels: vec![Level::at_x(fault_s, "fault: all stop")],
         says: format!(
             "Sized for {:.0} % of their torque, motors under five times the load slip, together; {:.0} ms later that is a fault; a loop \
              that takes five ticks for each ends in an overrun within {:.1} ms, its cranks {:.0}° apart.",

@@ -8,7 +8,7 @@ use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{fault_s, first_slip_s, run, three_steppers};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
-use crate::chart::picture::{At, Level};
+use crate::chart::picture::Level;
 use host_sim::sim::Outcome;
 
 /// Axis with the stiff bearing.
@@ -92,10 +92,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             Curve::new("a fifth of the others, cycles", failing(thin(&weak))),
             Curve::new("as strong as the others, cycles", guarded(thin(&strong))),
         ],
-        levels: vec![Level {
-            at: At::X(fault_s),
-            label: "fault: all stop".to_owned(),
-        }],
+        levels: vec![Level::at_x(fault_s, "fault: all stop")],
         says: format!(
             "A motor of which {:.1} times the torque that it has is required ({:.2} if it is as strong as the others) loses {} electrical cycles; the \
              drift monitor stops all cranks {:.0} ms after the first.",

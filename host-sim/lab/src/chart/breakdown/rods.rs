@@ -8,7 +8,7 @@ use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{refusal, run};
 use crate::chart::axis::Axis;
 use crate::chart::ink::{Ink, Stroke};
-use crate::chart::picture::{At, Level, Line};
+use crate::chart::picture::{Level, Line};
 use crate::chart::{ChartError, Size};
 use host_sim::sim::Outcome;
 
@@ -169,10 +169,10 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
             ),
             Curve::new("steps a tick", steps),
         ],
-        levels: vec![Level {
-            at: At::X(facts.refused_from_n_per_um),
-            label: "1 step a tick: refused".to_owned(),
-        }],
+        levels: vec![Level::at_x(
+            facts.refused_from_n_per_um,
+            "1 step a tick: refused",
+        )],
         says: format!(
             "Rods ten times stiffer raise the torque of the motor whose crank stands 1° off from {:.1} to {:.1} N·m (none off: {:.1}), \
              and the steps a tick from {} to {}; one step a tick is refused from {:.1} N/µm on.",

@@ -9,7 +9,7 @@ use super::panel::{Curve, Shown, guarded, requested};
 use super::runs::{began_s, run, speed_for_hz};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
-use crate::chart::picture::{At, Level};
+use crate::chart::picture::Level;
 use host_sim::sim::Outcome;
 use host_sim::sim::events::EventKind;
 
@@ -129,10 +129,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             ),
             Curve::new("commanded, rev/s", guarded(points(|speeds| speeds.2))),
         ],
-        levels: vec![Level {
-            at: At::X(caught_s),
-            label: "caught up".to_owned(),
-        }],
+        levels: vec![Level::at_x(caught_s, "caught up")],
         says: format!(
             "The root asks for {:.0} times the acceleration that is allowed; the shaft keeps its limit and has caught up \
              after {caught_s:.2} s.",

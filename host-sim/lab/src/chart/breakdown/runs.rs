@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use cophase_core::supervisor::State;
 use cophase_core::units::MAX_AXES;
 use cophase_scene::units::turns;
-use cophase_scene::{SceneError, load};
+use cophase_scene::{SceneError, library, load};
 use host_sim::checked::Checked;
 use host_sim::sim::events::EventKind;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
@@ -41,10 +41,24 @@ hold_s = 0.5
 
 /// Returns the scene of three steppers on a model level, with parts of its text replaced.
 pub fn three_steppers(model_level: &str, changes: &[(&str, &str)]) -> String {
-    let on_level = THREE_STEPPERS.replace("\"phased\"", &format!("\"{model_level}\""));
-    changes.iter().fold(on_level, |text, (from, to)| {
+    let on_level = [("\"phased\"", &*format!("\"{model_level}\""))];
+    changed(THREE_STEPPERS, &[&on_level, changes].concat())
+}
+
+/// Returns a built-in scene with parts of its text replaced.
+///
+/// # Errors
+/// There is no such scene.
+pub fn built_in(name: &str, changes: &[(&str, &str)]) -> Result<String, ChartError> {
+    let lacking = || ChartError(format!("no built-in scene `{name}`"));
+    let scene = library::find(name).ok_or_else(lacking)?;
+    Ok(changed(scene.text, changes))
+}
+
+fn changed(text: &str, changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(text.to_owned(), |text, (from, to)| {
         debug_assert!(text.contains(from), "{from} is not in the scene");
-        text.replace(from, to)
+        text.replacen(from, to, 1)
     })
 }
 
@@ -103,9 +117,9 @@ pub fn refusal(text: &str) -> Option<String> {
 /// # Errors
 /// The scene is refused.
 pub fn run(text: &str, see: &mut dyn FnMut(&Now)) -> Result<Outcome, ChartError> {
-    let checked = check(text).map_err(|error| ChartError(error.to_string()))?;
+    let checked = check(text)?;
     let mut eyes = Eyes(see);
-    simulate(&checked, &mut eyes, |_, _| {}).map_err(|error| ChartError(error.to_string()))
+    Ok(simulate(&checked, &mut eyes, |_, _| {})?)
 }
 
 /// Returns the time at which a motor first lost a cycle, s.

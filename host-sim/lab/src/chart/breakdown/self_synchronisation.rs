@@ -15,7 +15,7 @@ use host_sim::dynamics::plant::PlantRotors;
 use host_sim::machines::screen::{Screen, Sufficient};
 
 use super::panel::{Curve, Shown, failing, guarded};
-use super::runs::run;
+use super::runs::{built_in, run};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 
@@ -72,7 +72,6 @@ fn resultant(angles_rad: &[f64]) -> f64 {
 /// # Errors
 /// The method is refused.
 pub fn free(places_m: &[f64]) -> Result<Resultant, ChartError> {
-    let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
     let n = places_m.len();
     let on = PlantRotors::new(
         vec![ROTOR_KGM2; n],
@@ -92,9 +91,7 @@ pub fn free(places_m: &[f64]) -> Result<Resultant, ChartError> {
     let mut state = driven.at_rest(&angles);
     let positions = driven.positions();
     state[positions..positions + n].fill(OMEGA_RAD_S);
-    let mut method = Scheme::Rk4
-        .prepare(&driven, STEP_S)
-        .map_err(|error| wrong(&error))?;
+    let mut method = Scheme::Rk4.prepare(&driven, STEP_S)?;
     let mut shown = Vec::new();
     for step in 0..(END_S / STEP_S) as u32 {
         let t_s = f64::from(step) * STEP_S;
@@ -102,35 +99,26 @@ pub fn free(places_m: &[f64]) -> Result<Resultant, ChartError> {
             shown.push((t_s, resultant(&state[..n])));
         }
         // The field's angle has no effect without a position gain.
-        method
-            .step(&driven, t_s, &mut state)
-            .map_err(|error| wrong(&error))?;
+        method.step(&driven, t_s, &mut state)?;
     }
     Ok(shown)
 }
 
 /// Returns scene `screen` with shafts at these positions, whose friction differs, held for the time that is shown.
-fn scene(places_m: &[f64]) -> Option<String> {
-    let text = library::find("screen")?.text;
+fn scene(places_m: &[f64]) -> Result<String, ChartError> {
     let n = places_m.len();
     let places: Vec<String> = places_m.iter().map(|m| format!("{:.0}", 1e3 * m)).collect();
+    let shafts = format!("shafts_mm = [{}]", places.join(", "));
+    let stiff = "[[axis]]\nnumber = 1\nfriction_nm = 60\n\n[[program]]";
     let changes = [
-        ("[screen]", "fidelity = \"phased\"\n[screen]".to_owned()),
-        (
-            "shafts_mm = [-600, 600]",
-            format!("shafts_mm = [{}]", places.join(", ")),
-        ),
-        ("block_kg = 83", format!("block_kg = {}", 166.0 / n as f64)),
-        ("count = 2", format!("count = {n}")),
-        ("hold_s = 1", format!("hold_s = {END_S}")),
-        (
-            "[[program]]",
-            "[[axis]]\nnumber = 1\nfriction_nm = 60\n\n[[program]]".to_owned(),
-        ),
+        ("[screen]", "fidelity = \"phased\"\n[screen]"),
+        ("shafts_mm = [-600, 600]", &shafts),
+        ("block_kg = 83", &format!("block_kg = {}", 166.0 / n as f64)),
+        ("count = 2", &format!("count = {n}")),
+        ("hold_s = 1", &format!("hold_s = {END_S}")),
+        ("[[program]]", stiff),
     ];
-    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| {
-        text.replacen(from, to, 1)
-    }))
+    built_in("screen", &changes)
 }
 
 /// Runs shafts with the controller, from the time at which they have their working speed.
@@ -138,8 +126,7 @@ fn scene(places_m: &[f64]) -> Option<String> {
 /// # Errors
 /// The scene is refused.
 pub fn forced(places_m: &[f64]) -> Result<Resultant, ChartError> {
-    let lacking = || ChartError("no built-in scene `screen`".to_owned());
-    let text = scene(places_m).ok_or_else(lacking)?;
+    let text = scene(places_m)?;
     let mut shown = Resultant::new();
     let mut from_s = None;
     run(&text, &mut |now| {

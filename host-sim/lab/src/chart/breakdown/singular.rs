@@ -4,13 +4,11 @@
 //! tables do not follow the path, and the drives do not follow the tables. Guard: a scene whose path comes within its margin is
 //! refused, with the point of the path.
 
-use cophase_scene::library;
-
 use super::panel::{Curve, Shown, failing, requested};
-use super::runs::{check, refusal, run};
+use super::runs::{built_in, check, refusal, run};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
-use crate::chart::picture::{At, Level};
+use crate::chart::picture::Level;
 
 /// Reach of the arm: links 1 and 4 in line, mm.
 pub const REACH_MM: f64 = 500.0;
@@ -31,21 +29,19 @@ pub struct Facts {
 }
 
 /// Returns scene `five-bar` without a surface, with its line at y = 300 mm extended to a distance from the axis, and with a margin.
-pub fn scene(end_mm: f64, margin: f64) -> Option<String> {
-    let text = library::find("five-bar")?.text;
+///
+/// # Errors
+/// There is no such scene.
+pub fn scene(end_mm: f64, margin: f64) -> Result<String, ChartError> {
     let x_mm = (end_mm * end_mm - 300.0 * 300.0).sqrt();
+    let line = format!("[[0, 300], [{x_mm}, 300]]");
     let changes = [
-        ("contact = { force_n = 5 }", format!("margin = {margin}")),
-        (
-            "[[0, 300], [200, 300]]",
-            format!("[[0, 300], [{x_mm}, 300]]"),
-        ),
-        ("[five_bar]", "fidelity = \"phased\"\n[five_bar]".to_owned()),
-        ("hold_s = 40", "hold_s = 45".to_owned()),
+        ("contact = { force_n = 5 }", &*format!("margin = {margin}")),
+        ("[[0, 300], [200, 300]]", &line),
+        ("[five_bar]", "fidelity = \"phased\"\n[five_bar]"),
+        ("hold_s = 40", "hold_s = 45"),
     ];
-    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| {
-        text.replacen(from, to, 1)
-    }))
+    built_in("five-bar", &changes)
 }
 
 /// Runs a path with almost no margin.
@@ -53,9 +49,8 @@ pub fn scene(end_mm: f64, margin: f64) -> Option<String> {
 /// # Errors
 /// The scene is refused.
 pub fn measure(end_mm: f64) -> Result<Facts, ChartError> {
-    let lacking = || ChartError("no built-in scene `five-bar`".to_owned());
-    let text = scene(end_mm, 0.001).ok_or_else(lacking)?;
-    check(&text).map_err(|error| ChartError(error.to_string()))?;
+    let text = scene(end_mm, 0.001)?;
+    check(&text)?;
     let outcome = run(&text, &mut |_| {})?;
     let figures = &outcome.record.figures.machine_figures;
     let figure = |key: &str| {
@@ -86,9 +81,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     };
     let refused_mm = margin_mm(MARGIN);
     let (first, last) = (facts[0], facts[facts.len() - 1]);
-    let is_refused = scene(last.end_mm, MARGIN)
-        .and_then(|text| refusal(&text))
-        .is_some();
+    let is_refused = refusal(&scene(last.end_mm, MARGIN)?).is_some();
     Ok(Shown {
         key: "singular",
         title: "Singular configuration: a five-bar arm at the edge of its reach".to_owned(),
@@ -104,10 +97,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
                 requested(curve(|facts| facts.place_mm)),
             ),
         ],
-        levels: vec![Level {
-            at: At::X(refused_mm),
-            label: "refused".to_owned(),
-        }],
+        levels: vec![Level::at_x(refused_mm, "refused")],
         says: format!(
             "A path that ends {:.1} instead of {:.0} mm before the edge of the reach leaves the commanded hand {:.3} instead of {:.4} mm beside it; with the default margin \
              the scene {} from {refused_mm:.1} mm on.",

@@ -5,13 +5,11 @@
 
 use std::f64::consts::TAU;
 
-use cophase_scene::library;
-
 use super::panel::{Curve, Shown, failing, guarded, requested};
-use super::runs::{check, fault_s, run};
+use super::runs::{built_in, check, fault_s, run};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
-use crate::chart::picture::{At, Level};
+use crate::chart::picture::Level;
 
 /// Peak force of the rock that the crusher of the scene breaks, and of rock that it does not, kN.
 pub const BROKEN_KN: f64 = 1310.0;
@@ -33,9 +31,12 @@ pub struct Facts {
 }
 
 /// Scene `jaw-crusher` with rock of a peak force, kN.
-pub fn scene(rock_kn: f64) -> Option<String> {
-    let text = library::find("jaw-crusher")?.text;
-    Some(text.replacen("rock_kn = 1310", &format!("rock_kn = {rock_kn}"), 1))
+///
+/// # Errors
+/// There is no such scene.
+pub fn scene(rock_kn: f64) -> Result<String, ChartError> {
+    let rock = format!("rock_kn = {rock_kn}");
+    built_in("jaw-crusher", &[("rock_kn = 1310", &rock)])
 }
 
 /// Runs the scene with rock of a peak force.
@@ -43,9 +44,8 @@ pub fn scene(rock_kn: f64) -> Option<String> {
 /// # Errors
 /// The scene is refused.
 pub fn measure(rock_kn: f64) -> Result<Facts, ChartError> {
-    let text =
-        scene(rock_kn).ok_or_else(|| ChartError("no built-in scene `jaw-crusher`".to_owned()))?;
-    let checked = check(&text).map_err(|error| ChartError(error.to_string()))?;
+    let text = scene(rock_kn)?;
+    let checked = check(&text)?;
     let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
     let (mut actual, mut commanded) = (Speeds::new(), Speeds::new());
     let mut before = 0.0;
@@ -104,10 +104,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
                 requested(thin(&holding.commanded)),
             ),
         ],
-        levels: vec![Level {
-            at: At::X(stopped_s),
-            label: "fault: stop".to_owned(),
-        }],
+        levels: vec![Level::at_x(stopped_s, "fault: stop")],
         says: format!(
             "With {BROKEN_KN} kN of rock the flywheel keeps the shaft above {:.1} rad/s, and with {HOLDING_KN} kN the rock takes more than the motor has on \
              average: the controller stops at {stopped_s:.2} s, and the shaft stands {:.0} ms later.",

@@ -21,7 +21,7 @@ use rules::Rule;
 
 use super::axis::Axis;
 use super::ink::{Ink, Stroke};
-use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::picture::{Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
 
 /// Turns of an axis in a year of 365.25 days at 60 rev/s.
@@ -271,10 +271,10 @@ fn panel(all: &[Measured], change: Change, noise: Noise) -> Panel {
             }
         }
     }
-    let level = Level {
-        at: At::Y(0.6),
-        label: format!("not detected by the monitor's {}", undetected.join(" and ")),
-    };
+    let level = Level::at_y(
+        0.6,
+        format!("not detected by the monitor's {}", undetected.join(" and ")),
+    );
     Panel {
         title: format!("{}, errors {}", change.title(), noise.name()),
         x: Axis::log(

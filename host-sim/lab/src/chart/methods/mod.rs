@@ -16,7 +16,7 @@ use std::fmt::Write;
 use cophase_methods::Scheme;
 
 use super::axis::Axis;
-use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::picture::{Level, Line, Panel, Picture, render};
 use super::yardstick::Yardstick;
 use super::{ChartError, Drawn, Progress, Size};
 use measure::Curve;
@@ -131,10 +131,7 @@ fn panel(
         x: Axis::log(cost, costs.0, costs.1),
         y: Axis::log(format!("{error}, {}", problem.unit), from, to),
         lines: curves.iter().map(line).collect(),
-        levels: vec![Level {
-            at: At::Y(problem.required_error),
-            label: required.to_owned(),
-        }],
+        levels: vec![Level::at_y(problem.required_error, required)],
     }
 }
 

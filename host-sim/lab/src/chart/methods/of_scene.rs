@@ -20,7 +20,7 @@ use super::problems::Problem;
 use super::{UNCERTAINTY_MARGIN, panel};
 use crate::chart::ink::{Ink, Stroke};
 use crate::chart::integrated::{Integrated, chain_of};
-use crate::chart::picture::{At, Level, Line, Picture, render};
+use crate::chart::picture::{Level, Line, Picture, render};
 use crate::chart::yardstick::Yardstick;
 use crate::chart::{ChartError, Drawn, Progress, Size};
 
@@ -98,10 +98,7 @@ pub fn draw(checked: &Checked, size: Size, progress: Progress) -> Result<Drawn, 
             vec![(own.evaluations as f64, own_error)],
         )
     });
-    panel.levels.push(Level {
-        at: At::Y(resolved),
-        label: "10 × uncertainty".to_owned(),
-    });
+    panel.levels.push(Level::at_y(resolved, "10 × uncertainty"));
     let svg = render(Picture {
         title: format!(
             "{}: error of each method against its cost",

@@ -78,9 +78,7 @@ const APART_RAD: [f64; 4] = [0.0, 0.02, -0.01, 0.015];
 /// Never: the numbers are constants.
 pub fn body() -> Result<Body, ChartError> {
     Ok(Body {
-        mechanism: SliderCrank::new(0.01, 0.04)
-            .map_err(|error| ChartError(error.to_string()))?
-            .into(),
+        mechanism: SliderCrank::new(0.01, 0.04)?.into(),
         load: Load {
             mass_kg: 8.0,
             gravity_mps2: 9.806_65,
@@ -99,8 +97,7 @@ pub fn body() -> Result<Body, ChartError> {
 /// # Errors
 /// Never: the numbers are constants.
 pub fn motors() -> Result<Vec<Motor>, ChartError> {
-    let pull_out = PullOut::new(&[(0.0, TORQUE_NM), (600.0, TORQUE_NM)])
-        .map_err(|error| ChartError(error.to_string()))?;
+    let pull_out = PullOut::new(&[(0.0, TORQUE_NM), (600.0, TORQUE_NM)])?;
     let motor = Motor::Stepper(Stepper {
         pull_out,
         cycles_per_turn: 50.0,

@@ -90,6 +90,26 @@ pub struct Level {
     pub label: String,
 }
 
+impl Level {
+    /// Marks a value of the horizontal axis.
+    pub fn at_x(value: f64, label: impl Into<String>) -> Self {
+        let label = label.into();
+        Self {
+            at: At::X(value),
+            label,
+        }
+    }
+
+    /// Marks a value of the vertical axis.
+    pub fn at_y(value: f64, label: impl Into<String>) -> Self {
+        let label = label.into();
+        Self {
+            at: At::Y(value),
+            label,
+        }
+    }
+}
+
 /// Value on one of the axes.
 #[derive(Clone, Copy, Debug)]
 pub enum At {

@@ -111,9 +111,7 @@ fn smoothed(scheme: Scheme, zeta: f64) -> Result<f64, ChartError> {
         speed_mps: oscillator.friction / (2.0 * zeta * oscillator.omega_rad_s),
     };
     let at_rest = Linearised::new("mass", &smoothed, &[0.0; 2], &[0, 1]);
-    let limit_s = scheme
-        .longest_stable_step_s(&at_rest, STEPS_S.0, STEPS_S.1)
-        .map_err(|refused| ChartError(refused.to_string()))?;
+    let limit_s = scheme.longest_stable_step_s(&at_rest, STEPS_S.0, STEPS_S.1)?;
     Ok(limit_s.unwrap_or(f64::INFINITY) * oscillator.omega_rad_s)
 }
 
@@ -124,9 +122,7 @@ fn contacts(scheme: Scheme) -> Result<f64, ChartError> {
     let start_m = START * oscillator.friction / oscillator.omega_rad_s.powi(2);
     let grows = |h_omega: f64| -> Result<bool, ChartError> {
         let step_s = h_omega / oscillator.omega_rad_s;
-        let mut method = scheme
-            .prepare(&oscillator, step_s)
-            .map_err(|refused| ChartError(refused.to_string()))?;
+        let mut method = scheme.prepare(&oscillator, step_s)?;
         let mut y = [start_m, 0.0];
         for step in 0..STEPS {
             let failed = method

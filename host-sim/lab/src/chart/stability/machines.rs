@@ -106,9 +106,7 @@ pub(super) fn panel(csv: &mut String) -> Result<Panel, ChartError> {
     ] {
         let mut points = Vec::new();
         for machine in &machines {
-            let limit = scheme
-                .longest_stable_step_s(machine, STEPS_S.0, STEPS_S.1)
-                .map_err(|refused| ChartError(refused.to_string()))?;
+            let limit = scheme.longest_stable_step_s(machine, STEPS_S.0, STEPS_S.1)?;
             let Some(limit_s) = limit else {
                 continue;
             };

@@ -12,7 +12,7 @@ use cophase_methods::Scheme;
 
 use super::axis::Axis;
 use super::ink::{Ink, Stroke};
-use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::picture::{Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
 
 /// Damping ratios of the two panels.
@@ -127,10 +127,7 @@ fn growth_panel((from, to): (f64, f64), lines: Vec<Line>) -> Panel {
         x: Axis::log("step × frequency, rad", from, to),
         y: Axis::log("growth a step", GROWTH.0, GROWTH.1),
         lines,
-        levels: vec![Level {
-            at: At::Y(1.0),
-            label: "above: it grows".to_owned(),
-        }],
+        levels: vec![Level::at_y(1.0, "above: it grows")],
     }
 }
 

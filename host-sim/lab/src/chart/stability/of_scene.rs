@@ -11,7 +11,7 @@ use super::machines::STEPS_S;
 use super::{H_OMEGA, curve, growth_panel};
 use crate::chart::ink::{Ink, Stroke};
 use crate::chart::integrated::Integrated;
-use crate::chart::picture::{At, Level, Line, Panel, Picture, render};
+use crate::chart::picture::{Level, Line, Panel, Picture, render};
 use crate::chart::{Drawn, Progress, Size};
 
 /// Method, and its longest stable step on a scene.
@@ -95,10 +95,7 @@ fn panel(
     }
     let what = if place == 0 { "fastest mode" } else { "mode" };
     let mut panel = growth_panel(range, lines);
-    panel.levels.push(Level {
-        at: At::X(own),
-        label: "the scene’s step".to_owned(),
-    });
+    panel.levels.push(Level::at_x(own, "the scene’s step"));
     Panel {
         title: format!(
             "{what}: {} rad/s, damping ratio {:.3}",

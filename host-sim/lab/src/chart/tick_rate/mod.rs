@@ -17,7 +17,7 @@ use host_sim::sim::simulate;
 
 use super::axis::Axis;
 use super::ink::{Ink, Stroke};
-use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::picture::{Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
 use ramp::{ProgramLevels, Ramp};
 
@@ -144,10 +144,7 @@ fn panels(runs: &[Vec<Run>], cycles: &[Cycles; 2], rates: &[u32]) -> Vec<Panel> 
         x: Axis::log("control ticks a second, Hz", 450.0, 11_000.0),
         y,
         lines,
-        levels: vec![Level {
-            at: At::X(f64::from(DEFAULT_HZ)),
-            label: "default".to_owned(),
-        }],
+        levels: vec![Level::at_x(f64::from(DEFAULT_HZ), "default")],
     };
     let lines = |of: fn(&Run) -> f64| {
         let line = |((name, ink), runs): (&(&str, Ink), &Vec<Run>)| {
