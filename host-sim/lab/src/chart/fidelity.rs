@@ -58,7 +58,8 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let mut ladders = Vec::new();
     for (done, scene) in scenes.iter().enumerate() {
         progress(done as u64, scenes.len() as u64);
-        let ladder = Checked::new(scene.scene()).and_then(|checked| climb(checked, yardstick));
+        let ladder = Checked::new(scene.scene())
+            .and_then(|checked| climb(checked, yardstick, &mut |_, _| {}));
         let ladder = ladder.map_err(|error| ChartError(error.in_file(scene.name).to_string()))?;
         ladders.push(ladder);
     }
@@ -77,18 +78,23 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
 ///
 /// # Errors
 /// The scene requests no output, or lacks data for it.
-pub fn draw_scene(checked: &Checked, _: Size, _: Progress) -> Result<Drawn, SceneError> {
+pub fn draw_scene(checked: &Checked, _: Size, progress: Progress) -> Result<Drawn, SceneError> {
     let set = checked.scene.fidelity;
     let mut open = checked.scene.clone();
     open.fidelity = Fidelity::Auto;
-    let ladder = climb(Checked::new(open)?, Yardstick::measure())?;
-    if ladder.model_levels[0].judged.is_empty() {
+    let open = Checked::new(open)?;
+    let questions = questions(&open);
+    if Output::ALL
+        .iter()
+        .all(|output| output.tolerance(&questions).is_none())
+    {
         return Err(SceneError::for_key(
             "questions",
             "the scene requests no output whose error could be compared with its tolerance; give one, such as \
              questions.lag_deg = 1",
         ));
     }
+    let ladder = climb(open, Yardstick::measure(), progress)?;
     let says = scene_says(&ladder, set);
     let svg = render(Picture {
         title: format!("{}: error against cost of its model levels", ladder.name),
@@ -205,7 +211,7 @@ fn scene_says(ladder: &Ladder, set: Fidelity) -> String {
 }
 
 /// Runs a scene's sample on each model level it has.
-fn climb(checked: Checked, yardstick: Yardstick) -> Result<Ladder, SceneError> {
+fn climb(checked: Checked, yardstick: Yardstick, progress: Progress) -> Result<Ladder, SceneError> {
     let questions = questions(&checked);
     // Bounds hold for an undisturbed machine.
     let is_disturbed = !checked.scene.fault.is_empty();
@@ -214,7 +220,9 @@ fn climb(checked: Checked, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     let top = fidelities.last().copied().unwrap_or(Fidelity::Auto);
     let right = answers(&checked, top)?;
     let mut model_levels = Vec::new();
-    for fidelity in fidelities {
+    let of = fidelities.len() as u64 + 1;
+    for (done, fidelity) in (1..).zip(fidelities) {
+        progress(done, of);
         let began = Instant::now();
         let found = answers(&checked, fidelity)?;
         let timing = yardstick.sines(began.elapsed());
