@@ -20,8 +20,10 @@ pub struct ColumnDifference {
     pub beyond: usize,
     /// Difference of the largest magnitude. `None` for words; infinite if only one of the values is a
     /// number.
+    #[serde(rename = "largest")]
     pub max: Option<f64>,
     /// Time of that difference, s.
+    #[serde(rename = "largest_at_s")]
     pub max_at_s: Option<f64>,
     /// Root mean square of the differences. `None` for words.
     pub rms: Option<f64>,

@@ -38,6 +38,7 @@ pub struct WireDifference {
     /// Edges of the second run alone.
     pub only_second: usize,
     /// Largest shift of an edge that both have, second less first, ns.
+    #[serde(rename = "largest_shift_ns")]
     pub max_shift_ns: i64,
     /// Time of the first edge that differs, s. If the levels at the start of the window differ, it is that start.
     pub differs_at_s: Option<f64>,
