@@ -1,5 +1,4 @@
-//! State of the drives after a fault, by stop category of IEC 60204-1: they hold (2), or are cut at rest (1). For category 0,
-//! which disables them at once, see `enable.rs`.
+//! State of the drives after a fault, by stop category of IEC 60204-1: they hold (2), are cut at rest (1), or are disabled at once (0).
 //!
 //! The machines are on the phased level, where a platform without drives falls.
 
@@ -186,6 +185,21 @@ fn category_1_cuts_the_drives_once_all_stand() {
         assert!(stopping.iter().all(|tick| tick.drives || tick.speed == 0));
         assert!(stopping.iter().filter(|tick| tick.drives).count() > 100);
         assert!(cut.says("then the drives were switched off"));
+    }
+}
+
+/// If this fails, the drives stay on during a stop, and the axis that runs away turns against the others.
+#[test]
+fn category_0_disables_the_drives_in_the_same_tick() {
+    for axes in DRIVES {
+        let lost = run(axes, &fault("enable-loss", AT_S, ""));
+        assert_eq!(lost.kind(), FaultKind::EnableLost);
+        assert!(lost.stopping().is_empty(), "nothing is stopped first");
+        for tick in &lost.ticks {
+            let on = tick.t_s > 0.001 && tick.t_s < AT_S - 1e-9;
+            assert!(!on || tick.drives, "{tick:?}");
+            assert!(tick.t_s < AT_S - 1e-9 || !tick.drives, "{tick:?}");
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-"""Step words, by their documentation: firmware/core/src/pulse/run.rs. Nothing of the firmware is used here.
+"""Step words, by their documentation: firmware/motion/src/pulse/run.rs. Nothing of the firmware is used here.
 
 Bits 0 to 12 are the number of edges; 0 is a pause. Bits 13 to 30 are cycles - 8: between edges, or of the pause. Bit 31
 is DIR, which only a pause takes up, 8 cycles after it begins.

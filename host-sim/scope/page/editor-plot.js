@@ -238,7 +238,7 @@ function timeAxis(end_s, x, right) {
   return [...marks, label((LEFT + right) / 2, AXIS_TOP + 30, 'time since power-up, s', 'pe-title', 'middle')];
 }
 
-/** Returns about `count` round numbers from 0 to `most`. */
+/** Returns about `count` round numbers from 0 to `max`. */
 function ticks(max, count) {
   const raw = max / count;
   const power = 10 ** Math.floor(Math.log10(raw));

@@ -257,7 +257,7 @@ function place(plot, value) {
 const NEAR = 1 / 3;
 
 /**
- * Returns the range of the scale: all values with some room, at least ±`least`, wide enough to keep noise small, and the edges of
+ * Returns the range of the scale: all values with some room, at least ±`min`, wide enough to keep noise small, and the edges of
  * limits and bands that are near.
  */
 function range(min, max, { min: side = 0, marks }) {

@@ -29,7 +29,7 @@ export class Outcome {
     this.figures.push({ name, value: Number(value.toPrecision(6)), better, inDocs });
   }
 
-  /** A figure with a goal: at most `most`. If the goal is `enforced`, the scenario fails when it is missed. */
+  /** A figure with a goal: at most `max`. If the goal is `enforced`, the scenario fails when it is missed. */
   goal(name, value, { max, enforced }) {
     // An enforced goal is its bound. A few cycles more or less within it are those of a build.
     this.figure(name, value, enforced ? 'neither' : 'lower');

@@ -11,7 +11,7 @@ import { Follow, inProportion, missed } from './follow.mjs';
 const FREEZES = 60;
 const LONGEST = 3.3;
 
-/** More missed deadlines in a row are a fault (firmware/core/src/controller/punctuality.rs). */
+/** More missed deadlines in a row are a fault (firmware/core/src/controller/deadline_monitor.rs). */
 const MAX_MISSED = 2;
 
 /** Time until all is logged, and time until a stopping machine is at rest. */

@@ -29,10 +29,9 @@ mod tables;
 use cophase_scene::{SceneError, load};
 use host_sim::checked::Checked;
 
-use source::Source;
-
 pub use basis::Kinds;
 pub use random_scene::{RandomScene, TABLE_FILE};
+pub use source::Source;
 pub use steady::steady;
 
 /// Draws a scene of any kind.

@@ -10,6 +10,7 @@ pub struct Source(ChaCha8Rng);
 const AT_AN_END: u32 = 3;
 
 impl Source {
+    /// Begins the stream of a seed.
     pub fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }

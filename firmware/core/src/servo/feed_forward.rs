@@ -124,7 +124,7 @@ impl FeedForward {
         let speed = (speed.to_bits() >> self.speed_shift) as i32;
         let acceleration = (acceleration.to_bits() >> self.acceleration_shift) as i32;
         let speed_squared = multiply_q30(speed, speed);
-        // The sum and each part are below MOST_NM, which is below 2^31.
+        // The sum and each part are below MAX_NM, which is below 2^31.
         let force = multiply_q30(self.centripetal, multiply_q30(h, speed_squared))
             + multiply_q30(self.tangential, multiply_q30(s, acceleration))
             + self.gravity;

@@ -45,8 +45,12 @@ fn scene_file(scene: &str, text: &str, by: &str) -> (tempfile::TempDir, String) 
 
 /// Returns the message with which a chart of a scene is refused.
 fn refused(name: &str, scene: &str) -> String {
-    let output = chart(&[name, scene, "--size", "small", "--out", "/nowhere"]);
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path().join("charts");
+    let out = folder.to_str().unwrap();
+    let output = chart(&[name, scene, "--size", "small", "--out", out]);
     assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(!folder.exists(), "nothing is written");
     assert!(output.stdout.is_empty());
     String::from_utf8(output.stderr).unwrap()
 }

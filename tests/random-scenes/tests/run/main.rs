@@ -13,6 +13,7 @@
 mod at_the_crank;
 mod command;
 mod files;
+mod numbers;
 mod refusal;
 
 use std::any::Any;

@@ -35,7 +35,8 @@ const SUFFICIENT: u32 = 512;
 const MAX_REFERENCE_STEPS: u32 = 500_000;
 /// Number of the references' steps to that of the finest measured steps.
 const FINER: u32 = 4;
-/// Methods that may compute the reference: the first gives the answer, and the second its uncertainty. A method that diverges is left out.
+/// Methods that may compute the reference: the first gives the answer, and the second its uncertainty, with steps of another length. A method
+/// that diverges is left out.
 const REFERENCES: [Scheme; 3] = [Scheme::Rk4, Scheme::Sdirk4, Scheme::ImplicitMidpoint];
 
 /// Makes the chart of a scene.
@@ -66,7 +67,7 @@ pub fn draw(checked: &Checked, size: Size, progress: Progress) -> Result<Drawn, 
         ));
     }
     let own_error = own.error.max(resolved);
-    let target = Target::new(&scene, own_error);
+    let target = Target::new(&scene, own_error, own.error >= resolved);
     problem.required_error = target.error;
     let mut curves = Vec::new();
     for (done, &scheme) in schemes.iter().enumerate() {
@@ -122,8 +123,8 @@ struct Target {
 
 impl Target {
     /// Returns the part of the tightest tolerance of the shafts' angles that a run allows the step, or the scene's own error if that is
-    /// larger, or if the scene has no such tolerance.
-    fn new(scene: &Integrated, own_error: f64) -> Self {
+    /// larger, or if the scene has no such tolerance. An error that the reference does not resolve is only known to be smaller.
+    fn new(scene: &Integrated, own_error: f64, is_resolved: bool) -> Self {
         let questions = scene.checked.scene.questions;
         let tolerances = [Output::Lag, Output::Spread].map(|output| output.tolerance(&questions));
         let tightest_deg = tolerances.into_iter().flatten().min_by(f64::total_cmp);
@@ -137,7 +138,11 @@ impl Target {
             _ => Self {
                 error: own_error,
                 label: "as accurate as the scene",
-                words: "as small an error".to_owned(),
+                words: if is_resolved {
+                    "as small an error".to_owned()
+                } else {
+                    format!("an error below {own_error:.1e} {}", scene.unit)
+                },
             },
         }
     }
@@ -294,15 +299,18 @@ fn solve(scene: &Integrated, problem: &mut Problem) -> Result<[Scheme; 2], Chart
     let [.., finest] = steps(scene);
     let mut found = Vec::new();
     for scheme in REFERENCES {
-        if found.len() < 2
-            && let Some(trajectory) = problem.trajectory(scheme, finest, scene.compared)?
-        {
+        let steps = match found.len() {
+            0 => finest,
+            1 => finest / FINER * (FINER - 1),
+            _ => break,
+        };
+        if let Some(trajectory) = problem.trajectory(scheme, steps, scene.compared)? {
             found.push((scheme, trajectory));
         }
     }
     let Ok([(one, answer), (other, check)]) = <[_; 2]>::try_from(found) else {
         return Err(ChartError(
-            "no two methods follow this scene with fine steps, so that it has no reference; remove what makes it diverge".to_owned(),
+            "no two methods follow this scene with fine steps, so that there is no reference; raise control.tick_hz, of whose tick a step is a part, or let fidelity be another level".to_owned(),
         ));
     };
     let off = answer.iter().zip(&check).map(|(a, b)| (a - b).abs());
