@@ -1,6 +1,6 @@
 //! Tests that cross crates, a module for each behaviour, machine or file: `cargo test -p cophase-tests homing` runs the tests of one.
 
-/// What a user sees a machine do, a noun for each behaviour.
+/// Behaviours that a user sees of a machine, a noun for each.
 ///
 /// Seek, jog, override and the immediate stop have their tests beside the code, in `firmware/core/src/controller/tests/`, and with a host
 /// in `host-sim/command/tests/link.rs`.
@@ -91,7 +91,7 @@ mod files {
     mod bytes;
     /// Functions that `docs/code-walk.md` names.
     mod code_walk;
-    /// What report and summary state about the end of a run.
+    /// End of a run, in report and summary.
     mod ending;
     /// Pictures of the operating range.
     mod operating_range;

@@ -14,7 +14,7 @@ axes = { rotor_inertia_kgm2 = 5e-4, friction_nm = 4, damping_nms = 0.2, pull_out
         .program([(2.0, 0.2, 0.1)])
 }
 
-/// What machines of random scenes have in common.
+/// Machine that all random scenes share.
 fn random() -> SceneBuilder {
     bench_scene().with(
         r#"

@@ -129,7 +129,7 @@ impl SceneBuilder {
         }
     }
 
-    /// What a user reads of a scene that is refused. See [`SceneBuilder::refusal`].
+    /// Returns the message with which the scene is refused. See [`SceneBuilder::refusal`].
     pub fn refused(&self) -> String {
         self.refusal().to_string()
     }

@@ -8,9 +8,9 @@
 //! rate; averaged over a round it stays within its rate. All axes of a part reach their targets in the same round. After every
 //! round each is at most a slot's steps behind the straight line to its target.
 //!
-//! **Two moves at once.** An axis moves by the user's part first. If that takes a slot of the controller's part, or its room, the controller's
-//! part waits with all its axes, so that they stay together on their line. The user's part waits axis by axis: its axes are independent, and
-//! two parts that wait as a whole may wait for each other.
+//! **Two moves at once.** An axis moves by the user's part first. After a round in which that part moved, or took the room of the controller's,
+//! the controller's part waits with all its axes, so that they stay together on their line. The user's part waits axis by axis: its axes are
+//! independent, and two parts that wait as a whole may wait for each other.
 
 mod correction;
 mod lane;

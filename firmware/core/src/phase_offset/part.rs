@@ -15,7 +15,7 @@ pub(super) struct Part {
     pub(super) rounds_left: u32,
     pub(super) per_round: Option<Divisor>,
     pub(super) is_moving: bool,
-    /// An axis did not get its slot in this round, or no room within its limit.
+    /// In this round the user's part moved, or an axis had no room within its limit. Only the controller's part then waits.
     pub(super) waits: bool,
 }
 

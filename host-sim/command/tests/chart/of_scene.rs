@@ -124,9 +124,9 @@ fn the_method_chart_of_a_scene_marks_its_own_method_and_step() {
     }
 }
 
-/// If this fails, the chart states another limit than the one by which a run refuses a step.
+/// If this fails, the chart states another limit than the one by which a scene with such a step is refused.
 #[test]
-fn a_run_refuses_a_step_beyond_the_longest_stable_step_of_the_chart() {
+fn a_step_beyond_the_longest_stable_step_of_the_chart_is_refused() {
     for (scene, scheme, key) in [
         ("default", "velocity Verlet", "velocity-verlet"),
         ("wrapper", "RK4", "rk4"),
